@@ -27,13 +27,18 @@ FREE = 0.4
 """Free space around a person, and around the robot before a landmark, in metres."""
 
 
+Mark = Doorway | Landmark
+"""An entry with tags."""
+
+
 def check_map(map: Map) -> None:
     """Validate a map; raise MapError with the first fault."""
-    _check_names(map)
+    marks: list[Mark] = [*map.doorway, *map.landmark]
+    _check_names(map, marks)
     _check_spaces(map)
-    for mark in (*map.doorway, *map.landmark):
+    for mark in marks:
         _check_codes(mark)
-    _check_tags(map)
+    _check_tags(marks)
     for doorway in map.doorway:
         if doorway.apart < doorway.width:
             raise MapError(
@@ -41,24 +46,25 @@ def check_map(map: Map) -> None:
                 f"{doorway.width}, not `{doorway.apart}`"
             )
     hung = signs(map)
-    marks = {mark.name: mark for mark in (*map.doorway, *map.landmark)}
+    by_name = {mark.name: mark for mark in marks}
     for sign in hung:
-        _check_place(marks[sign.landmark], sign, map.named_space(sign.space))
-    _check_shared_walls(marks, hung)
+        _check_place(by_name[sign.landmark], sign, map.named_space(sign.space))
+    _check_shared_walls(by_name, hung)
     _check_obstacles(map, hung)
     _check_ways(map)
 
 
-def _named(entry: Space | Doorway | Landmark) -> str:
+def _named(entry: Space | Mark) -> str:
     """Return an entry as messages name it: the doorway `d`."""
     return f"the {type(entry).__name__.lower()} `{entry.name}`"
 
 
-def _check_names(map: Map) -> None:
+def _check_names(map: Map, marks: Sequence[Mark]) -> None:
     """Check that names are unique, and that each name of a space is one."""
     spaces = {space.name for space in map.space}
-    for entries in (map.space, (*map.doorway, *map.landmark)):
-        named: dict[str, Space | Doorway | Landmark] = {}
+    kinds: tuple[Sequence[Space | Mark], ...] = (map.space, marks)
+    for entries in kinds:
+        named: dict[str, Space | Mark] = {}
         for entry in entries:
             other = named.setdefault(entry.name, entry)
             if other is not entry:
@@ -106,7 +112,7 @@ def _overlap(a: Box, b: Box) -> bool:
     return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
 
 
-def _check_codes(mark: Doorway | Landmark) -> None:
+def _check_codes(mark: Mark) -> None:
     """Check that `see-tags` takes the two codes for a pair."""
     left, right = mark.tags
     if left % 2 or right != left + 1:
@@ -116,10 +122,10 @@ def _check_codes(mark: Doorway | Landmark) -> None:
         )
 
 
-def _check_tags(map: Map) -> None:
+def _check_tags(marks: Sequence[Mark]) -> None:
     """Check that each pair of tags belongs to one landmark."""
-    owners: dict[tuple[int, int], Doorway | Landmark] = {}
-    for mark in (*map.doorway, *map.landmark):
+    owners: dict[tuple[int, int], Mark] = {}
+    for mark in marks:
         other = owners.setdefault(mark.tags, mark)
         if other is not mark:
             raise MapError(
@@ -127,7 +133,7 @@ def _check_tags(map: Map) -> None:
             )
 
 
-def _check_place(mark: Doorway | Landmark, sign: Sign, space: Space) -> None:
+def _check_place(mark: Mark, sign: Sign, space: Space) -> None:
     """Check that tags hang on their wall, and that the robot can stand before them."""
     low, high = _extent(sign)
     along = _axis(sign)
@@ -159,9 +165,7 @@ def _extent(sign: Sign) -> tuple[float, float]:
     return at - sign.apart / 2, at + sign.apart / 2
 
 
-def _check_shared_walls(
-    marks: dict[str, Doorway | Landmark], hung: Sequence[Sign]
-) -> None:
+def _check_shared_walls(marks: dict[str, Mark], hung: Sequence[Sign]) -> None:
     """Check that no landmark hangs between or over the tags of another one."""
     for number, one in enumerate(hung):
         low, high = _extent(one)
