@@ -100,6 +100,21 @@ def test_frames_are_as_wide_as_the_terminal(width: int) -> None:
     assert re.search(r"[→↗↑↖←↙↓↘]", shown)
 
 
+def test_frame_of_60_columns_names_every_space() -> None:
+    """Nobody covers a name, and no name is cut to less than three letters."""
+    shown = _frames(COLUMNS="60", LINES="24").partition("Run over")[0]
+    rows = shown.splitlines()
+    columns = "\n".join(
+        "".join(row[at : at + 1] or " " for row in rows) for at in range(60)
+    )
+    for name in ("lab", "office", "north-hall", "south-hall", "kitchen", "store"):
+        assert name in shown
+    for start in ("worksh", "meeting-", "mail-"):
+        assert start in shown
+    assert "west-hall" in columns
+    assert shown.splitlines()[-1].endswith("1 lift")
+
+
 def test_to_be_looked_at_changes_nothing(tmp_path: Path) -> None:
     shown, quiet = tmp_path / "shown.jsonl", tmp_path / "quiet.jsonl"
     _frames("--show-every", "1", "--trace", str(shown), "--until", "6")

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 import re
 
+import msgspec
 import pytest
 
 from rapc.console.show.dots import Dots
 from rapc.console.show.frame import Activity, draw_frame
-from rapc.console.show.plan import believed_pose, draw_plan, legend
+from rapc.console.show.plan import Drawing, believed_pose, draw_plan, legend
 from rapc.library.loader import load_text
 from rapc.world import Area, Door, Gauge, Mark, Picture, Plan, Reckoning, Spot
 from tests.memory.bench import MemoryBench
@@ -62,9 +63,13 @@ def memory() -> MemoryBench:
 
 
 def _drawn(memory: MemoryBench, width: int = 44, height: int = 18) -> list[str]:
-    rows = draw_plan(FLAT, memory.memory, width, height)
-    assert rows is not None
-    return [row.plain for row in rows]
+    return [row.plain for row in _drawing(FLAT, memory, width, height).rows]
+
+
+def _drawing(plan: Plan, memory: MemoryBench, width: int, height: int) -> Drawing:
+    drawn = draw_plan(plan, memory.memory, width, height)
+    assert drawn is not None
+    return drawn
 
 
 def test_what_is_true_is_drawn_to_scale(memory: MemoryBench) -> None:
@@ -84,6 +89,48 @@ def test_a_narrow_space_has_its_name_downwards(memory: MemoryBench) -> None:
     rows = _drawn(memory, 24, 18)
     columns = ["".join(row[at : at + 1] for row in rows) for at in range(24)]
     assert any(re.search("pass", column) for column in columns)
+
+
+@pytest.mark.parametrize("x", [8.0, 9.5, 10.0, 10.5, 11.0, 12.0])
+def test_name_of_a_space_is_beside_a_person_in_its_middle(
+    memory: MemoryBench, x: float
+) -> None:
+    memory.assert_fact("room", "robot", "hall")
+    plan = msgspec.structs.replace(FLAT, others=((x, 2), (x, 1)), robot=(x, 3, 0))
+    rows = [row.plain for row in _drawing(plan, memory, 44, 18).rows]
+    [row] = [row for row in rows if "[hall]" in row]
+    assert not re.search(r"o\[|\]o", row)
+    assert "".join(rows).count("o") == 2
+    assert "".join(rows).count("→") == 1
+
+
+def test_person_in_a_narrow_space_moves_its_name(memory: MemoryBench) -> None:
+    plan = msgspec.structs.replace(FLAT, others=((18, 9), (18, 12)))
+    rows = [row.plain for row in _drawing(plan, memory, 60, 24).rows]
+    columns = ["".join(row[at : at + 1] or " " for row in rows) for at in range(60)]
+    assert any("passage" in column + row for column in columns for row in rows)
+
+
+def test_long_name_is_broken_at_its_hyphens(memory: MemoryBench) -> None:
+    plan = msgspec.structs.replace(
+        FLAT, areas=(Area("stationery-store", (16, 4, 20, 9)),)
+    )
+    rows = [row.plain for row in _drawing(plan, memory, 60, 24).rows]
+    [first] = [n for n, row in enumerate(rows) if "stationery-" in row]
+    assert "store" in rows[first + 1]
+
+
+def test_number_stands_for_the_name_of_a_tiny_space(memory: MemoryBench) -> None:
+    plan = msgspec.structs.replace(
+        FLAT, areas=(*FLAT.areas, Area("cupboard", (0, 4, 2, 6)))
+    )
+    drawn = _drawing(plan, memory, 40, 18)
+    assert drawn.numbers == [("1", "cupboard")]
+    assert "1" in "".join(row.plain for row in drawn.rows)
+    picture = msgspec.structs.replace(PICTURE, plan=plan)
+    lines = draw_frame(picture, memory.memory, Activity(3), 40, 24)
+    assert "1 cupboard" in lines[-1].plain
+    assert len(lines) <= 24
 
 
 def test_what_is_believed_lies_over_it(memory: MemoryBench) -> None:

@@ -130,9 +130,14 @@ def _with_plan(
         return None
     width, height = size
     foot, signs = list(_doings(doings)), list(legend(width))
-    room = height - len(head) - len(foot) - len(signs) if height else width
-    drawn = draw_plan(picture.plan, memory, width, room)
-    return None if drawn is None else [*head, *drawn, *foot, *signs]
+    rows: Sequence[Text] = ()
+    for _ in range(2):  # the legend may take more lines once there are numbers
+        room = height - len(head) - len(foot) - len(signs) if height else width
+        drawn = draw_plan(picture.plan, memory, width, room)
+        if drawn is None:
+            return None
+        rows, signs = drawn.rows, list(legend(width, drawn.numbers))
+    return [*head, *rows, *foot, *signs]
 
 
 def _head(picture: Picture, memory: MemoryView, doings: Activity) -> Text:

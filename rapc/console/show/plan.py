@@ -7,15 +7,16 @@ character: the robot, where it believes itself to be, others, doors, landmarks.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from rich.text import Text
 
 from rapc.base.pictures import Area, Door, Mark, Plan, Point, Pose, Reckoning
 from rapc.base.values import Atom, Fact
-from rapc.console.show.canvas import Canvas, fit
+from rapc.console.show.canvas import Canvas
 from rapc.console.show.dots import DOTS, Dots
+from rapc.console.show.labels import Inside, Taken, label, numbered
 from rapc.runtime.memory.view import MemoryView
 
 _COARSEST = 0.9
@@ -36,8 +37,8 @@ _LEGEND = (
     ("■", "known mark"),
     ("□", "unknown"),
     ("x", "closed"),
-    ("X", "and believed so"),
-    ("?", "only believed so"),
+    ("X", "believed closed"),
+    ("?", "wrongly so"),
     ("o", "somebody"),
     ("[ ]", "space believed"),
 )
@@ -63,32 +64,62 @@ class _Scale(NamedTuple):
         return column // DOTS[0], row // DOTS[1]
 
 
+class Drawing(NamedTuple):
+    """A plan as lines, and what the numbers on it stand for."""
+
+    rows: Sequence[Text]
+    #: Numbers, each with the name that found no room.
+    numbers: Sequence[tuple[str, str]]
+
+
 def draw_plan(
     plan: Plan, memory: MemoryView, width: int, height: int
-) -> list[Text] | None:
+) -> Drawing | None:
     """Return a plan as lines, or None if so many cells are too few for it."""
     scale = _scale(plan, width, height)
     if scale is None:
         return None
     canvas, dots = Canvas(width, height), Dots(width, height)
     _lines(plan, dots, scale)
+    others = set()
     for column, row, character, style in dots.cells():
         canvas.write(column, row, character, style)
-    space = _believed_space(plan.reckoning, memory)
+        if style in {_WALL, _BLOCK}:
+            others.add((column, row))
+    signs = [
+        (*scale.cell(at), character, style)
+        for at, character, style in _characters(plan, memory)
+    ]
+    for column, row, *_ in signs:
+        others.update({(column - 1, row), (column + 1, row)})
+    taken = Taken({(column, row) for column, row, *_ in signs}, others)
+    space, numbers = _believed_space(plan.reckoning, memory), list[tuple[str, str]]()
     for area in plan.areas:
-        _label(canvas, scale, area, believed=area.name == space)
-    for at, character, style in _characters(plan, memory):
-        canvas.write(*scale.cell(at), character, style)
+        inside, believed = _inside(scale, area), area.name == space
+        name = label(area.name, inside, taken, marked=believed)
+        if name is None:
+            number = str(len(numbers) + 1)
+            numbers.append((number, area.name))
+            name = numbered(number, inside, taken, marked=believed)
+        for column, row, text in name:
+            canvas.write(column, row, text, _RIGHT if believed else _NAME)
+    for sign in signs:
+        canvas.write(*sign)
     rows = list(canvas.lines())
     while rows and not rows[-1].plain:
         rows.pop()
-    return rows
+    return Drawing(rows, numbers)
 
 
-def legend(width: int) -> Iterator[Text]:
-    """Yield what the characters of a plan mean, in as many lines as that takes."""
+def legend(width: int, numbers: Sequence[tuple[str, str]] = ()) -> Iterator[Text]:
+    """Yield what the characters of a plan mean, in as many lines as that takes.
+
+    Args:
+        width: of a line.
+        numbers: on the plan, each with what it stands for.
+    """
     line = Text(style="dim")
-    for sign, means in _LEGEND:
+    for sign, means in (*_LEGEND, *numbers):
         entry = f"{sign} {means}"
         if line.plain and len(line.plain) + 3 + len(entry) > width:
             yield line
@@ -124,23 +155,11 @@ def _lines(plan: Plan, dots: Dots, scale: _Scale) -> None:
         dots.line(scale.dots(start_point), scale.dots(end_point), _WALL)
 
 
-def _label(canvas: Canvas, scale: _Scale, area: Area, *, believed: bool) -> None:
-    """Write the name of a space in its middle, downwards where that fits better."""
+def _inside(scale: _Scale, area: Area) -> Inside:
+    """Return the cells inside the walls of a space."""
     left, bottom, right, top = area.box
     (first, upper), (last, lower) = scale.cell((left, top)), scale.cell((right, bottom))
-    wide, high = last - first - 1, lower - upper - 1
-    name, style = area.name, _NAME
-    if believed:
-        name, style = f"[{name}]", _RIGHT
-    if len(name) > wide and high > wide:
-        name = fit(name, high)
-        row, column = (upper + lower - len(name) + 1) // 2, (first + last) // 2
-        for down, letter in enumerate(name):
-            canvas.write(column, row + down, letter, style)
-    elif high >= 0:
-        name = fit(name, max(wide, 1))
-        column, row = (first + last - len(name) + 1) // 2, (upper + lower) // 2
-        canvas.write(column, row, name, style)
+    return Inside(first + 1, upper + 1, last - first - 1, lower - upper - 1)
 
 
 def _characters(plan: Plan, memory: MemoryView) -> Iterator[tuple[Point, str, str]]:
