@@ -200,7 +200,7 @@ def _turned(test: nodes.Compare) -> nodes.Compare:
     """Return a test with its constant, if it has one, to the right."""
     if isinstance(test.left, nodes.Const) and not isinstance(test.right, nodes.Const):
         op = _TURNED.get(test.op, test.op)
-        return nodes.Compare(op, test.right, test.left, test.span)  # type: ignore[arg-type]  # a turned test has one of the six words
+        return nodes.Compare(op, test.right, test.left, span=test.span)  # type: ignore[arg-type]  # a turned test has one of the six words
     return test
 
 

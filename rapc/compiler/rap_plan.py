@@ -376,7 +376,7 @@ def _without_otherwise(context: nodes.Formula | None) -> nodes.Formula | None:
     kept = [_without_otherwise(part) for part in context.parts]
     if all(one is part for one, part in zip(kept, context.parts, strict=True)):
         return context
-    return nodes.And(tuple([one for one in kept if one is not None]), context.span)
+    return nodes.And(tuple([one for one in kept if one is not None]), span=context.span)
 
 
 def _steady(compiler: Compiler, constraints: nodes.Formula | None) -> bool:

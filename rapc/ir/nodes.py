@@ -20,12 +20,23 @@ from rapc.base.source import NOWHERE, Span
 from rapc.base.values import Atom, Number
 
 
-class Node(msgspec.Struct, frozen=True, eq=False, tag=True, gc=False, array_like=True):
+class Node(
+    msgspec.Struct,
+    frozen=True,
+    eq=False,
+    tag=True,
+    gc=False,
+    array_like=True,
+    kw_only=True,
+):
     """The base of all nodes: compared by type and fields, the span left out.
 
     Nodes are trees, so the garbage collector need not look after them. In a compiled
     library a node is a list: its type's name, then its fields.
     """
+
+    #: The position in the text; the last field of each node.
+    span: Span = NOWHERE
 
     def __eq__(self, other: object) -> bool:
         kind = type(self)
@@ -62,14 +73,12 @@ class Const(Node, frozen=True, eq=False):
     """A symbol, number or string. A `:keyword` is a symbol that starts so."""
 
     value: Atom
-    span: Span = NOWHERE
 
 
 class Var(Node, frozen=True, eq=False):
     """A variable by its name with the question mark; a bare `?` matches anything."""
 
     name: str
-    span: Span = NOWHERE
 
     @property
     def anonymous(self) -> bool:
@@ -82,7 +91,6 @@ class Call(Node, frozen=True, eq=False):
 
     function: str
     args: tuple[Term, ...]
-    span: Span = NOWHERE
 
 
 Term = Const | Var | Call
@@ -101,7 +109,6 @@ class Truth(Node, frozen=True, eq=False):
     """`t` or `true` (always succeeds), `nil` or `false` (never does)."""
 
     value: bool
-    span: Span = NOWHERE
 
 
 class Pattern(Node, frozen=True, eq=False):
@@ -109,7 +116,6 @@ class Pattern(Node, frozen=True, eq=False):
 
     name: str
     args: tuple[Term, ...]
-    span: Span = NOWHERE
 
 
 class Proposition(Pattern, frozen=True, eq=False):
@@ -144,21 +150,18 @@ class And(Node, frozen=True, eq=False):
     """All parts hold, left to right with backtracking; without parts: true."""
 
     parts: tuple[Formula, ...]
-    span: Span = NOWHERE
 
 
 class Or(Node, frozen=True, eq=False):
     """One part holds, tried in order; without parts: false."""
 
     parts: tuple[Formula, ...]
-    span: Span = NOWHERE
 
 
 class Not(Node, frozen=True, eq=False):
     """The part has no solution (negation as failure)."""
 
     part: Closed
-    span: Span = NOWHERE
 
 
 class Compare(Node, frozen=True, eq=False):
@@ -167,7 +170,6 @@ class Compare(Node, frozen=True, eq=False):
     op: Literal["=", "n=", "<", ">", "<=", ">="]
     left: Used
     right: Used
-    span: Span = NOWHERE
 
 
 class Believe(Node, frozen=True, eq=False):
@@ -175,7 +177,6 @@ class Believe(Node, frozen=True, eq=False):
 
     pattern: Proposition
     age: Matched
-    span: Span = NOWHERE
 
 
 class SetTest(Node, frozen=True, eq=False):
@@ -183,7 +184,6 @@ class SetTest(Node, frozen=True, eq=False):
 
     test: Literal["member", "empty"]
     args: tuple[Used, ...]
-    span: Span = NOWHERE
 
 
 class HistoryTest(Node, frozen=True, eq=False):
@@ -191,7 +191,6 @@ class HistoryTest(Node, frozen=True, eq=False):
 
     query: Literal["method-tried", "last-result", "result-with-method"]
     args: tuple[Term, ...]
-    span: Span = NOWHERE
 
 
 class SensorName(Node, frozen=True, eq=False):
@@ -199,7 +198,6 @@ class SensorName(Node, frozen=True, eq=False):
 
     item: Matched
     value: Matched
-    span: Span = NOWHERE
 
 
 class Count(Node, frozen=True, eq=False):
@@ -208,13 +206,10 @@ class Count(Node, frozen=True, eq=False):
     kind: Used
     place: Used
     number: Matched
-    span: Span = NOWHERE
 
 
 class Otherwise(Node, frozen=True, eq=False):
     """`otherwise` in a context: no method before this one in the text holds now."""
-
-    span: Span = NOWHERE
 
 
 Formula = (
@@ -245,7 +240,6 @@ class MonitorTime(Node, frozen=True, eq=False):
     reference: Literal["now", "absolute"]
     start: Term
     stop: Term
-    span: Span = NOWHERE
 
 
 class Resource(Node, frozen=True, eq=False):
@@ -254,7 +248,6 @@ class Resource(Node, frozen=True, eq=False):
     kind: Literal["set", "counter"]
     variable: Var
     initial: Term | None
-    span: Span = NOWHERE
 
 
 class DeclaredEffect(Node, frozen=True, eq=False):
@@ -267,7 +260,6 @@ class DeclaredEffect(Node, frozen=True, eq=False):
     negated: bool
     #: Whether the fact can, but need not, come or go; never so of RAPs.
     possible: bool
-    span: Span = NOWHERE
 
 
 class Goal(Node, frozen=True, eq=False):
@@ -276,7 +268,6 @@ class Goal(Node, frozen=True, eq=False):
     name: str
     args: tuple[Term, ...]
     outputs: tuple[Term, ...]
-    span: Span = NOWHERE
 
 
 class For(Node, frozen=True, eq=False):
@@ -284,21 +275,18 @@ class For(Node, frozen=True, eq=False):
 
     formula: Formula | None
     tag: str
-    span: Span = NOWHERE
 
 
 class UntilStart(Node, frozen=True, eq=False):
     """`(until-start tag)`."""
 
     tag: str
-    span: Span = NOWHERE
 
 
 class UntilEnd(Node, frozen=True, eq=False):
     """`(until-end tag)`."""
 
     tag: str
-    span: Span = NOWHERE
 
 
 class Window(Node, frozen=True, eq=False):
@@ -310,7 +298,6 @@ class Window(Node, frozen=True, eq=False):
     reference: str
     start: Term
     stop: Term
-    span: Span = NOWHERE
 
 
 class WaitFor(Node, frozen=True, eq=False):
@@ -319,7 +306,6 @@ class WaitFor(Node, frozen=True, eq=False):
     signal: str
     args: tuple[Term, ...]
     mode: Literal["proceed", "succeed", "fail"]
-    span: Span = NOWHERE
 
 
 class ResourceChange(Node, frozen=True, eq=False):
@@ -328,7 +314,6 @@ class ResourceChange(Node, frozen=True, eq=False):
     op: Literal["set-add", "set-sub", "counter-add", "counter-sub"]
     resource: Term
     amount: Term
-    span: Span = NOWHERE
 
 
 Annotation = For | UntilStart | UntilEnd | Window | WaitFor | ResourceChange
@@ -341,21 +326,18 @@ class Step(Node, frozen=True, eq=False):
     priority: int
     goal: Goal
     annotations: tuple[Annotation, ...]
-    span: Span = NOWHERE
 
 
 class TaskNet(Node, frozen=True, eq=False):
     """The steps of a method; none means the method ends well at once."""
 
     steps: tuple[Step, ...]
-    span: Span = NOWHERE
 
 
 class Primitive(Node, frozen=True, eq=False):
     """`(primitive (name args...))`: one request to the world."""
 
     request: Request
-    span: Span = NOWHERE
 
 
 class Skills(Node, frozen=True, eq=False):
@@ -368,7 +350,6 @@ class Skills(Node, frozen=True, eq=False):
     enable: tuple[Skill, ...]
     waits: tuple[WaitFor, ...]
     disable: tuple[Skill, ...]
-    span: Span = NOWHERE
 
 
 Body = TaskNet | Primitive | Skills
@@ -391,7 +372,6 @@ class Method(Node, frozen=True, eq=False):
     claims: tuple[Thing, ...] = ()
     #: What is switched on while the method is under way.
     skills: tuple[Skill, ...] = ()
-    span: Span = NOWHERE
 
 
 class VariableKind(Node, frozen=True, eq=False):
@@ -399,7 +379,6 @@ class VariableKind(Node, frozen=True, eq=False):
 
     variable: str
     kind: str
-    span: Span = NOWHERE
 
 
 class DefineRap(Node, frozen=True, eq=False):
@@ -421,7 +400,6 @@ class DefineRap(Node, frozen=True, eq=False):
     effects: tuple[DeclaredEffect, ...]
     methods: tuple[Method, ...]
     name_span: Span = NOWHERE
-    span: Span = NOWHERE
 
 
 # --- declarations [T A] ---------------------------------------------------------
@@ -432,7 +410,6 @@ class Argument(Node, frozen=True, eq=False):
 
     variable: Var
     kind: str | None
-    span: Span = NOWHERE
 
 
 class DeclareKind(Node, frozen=True, eq=False):
@@ -444,7 +421,6 @@ class DeclareKind(Node, frozen=True, eq=False):
     #: The only values there are; None where any symbol may be one.
     values: tuple[Atom, ...] | None
     doc: str
-    span: Span = NOWHERE
 
 
 class Exclusion(Node, frozen=True, eq=False):
@@ -452,7 +428,6 @@ class Exclusion(Node, frozen=True, eq=False):
 
     value: Atom
     pattern: Proposition
-    span: Span = NOWHERE
 
 
 class DeclareProposition(Node, frozen=True, eq=False):
@@ -461,7 +436,6 @@ class DeclareProposition(Node, frozen=True, eq=False):
     name: str
     args: tuple[Argument, ...] | None
     doc: str
-    span: Span = NOWHERE
 
 
 class DeclareProperty(Node, frozen=True, eq=False):
@@ -476,7 +450,6 @@ class DeclareProperty(Node, frozen=True, eq=False):
     default: str
     excludes: tuple[Exclusion, ...]
     doc: str
-    span: Span = NOWHERE
 
 
 class DeclareFunction(Node, frozen=True, eq=False):
@@ -489,7 +462,6 @@ class DeclareFunction(Node, frozen=True, eq=False):
     args: tuple[Argument, ...] | None
     reads: tuple[str, ...] | None
     doc: str
-    span: Span = NOWHERE
 
 
 class DeclareIndistinctClass(Node, frozen=True, eq=False):
@@ -497,7 +469,6 @@ class DeclareIndistinctClass(Node, frozen=True, eq=False):
 
     name: str
     comparator: str | None
-    span: Span = NOWHERE
 
 
 class ComparatorRow(Node, frozen=True, eq=False):
@@ -506,7 +477,6 @@ class ComparatorRow(Node, frozen=True, eq=False):
     property: str
     treatment: Literal["veto", "ignore", "score"]
     weight: int | float
-    span: Span = NOWHERE
 
 
 class DeclareComparator(Node, frozen=True, eq=False):
@@ -516,7 +486,6 @@ class DeclareComparator(Node, frozen=True, eq=False):
     place: str | None
     function: str | None
     rows: tuple[ComparatorRow, ...]
-    span: Span = NOWHERE
 
 
 class ResultEffects(Node, frozen=True, eq=False):
@@ -524,7 +493,6 @@ class ResultEffects(Node, frozen=True, eq=False):
 
     result: str
     effects: tuple[DeclaredEffect, ...]
-    span: Span = NOWHERE
 
 
 class DeclarePrimitive(Node, frozen=True, eq=False):
@@ -541,7 +509,6 @@ class DeclarePrimitive(Node, frozen=True, eq=False):
     #: What its results do to memory; a result that is not named: nothing is known.
     on: tuple[ResultEffects, ...]
     doc: str
-    span: Span = NOWHERE
 
 
 class DeclareDatum(Node, frozen=True, eq=False):
@@ -552,7 +519,6 @@ class DeclareDatum(Node, frozen=True, eq=False):
     #: What the datum does to memory; None where nothing is said.
     on: tuple[DeclaredEffect, ...] | None
     doc: str
-    span: Span = NOWHERE
 
 
 class DeclareSkill(Node, frozen=True, eq=False):
@@ -565,7 +531,6 @@ class DeclareSkill(Node, frozen=True, eq=False):
     #: What it needs for itself while it is on.
     uses: tuple[Thing, ...]
     doc: str
-    span: Span = NOWHERE
 
 
 class DeclareEvent(Node, frozen=True, eq=False):
@@ -574,7 +539,6 @@ class DeclareEvent(Node, frozen=True, eq=False):
     name: str
     args: tuple[Argument, ...]
     doc: str
-    span: Span = NOWHERE
 
 
 # --- named formulas ----------------------------------------------------------------
@@ -591,7 +555,6 @@ class DefineQuery(Node, frozen=True, eq=False):
     formula: Formula
     doc: str
     name_span: Span = NOWHERE
-    span: Span = NOWHERE
 
 
 # --- rules over memory (S 4.2, 4.3) ------------------------------------------------
@@ -602,7 +565,6 @@ class RuleAction(Node, frozen=True, eq=False):
 
     op: Literal["mem-add", "mem-del"]
     pattern: Proposition
-    span: Span = NOWHERE
 
 
 class Alternative(Node, frozen=True, eq=False):
@@ -610,14 +572,12 @@ class Alternative(Node, frozen=True, eq=False):
 
     query: Formula
     actions: tuple[RuleAction, ...]
-    span: Span = NOWHERE
 
 
 class Rule(Node, frozen=True, eq=False):
     """`(rule (query action...)...)`: the first query with a solution acts."""
 
     alternatives: tuple[Alternative, ...]
-    span: Span = NOWHERE
 
 
 class ResultCase(Node, frozen=True, eq=False):
@@ -629,7 +589,6 @@ class ResultCase(Node, frozen=True, eq=False):
 
     result: Const | Var | Signal
     rules: tuple[Rule, ...]
-    span: Span = NOWHERE
 
 
 class MemoryRule(Node, frozen=True, eq=False):
@@ -638,7 +597,6 @@ class MemoryRule(Node, frozen=True, eq=False):
     index: Goal
     when: Literal["finish", "event"]
     cases: tuple[ResultCase, ...]
-    span: Span = NOWHERE
 
 
 class EventRule(Node, frozen=True, eq=False):
@@ -647,14 +605,12 @@ class EventRule(Node, frozen=True, eq=False):
     signal: str
     args: tuple[Term, ...]
     rules: tuple[Rule, ...]
-    span: Span = NOWHERE
 
 
 class Require(Node, frozen=True, eq=False):
     """`(require "name")`."""
 
     name: str
-    span: Span = NOWHERE
 
 
 # --- what is given -----------------------------------------------------------------
@@ -668,7 +624,6 @@ class Moved(Node, frozen=True, eq=False):
 
     item: Term
     place: Term
-    span: Span = NOWHERE
 
 
 RowKind = Literal["request", "enable", "disable"]
@@ -698,7 +653,6 @@ class ScriptRow(Node, frozen=True, eq=False):
     pauses: tuple[Number, ...] = ()
     #: How long after a skill has told its signals it tells them again; None: never.
     every: Number | None = None
-    span: Span = NOWHERE
 
 
 class GivenTask(Node, frozen=True, eq=False):
@@ -712,7 +666,6 @@ class GivenTask(Node, frozen=True, eq=False):
     deadline: Number | None
     at: Number | None
     background: bool
-    span: Span = NOWHERE
 
 
 class DefineAgenda(Node, frozen=True, eq=False):
@@ -722,7 +675,6 @@ class DefineAgenda(Node, frozen=True, eq=False):
     requires: tuple[Require, ...]
     tasks: tuple[GivenTask, ...]
     name_span: Span = NOWHERE
-    span: Span = NOWHERE
 
 
 class Answer(Node, frozen=True, eq=False):
@@ -733,7 +685,6 @@ class Answer(Node, frozen=True, eq=False):
 
     call: Call
     value: Const
-    span: Span = NOWHERE
 
 
 class WorldOption(Node, frozen=True, eq=False):
@@ -741,49 +692,42 @@ class WorldOption(Node, frozen=True, eq=False):
 
     name: str
     value: Atom
-    span: Span = NOWHERE
 
 
 class Asserts(Node, frozen=True, eq=False):
     """`(asserts fact...)`."""
 
     facts: tuple[Proposition, ...]
-    span: Span = NOWHERE
 
 
 class Erases(Node, frozen=True, eq=False):
     """`(erases prefix...)`."""
 
     prefixes: tuple[Proposition, ...]
-    span: Span = NOWHERE
 
 
 class Moves(Node, frozen=True, eq=False):
     """`(moves (item place)...)`."""
 
     moves: tuple[Moved, ...]
-    span: Span = NOWHERE
 
 
 class Loses(Node, frozen=True, eq=False):
     """`(loses item...)`."""
 
     items: tuple[Term, ...]
-    span: Span = NOWHERE
 
 
 class Signals(Node, frozen=True, eq=False):
     """`(signals (:name args...)...)`."""
 
     signals: tuple[Signal, ...]
-    span: Span = NOWHERE
 
 
 class Cancel(Node, frozen=True, eq=False):
     """`(cancel goal)`: every live top-level task that matches it."""
 
     goal: Goal
-    span: Span = NOWHERE
 
 
 class Until(Node, frozen=True, eq=False):
@@ -791,7 +735,6 @@ class Until(Node, frozen=True, eq=False):
 
     time: Number | None
     cycles: int | None
-    span: Span = NOWHERE
 
 
 # --- what is expected --------------------------------------------------------------
@@ -801,7 +744,6 @@ class ListPattern(Node, frozen=True, eq=False):
     """A list in an event pattern: a goal, a fact, a list of data."""
 
     items: tuple[TracePattern, ...]
-    span: Span = NOWHERE
 
 
 TracePattern = Const | Var | ListPattern
@@ -815,7 +757,6 @@ class EventPattern(Node, frozen=True, eq=False):
 
     event: str
     keys: tuple[tuple[str, TracePattern], ...]
-    span: Span = NOWHERE
 
 
 class Succeeds(Node, frozen=True, eq=False):
@@ -823,7 +764,6 @@ class Succeeds(Node, frozen=True, eq=False):
 
     goal: Goal
     outputs: tuple[Term, ...]
-    span: Span = NOWHERE
 
 
 class Fails(Node, frozen=True, eq=False):
@@ -831,42 +771,36 @@ class Fails(Node, frozen=True, eq=False):
 
     goal: Goal
     result: Const | Var | None
-    span: Span = NOWHERE
 
 
 class Active(Node, frozen=True, eq=False):
     """`(active goal)`."""
 
     goal: Goal
-    span: Span = NOWHERE
 
 
 class Primitives(Node, frozen=True, eq=False):
     """`(primitives request...)`: all of them, and skills enabled, in order."""
 
     requests: tuple[Request | Skill, ...]
-    span: Span = NOWHERE
 
 
 class PrimitivesInclude(Node, frozen=True, eq=False):
     """`(primitives-include request...)`: in order, with others between."""
 
     requests: tuple[Request | Skill, ...]
-    span: Span = NOWHERE
 
 
 class Never(Node, frozen=True, eq=False):
     """`(never request)`."""
 
     request: Request | Skill
-    span: Span = NOWHERE
 
 
 class MemoryHolds(Node, frozen=True, eq=False):
     """`(memory formula)`."""
 
     formula: Formula
-    span: Span = NOWHERE
 
 
 class MethodChosen(Node, frozen=True, eq=False):
@@ -879,7 +813,6 @@ class MethodChosen(Node, frozen=True, eq=False):
     rap: str
     method: str
     times: int | None
-    span: Span = NOWHERE
 
 
 class SelectedBefore(Node, frozen=True, eq=False):
@@ -887,7 +820,6 @@ class SelectedBefore(Node, frozen=True, eq=False):
 
     first: Goal
     second: Goal
-    span: Span = NOWHERE
 
 
 class EndsBy(Node, frozen=True, eq=False):
@@ -895,14 +827,12 @@ class EndsBy(Node, frozen=True, eq=False):
 
     time: Number
     goal: Goal
-    span: Span = NOWHERE
 
 
 class TraceHas(Node, frozen=True, eq=False):
     """`(trace event-pattern...)`: in order, with others between."""
 
     events: tuple[EventPattern, ...]
-    span: Span = NOWHERE
 
 
 Expectation = (
@@ -924,7 +854,6 @@ class Expect(Node, frozen=True, eq=False):
     """`(expect expectation...)`."""
 
     expectations: tuple[Expectation, ...]
-    span: Span = NOWHERE
 
 
 # --- the whole -----------------------------------------------------------------------
@@ -937,7 +866,6 @@ class At(Node, frozen=True, eq=False):
 
     time: Number
     actions: tuple[Action, ...]
-    span: Span = NOWHERE
 
 
 class DefineTest(Node, frozen=True, eq=False):
@@ -961,7 +889,6 @@ class DefineTest(Node, frozen=True, eq=False):
     until: Until | None
     expectations: tuple[Expectation, ...]
     name_span: Span = NOWHERE
-    span: Span = NOWHERE
 
 
 TopForm = (

@@ -117,7 +117,7 @@ class RapSignatures(Mapping[str, Signature]):
             rap = self._raps[name]
             kinds = {one.variable: one.kind for one in rap.kinds}
             args = tuple(
-                [nodes.Argument(v, kinds.get(v.name), v.span) for v in rap.inputs]
+                [nodes.Argument(v, kinds.get(v.name), span=v.span) for v in rap.inputs]
             )
             count, outputs = len(args), len(rap.outputs)
             made = Signature("RAP", name, count, count, args, rap.name_span, outputs)

@@ -86,10 +86,10 @@ def _told(rule: str, kind: type[nodes.Node]) -> Declaration:
     )
 
 
-def declaration(rule: str, kind: type[nodes.Node]) -> Read:
+def declaration(rule: str, kind: Any) -> Read:
     """Return what reads the declarations of a rule to nodes of a kind."""
 
-    def read(ctx: Context, form: List) -> nodes.Node | None:
+    def read(ctx: Context, form: List) -> Any:
         told = _told(rule, kind)
         name = name_of(ctx, form, colon=told.colon)
         if name is None:

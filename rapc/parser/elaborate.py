@@ -249,7 +249,7 @@ def _named_like(rule: str) -> Maker:
     kind = getattr(nodes, "".join(map(str.capitalize, rule.split("_"))), None)
     if kind is None:
         return lambda head, values, span: values[0]
-    return lambda head, values, span: kind(*values, span)
+    return lambda head, values, span: kind(*values, span=span)
 
 
 def _alone(make: Maker) -> Read:

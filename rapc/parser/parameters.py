@@ -41,12 +41,12 @@ def _argument(
 ) -> nodes.Argument | None:
     if type(datum) is not List or not datum.items:
         variable = parameter(ctx, datum, seen)
-        return nodes.Argument(variable, None, variable.span) if variable else None
+        return nodes.Argument(variable, None, span=variable.span) if variable else None
     kind = symbol(ctx, datum.items[1], "a kind") if len(datum.items) == 2 else None
     if len(datum.items) != 2:
         wrong(ctx, "argument", datum)
     variable = parameter(ctx, datum.items[0], seen)
-    return nodes.Argument(variable, kind, ctx.span(datum)) if variable else None
+    return nodes.Argument(variable, kind, span=ctx.span(datum)) if variable else None
 
 
 def parameter(ctx: Context, datum: Datum, seen: dict[str, Datum]) -> nodes.Var | None:
@@ -64,7 +64,7 @@ def parameter(ctx: Context, datum: Datum, seen: dict[str, Datum]) -> nodes.Var |
             datum,
             labels=[(first, "the first is here")],
         )
-    return nodes.Var(datum.name, Span(ctx.file, datum.start, datum.end))
+    return nodes.Var(datum.name, span=Span(ctx.file, datum.start, datum.end))
 
 
 def _named(ctx: Context, datum: Datum) -> Variable | None:

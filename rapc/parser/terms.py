@@ -36,19 +36,19 @@ _REPEATS = frozenset(
 def term(ctx: Context, datum: Datum) -> nodes.Term | None:
     """A constant, a variable or a computed term."""
     if type(datum) is Variable:
-        return nodes.Var(datum.name, Span(ctx.file, datum.start, datum.end))
+        return nodes.Var(datum.name, span=Span(ctx.file, datum.start, datum.end))
     if type(datum) is List:
         return _call(ctx, datum)
     span = Span(ctx.file, datum.start, datum.end)
     if type(datum) is Symbol or type(datum) is Keyword:
-        return nodes.Const(datum.name, span)
+        return nodes.Const(datum.name, span=span)
     if type(datum) is Numeral:
-        return nodes.Const(datum.value, span)
+        return nodes.Const(datum.value, span=span)
     if type(datum) is Arrow:
         _stray_arrow(ctx, datum)
         return None
     assert type(datum) is String
-    return nodes.Const(Text(datum.value), span)
+    return nodes.Const(Text(datum.value), span=span)
 
 
 def constant(datum: Datum) -> Atom | None:
@@ -103,7 +103,7 @@ def _call(ctx: Context, datum: List) -> nodes.Call | None:
             message = f"`{name}` takes {GRAMMAR[rule].takes}, not {count}"
             ctx.report("malformed-term", message, datum)
             return None
-    return nodes.Call(name, args, ctx.span(datum))
+    return nodes.Call(name, args, span=ctx.span(datum))
 
 
 P = TypeVar("P", nodes.Proposition, nodes.Request, nodes.Datum, nodes.Call)
@@ -130,7 +130,7 @@ def pattern(ctx: Context, datum: Datum, kind: type[P]) -> P | None:
         )
         return None
     place = Span(ctx.file, datum.start, datum.end)
-    return kind(name, terms(ctx, datum.items[1:]), place)
+    return kind(name, terms(ctx, datum.items[1:]), span=place)
 
 
 _NO_PROPOSITIONS = frozenset((*QUERIES, *CALLS))
@@ -149,10 +149,10 @@ def propositions(ctx: Context, data: Sequence[Datum]) -> tuple[nodes.Proposition
 def thing(ctx: Context, datum: Datum) -> nodes.Thing | None:
     """Return what is used or claimed: a symbol, or a name with its arguments."""
     if type(datum) is Symbol:
-        return nodes.Thing(datum.name, (), ctx.span(datum))
+        return nodes.Thing(datum.name, (), span=ctx.span(datum))
     name = head_of(datum)
     if type(datum) is List and name is not None:
-        return nodes.Thing(name, terms(ctx, datum.items[1:]), ctx.span(datum))
+        return nodes.Thing(name, terms(ctx, datum.items[1:]), span=ctx.span(datum))
     ctx.report(
         "malformed-proposition",
         f"a thing is wanted here, not {_what(datum)}",
@@ -185,7 +185,7 @@ def colon(ctx: Context, datum: Datum, kind: type[S]) -> S | None:
             )
         if isinstance(first, Symbol | Keyword):
             name = first.name if first.name.startswith(":") else f":{first.name}"
-            return kind(name, terms(ctx, datum.items[1:]), ctx.span(datum))
+            return kind(name, terms(ctx, datum.items[1:]), span=ctx.span(datum))
     ctx.report(
         "malformed-proposition",
         f"a signal or skill is wanted here, not {_what(datum)}",
@@ -211,7 +211,7 @@ def goal(ctx: Context, datum: Datum) -> nodes.Goal | None:
     outs: tuple[nodes.Term, ...] = ()
     if outputs:
         outs = tuple(out for out in terms(ctx, outputs) if _plain(ctx, out, datum))
-    return nodes.Goal(name, made, outs, Span(ctx.file, datum.start, datum.end))
+    return nodes.Goal(name, made, outs, span=Span(ctx.file, datum.start, datum.end))
 
 
 def split_arrow(

@@ -55,7 +55,7 @@ def plain(formula: nodes.Formula | None) -> nodes.Formula | None:
     parts = [plain(part) for part in formula.parts]
     if all(one is other for one, other in zip(parts, formula.parts, strict=True)):
         return formula
-    return nodes.And(tuple(p for p in parts if p is not None), formula.span)
+    return nodes.And(tuple(p for p in parts if p is not None), span=formula.span)
 
 
 def solve(run: Run, task: Task) -> bool:

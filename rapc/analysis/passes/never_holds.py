@@ -218,8 +218,8 @@ def _ways_to_succeed(rap: nodes.DefineRap) -> Iterator[nodes.Formula]:
     """The conjunctions of which none has a solution where a method is chosen."""
     goal = rap.succeed
     if goal is None:
-        okay = nodes.Const("okay", rap.name_span)
-        yield nodes.HistoryTest("last-result", (okay,), rap.name_span)
+        okay = nodes.Const("okay", span=rap.name_span)
+        yield nodes.HistoryTest("last-result", (okay,), span=rap.name_span)
     elif isinstance(goal, nodes.Or):
         yield from goal.parts
     elif not isinstance(goal, nodes.Truth):

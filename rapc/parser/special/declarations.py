@@ -44,7 +44,7 @@ def excludes(ctx: Context, option: List) -> nodes.Exclusion | None:
     excluded = proposition(ctx, second)
     if excluded is None:
         return None
-    return nodes.Exclusion(value, excluded, ctx.span(option))
+    return nodes.Exclusion(value, excluded, span=ctx.span(option))
 
 
 def kind_values(ctx: Context, datum: Datum) -> tuple[Atom, ...] | None:
@@ -97,7 +97,7 @@ def _effect(
         fact = proposition(ctx, one)
         if fact is not None:
             negated, possible = word == "not", word in wrappers and word == "may"
-            yield nodes.DeclaredEffect(fact, negated, possible, ctx.span(datum))
+            yield nodes.DeclaredEffect(fact, negated, possible, span=ctx.span(datum))
 
 
 def _no_contrary(ctx: Context, datum: List) -> None:
@@ -131,7 +131,7 @@ def result_effects(ctx: Context, option: List) -> nodes.ResultEffects | None:
         wrong(ctx, "result_effects", first or datum)
         return None
     found = effects(ctx, datum.items[1:])
-    return nodes.ResultEffects(first.name, found, ctx.span(datum))
+    return nodes.ResultEffects(first.name, found, span=ctx.span(datum))
 
 
 # --- comparators and queries ----------------------------------------------------------
@@ -155,7 +155,7 @@ def comparator(ctx: Context, form: List) -> nodes.DeclareComparator | None:
     called = names.pop() if names and not rows else None
     made = tuple([row for row in (_row(ctx, d) for d in rows) if row])
     place = names[0] if names else None
-    return nodes.DeclareComparator(name, place, called, made, ctx.span(form))
+    return nodes.DeclareComparator(name, place, called, made, span=ctx.span(form))
 
 
 def _row(ctx: Context, form: List) -> nodes.ComparatorRow | None:
@@ -174,7 +174,7 @@ def _row(ctx: Context, form: List) -> nodes.ComparatorRow | None:
         return None
     kind = cast(Literal["veto", "ignore", "score"], treatment)
     value = weight.value if isinstance(weight, Numeral) else 0
-    return nodes.ComparatorRow(name, kind, value, ctx.span(form))
+    return nodes.ComparatorRow(name, kind, value, span=ctx.span(form))
 
 
 def query(ctx: Context, form: List) -> nodes.DefineQuery | None:
@@ -196,4 +196,6 @@ def query(ctx: Context, form: List) -> nodes.DefineQuery | None:
     if made is None:
         return None
     doc = docs[0].value if docs else ""
-    return nodes.DefineQuery(name.name, args, made, doc, ctx.span(name), ctx.span(form))
+    return nodes.DefineQuery(
+        name.name, args, made, doc, ctx.span(name), span=ctx.span(form)
+    )

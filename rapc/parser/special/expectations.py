@@ -22,7 +22,7 @@ EXPECTATIONS = tuple(rules_by_head("expectation"))
 def memory(ctx: Context, datum: Datum) -> nodes.MemoryHolds | None:
     """`(memory formula)`."""
     asked = lone_formula(ctx, datum)
-    return nodes.MemoryHolds(asked, ctx.span(datum)) if asked else None
+    return nodes.MemoryHolds(asked, span=ctx.span(datum)) if asked else None
 
 
 def method_chosen(ctx: Context, datum: List) -> nodes.MethodChosen | None:
@@ -37,7 +37,7 @@ def method_chosen(ctx: Context, datum: List) -> nodes.MethodChosen | None:
         return None
     times = _times(ctx, operands[2]) if operands[2:] else None
     word = name.name if isinstance(name, Symbol) else str(name.value)
-    return nodes.MethodChosen(rap.name, word, times, ctx.span(datum))
+    return nodes.MethodChosen(rap.name, word, times, span=ctx.span(datum))
 
 
 def _times(ctx: Context, datum: Datum) -> int:
@@ -63,23 +63,23 @@ def event_pattern(ctx: Context, datum: Datum) -> nodes.EventPattern | None:
     given = options(ctx, rest, f"`{name}`", words)
     values = {key[1:]: _value(ctx, one.items[1]) for key, one in given.items()}
     keys = tuple((key, value) for key, value in values.items() if value is not None)
-    return nodes.EventPattern(name, keys, ctx.span(datum))
+    return nodes.EventPattern(name, keys, span=ctx.span(datum))
 
 
 def _value(ctx: Context, datum: Datum) -> nodes.TracePattern | None:
     """A term of the trace, as it is written there; None for what is none."""
     if isinstance(datum, List):
         items = [_item(ctx, item) for item in _joined(ctx, datum.items)]
-        return nodes.ListPattern(made(items), ctx.span(datum))
+        return nodes.ListPattern(made(items), span=ctx.span(datum))
     if isinstance(datum, Symbol):
-        return nodes.Const(datum.name, ctx.span(datum))
+        return nodes.Const(datum.name, span=ctx.span(datum))
     return cast(nodes.Const | nodes.Var | None, term(ctx, datum))
 
 
 def _item(ctx: Context, datum: Datum) -> nodes.TracePattern | None:
     """A term in a list: a goal has the mark before its outputs among its terms."""
     if isinstance(datum, Arrow):
-        return nodes.Const(ARROW, ctx.span(datum))
+        return nodes.Const(ARROW, span=ctx.span(datum))
     return _value(ctx, datum)
 
 

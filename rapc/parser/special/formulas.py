@@ -52,7 +52,7 @@ def _formula(ctx: Context, datum: Datum) -> nodes.Formula | None:
                 return made
             if name not in _NO_PROPOSITIONS:
                 place = Span(ctx.file, datum.start, datum.end)
-                return nodes.Proposition(name, terms(ctx, datum.items[1:]), place)
+                return nodes.Proposition(name, terms(ctx, datum.items[1:]), span=place)
     elif type(datum) is Symbol and datum.name in ALONE:
         alone: nodes.Formula = ctx.readers[ALONE[datum.name]](ctx, datum)
         return alone
@@ -63,7 +63,7 @@ def _formula(ctx: Context, datum: Datum) -> nodes.Formula | None:
 def truth(ctx: Context, datum: Datum) -> nodes.Truth:
     """`t`, `true`, `nil` or `false`."""
     assert type(datum) is Symbol
-    return nodes.Truth(TRUTHS[datum.name], ctx.span(datum))
+    return nodes.Truth(TRUTHS[datum.name], span=ctx.span(datum))
 
 
 _NO_PROPOSITIONS = frozenset((*CALLS, *ALONE))
@@ -108,7 +108,7 @@ def joined(kind: type[nodes.And | nodes.Or]) -> Read:
         parts = _parts(ctx, datum)
         if kind is nodes.Or and len(parts) < len(datum.items) - 1:
             return None
-        return kind(parts, ctx.span(datum))
+        return kind(parts, span=ctx.span(datum))
 
     return read
 
@@ -131,8 +131,8 @@ def negation(ctx: Context, datum: Datum) -> nodes.Formula | None:
             "`(and (not a) (not b))` each of them",
             fix=ctx.wrap(datum.items[1], datum.items[-1], "(and ", sure=False),
         )
-        parts = (nodes.And(parts, ctx.span(datum)),)
-    return nodes.Not(parts[0], ctx.span(datum))
+        parts = (nodes.And(parts, span=ctx.span(datum)),)
+    return nodes.Not(parts[0], span=ctx.span(datum))
 
 
 def dated(ctx: Context, datum: List) -> List | None:

@@ -33,7 +33,7 @@ def memory_rule(ctx: Context, form: List) -> nodes.MemoryRule | None:
         return None
     cases = made(_case(ctx, one) for one in body.items[1:])
     moment = cast(Literal["finish", "event"], when.name[1:])
-    return nodes.MemoryRule(index, moment, cases, ctx.span(form))
+    return nodes.MemoryRule(index, moment, cases, span=ctx.span(form))
 
 
 def _case(ctx: Context, datum: Datum) -> nodes.ResultCase | None:
@@ -44,16 +44,16 @@ def _case(ctx: Context, datum: Datum) -> nodes.ResultCase | None:
     first = datum.items[0]
     result: nodes.Const | nodes.Var | nodes.Signal | None = None
     if isinstance(first, Symbol):
-        result = nodes.Const(first.name, ctx.span(first))
+        result = nodes.Const(first.name, span=ctx.span(first))
     elif isinstance(first, Variable):
-        result = nodes.Var(first.name, ctx.span(first))
+        result = nodes.Var(first.name, span=ctx.span(first))
     elif isinstance(first, List) and first.items:
         result = _awaited(ctx, first)
     else:
         message = f"a result is a symbol, a variable or a signal, not {kind_of(first)}"
         ctx.report("malformed-rule", message, first)
     found = _rules(ctx, datum.items[1:])
-    return nodes.ResultCase(result, found, ctx.span(datum)) if result else None
+    return nodes.ResultCase(result, found, span=ctx.span(datum)) if result else None
 
 
 def _awaited(ctx: Context, datum: List) -> nodes.Signal | None:
@@ -61,7 +61,7 @@ def _awaited(ctx: Context, datum: List) -> nodes.Signal | None:
     first = datum.items[0]
     if isinstance(first, Symbol):
         args = terms(ctx, datum.items[1:])
-        return nodes.Signal(f":{first.name}", args, ctx.span(datum))
+        return nodes.Signal(f":{first.name}", args, span=ctx.span(datum))
     return signal(ctx, datum)
 
 
@@ -82,7 +82,7 @@ def event_rule(ctx: Context, form: List) -> nodes.EventRule | None:
             form,
             help="write `(rule (query (mem-add fact)))` behind the signal",
         )
-    return nodes.EventRule(awaited.name, awaited.args, found, ctx.span(form))
+    return nodes.EventRule(awaited.name, awaited.args, found, span=ctx.span(form))
 
 
 def _rules(ctx: Context, data: Sequence[Datum]) -> tuple[nodes.Rule, ...]:
@@ -118,12 +118,12 @@ def alternative(ctx: Context, datum: Datum) -> nodes.Alternative | None:
     if not isinstance(datum, List) or not datum.items or named:
         wrong(ctx, "alternative", datum)
         return None
-    query: nodes.Formula | None = nodes.Truth(True, ctx.span(datum))
+    query: nodes.Formula | None = nodes.Truth(True, span=ctx.span(datum))
     actions = datum.items
     if head_of(datum.items[0]) not in _ACTIONS:
         query, actions = formula(ctx, datum.items[0]), datum.items[1:]
     read = made(_action(ctx, one) for one in actions)
-    return nodes.Alternative(query, read, ctx.span(datum)) if query else None
+    return nodes.Alternative(query, read, span=ctx.span(datum)) if query else None
 
 
 def _action(ctx: Context, datum: Datum) -> nodes.RuleAction | None:

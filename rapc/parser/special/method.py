@@ -31,9 +31,9 @@ def method(ctx: Context, datum: List, position: int) -> nodes.Method:
     fields = read_clauses(ctx, found, "method", _SLOTS)
     _check_body(ctx, datum, found)
     if fields[_BODY] is None:
-        fields[_BODY] = nodes.TaskNet((), ctx.span(datum))
-    values: list[Any] = [name, position, *fields, ctx.span(datum)]
-    return nodes.Method(*values)
+        fields[_BODY] = nodes.TaskNet((), span=ctx.span(datum))
+    values: list[Any] = [name, position, *fields]
+    return nodes.Method(*values, span=ctx.span(datum))
 
 
 _SLOTS = slots("method", nodes.Method)
@@ -98,7 +98,7 @@ def primitive(ctx: Context, clause: Datum) -> nodes.Primitive | nodes.Skills | N
             help="a request is a name and its arguments, as in `(arm-grasp arm1 ?x)`",
         )
     request = pattern(ctx, operands[0], nodes.Request) if operands else None
-    return nodes.Primitive(request, ctx.span(clause)) if request else None
+    return nodes.Primitive(request, span=ctx.span(clause)) if request else None
 
 
 _SKILL_PARTS = ("enable", "wait-for", "disable")
@@ -124,4 +124,6 @@ def _skills(ctx: Context, clause: List, operands: Sequence[Datum]) -> nodes.Skil
             made = [colon(ctx, one, nodes.Skill) for one in datum.items[1:]]
             named = enable if name == "enable" else disable
             named.extend(one for one in made if one)
-    return nodes.Skills(tuple(enable), tuple(waits), tuple(disable), ctx.span(clause))
+    return nodes.Skills(
+        tuple(enable), tuple(waits), tuple(disable), span=ctx.span(clause)
+    )

@@ -138,16 +138,15 @@ def _rap(
         _kinds(inputs + outputs),
         *fields,
         ctx.span(name),
-        ctx.span(datum),
     ]
-    return nodes.DefineRap(*values)
+    return nodes.DefineRap(*values, span=ctx.span(datum))
 
 
 def _kinds(given: Iterable[nodes.Argument]) -> tuple[nodes.VariableKind, ...]:
     """The kinds of those inputs and outputs of which one is told."""
     return tuple(
         [
-            nodes.VariableKind(one.variable.name, one.kind, one.span)
+            nodes.VariableKind(one.variable.name, one.kind, span=one.span)
             for one in given
             if one.kind is not None
         ]
@@ -207,7 +206,7 @@ def _resource(
     if variable is None:
         return None
     named = cast(Literal["set", "counter"], kind)
-    return nodes.Resource(named, variable, initial, ctx.span(datum))
+    return nodes.Resource(named, variable, initial, span=ctx.span(datum))
 
 
 def _check_method_names(

@@ -34,9 +34,9 @@ def task_net(ctx: Context, datum: Datum) -> nodes.TaskNet:
     rows = datum.items[1:]
     if rows and type(rows[0]) is Symbol and rows[0].name in GROUPS:
         _grouped(ctx, rows[0])
-        return nodes.TaskNet((), ctx.span(datum))
+        return nodes.TaskNet((), span=ctx.span(datum))
     steps = tuple(filter(None, [_step(ctx, row) for row in rows]))
-    return nodes.TaskNet(steps, ctx.span(datum))
+    return nodes.TaskNet(steps, span=ctx.span(datum))
 
 
 def _grouped(ctx: Context, word: Datum) -> None:
@@ -110,7 +110,7 @@ def _step(ctx: Context, datum: Datum) -> nodes.Step | None:
     annotations = _annotations(ctx, items[1:]) if len(items) > 1 else ()
     if asked is None:
         return None
-    return nodes.Step(tag, priority, asked, annotations, ctx.span(datum))
+    return nodes.Step(tag, priority, asked, annotations, span=ctx.span(datum))
 
 
 def _annotations(ctx: Context, data: Sequence[Datum]) -> tuple[nodes.Annotation, ...]:
@@ -146,7 +146,7 @@ def _bare_for(
     asked = formula(ctx, data[at]) if formed else None
     span = ctx.span(data[at]).to(ctx.span(tag))
     lost = formed and asked is None
-    return None if lost else nodes.For(asked, tag.name, span), start + 2
+    return None if lost else nodes.For(asked, tag.name, span=span), start + 2
 
 
 def _is_for(datum: Datum) -> bool:
@@ -177,7 +177,7 @@ def _formula_for(ctx: Context, datum: List) -> nodes.For | None:
         message = "`for` is followed by the tag of one step"
         ctx.report("malformed-annotation", message, datum.items[-1])
         return None
-    return nodes.For(asked, tag.name, ctx.span(datum)) if asked else None
+    return nodes.For(asked, tag.name, span=ctx.span(datum)) if asked else None
 
 
 def _parenthesised_for(ctx: Context, datum: List, second: Datum) -> nodes.For | None:
@@ -242,4 +242,4 @@ def wait_for(
     if awaited is None:
         return None
     chosen = cast(Literal["proceed", "succeed", "fail"], mode)
-    return nodes.WaitFor(awaited.name, awaited.args, chosen, ctx.span(datum))
+    return nodes.WaitFor(awaited.name, awaited.args, chosen, span=ctx.span(datum))

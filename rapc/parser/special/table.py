@@ -73,38 +73,38 @@ SPECIAL: Mapping[str, Read] = {
 
 MAKERS: Mapping[str, Maker] = {
     "skills": lambda head, values, span: values[0],
-    "order": lambda head, values, span: nodes.For(None, values[0], span),
+    "order": lambda head, values, span: nodes.For(None, values[0], span=span),
     **dict.fromkeys(
         ("set_add", "set_sub", "counter_add", "counter_sub"),
         lambda head, values, span: nodes.ResourceChange(
-            head, values[0], values[1], span
+            head, values[0], values[1], span=span
         ),
     ),
     "compare": lambda head, values, span: nodes.Compare(
-        head, values[0], values[1], span
+        head, values[0], values[1], span=span
     ),
     **dict.fromkeys(
         ("member", "empty"),
-        lambda head, values, span: nodes.SetTest(head, tuple(values), span),
+        lambda head, values, span: nodes.SetTest(head, tuple(values), span=span),
     ),
     **dict.fromkeys(
         ("method_tried", "last_result", "result_with_method"),
-        lambda head, values, span: nodes.HistoryTest(head, tuple(values), span),
+        lambda head, values, span: nodes.HistoryTest(head, tuple(values), span=span),
     ),
-    "action": lambda head, values, span: nodes.RuleAction(head, values[0], span),
+    "action": lambda head, values, span: nodes.RuleAction(head, values[0], span=span),
     "sensor_name": lambda head, values, span: nodes.SensorName(
-        values[0], values[1] or nodes.Const("true", span), span
+        values[0], values[1] or nodes.Const("true", span=span), span=span
     ),
-    "cycles": lambda head, values, span: nodes.Until(None, values[0], span),
+    "cycles": lambda head, values, span: nodes.Until(None, values[0], span=span),
     "until": lambda head, values, span: (
         values[0]
         if isinstance(values[0], nodes.Until)
-        else nodes.Until(values[0], None, span)
+        else nodes.Until(values[0], None, span=span)
     ),
     "world_option": lambda head, values, span: nodes.WorldOption(
-        values[0], values[1].value, span
+        values[0], values[1].value, span=span
     ),
-    "trace": lambda head, values, span: nodes.TraceHas(values[0], span),
+    "trace": lambda head, values, span: nodes.TraceHas(values[0], span=span),
 }
 """What makes the nodes of rules whose nodes are called otherwise, or are none."""
 

@@ -65,9 +65,9 @@ def _test(
     ]
     fields = read_clauses(ctx, kept, "_test_clause", into)
     fields[end] = _until(made(ends))
-    spans = (ctx.span(name or form.items[0]), ctx.span(form))
-    values: list[Any] = ["" if name is None else name.name, doc, *fields, *spans]
-    return nodes.DefineTest(*values)
+    place = ctx.span(name or form.items[0])
+    values: list[Any] = ["" if name is None else name.name, doc, *fields, place]
+    return nodes.DefineTest(*values, span=ctx.span(form))
 
 
 def _until(found: Sequence[nodes.Until]) -> nodes.Until | None:
@@ -77,7 +77,7 @@ def _until(found: Sequence[nodes.Until]) -> nodes.Until | None:
     times = [one.time for one in found if one.time is not None]
     cycles = [one.cycles for one in found if one.cycles is not None]
     time, count = next(iter(times), None), next(iter(cycles), None)
-    return nodes.Until(time, count, found[-1].span)
+    return nodes.Until(time, count, span=found[-1].span)
 
 
 # --- what is given ------------------------------------------------------------------
@@ -95,7 +95,7 @@ def define_agenda(ctx: Context, form: List) -> nodes.DefineAgenda | None:
         for word in ("require", "task")
     )
     return nodes.DefineAgenda(
-        name.name, required, given, ctx.span(name), ctx.span(form)
+        name.name, required, given, ctx.span(name), span=ctx.span(form)
     )
 
 
@@ -111,8 +111,7 @@ def given(group: str) -> Read:
         if asked is None:
             return None
         options = filled(slots("agenda_task", nodes.GivenTask), read)
-        values: list[Any] = [asked, *options, ctx.span(clause)]
-        return nodes.GivenTask(*values)
+        return nodes.GivenTask(asked, *options, span=ctx.span(clause))
 
     return read
 
@@ -128,7 +127,7 @@ def at(ctx: Context, clause: List) -> nodes.At | None:
     known = ctx.readers.group("_action")
     found = clauses(ctx, clause.items[2:], "at", ACTIONS)
     actions: tuple[nodes.Action, ...] = made(known[n](ctx, one) for n, one in found)
-    return nodes.At(time, actions, ctx.span(clause))
+    return nodes.At(time, actions, span=ctx.span(clause))
 
 
 ACTIONS = heads("_action")
@@ -197,6 +196,6 @@ def pair(rule: str, wanted: str, kinds: tuple[type[nodes.Term], ...]) -> Read:
                 spot = Symbol("", one.span.start, one.span.end)
                 ctx.report("malformed-clause", f"{wanted} is wanted here", spot)
                 return None
-        return nodes.Moved(item, place, ctx.span(datum))
+        return nodes.Moved(item, place, span=ctx.span(datum))
 
     return read

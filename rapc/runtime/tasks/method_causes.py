@@ -52,7 +52,7 @@ def of_result(machine: Machine, run: MethodRun, result: str) -> Cause | None:
     body = run.plan.node.body
     for wait in body.waits if isinstance(body, nodes.Skills) else ():
         if wait.mode == "fail" and wait.signal == f":{result}":
-            signal = nodes.Signal(wait.signal, wait.args, wait.span)
+            signal = nodes.Signal(wait.signal, wait.args, span=wait.span)
             return _cause(machine, run, "wait-for", signal, "its event came")
     return None
 

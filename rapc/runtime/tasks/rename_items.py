@@ -88,7 +88,7 @@ def with_names(node: Any, name_of: Callable[[Atom], Atom]) -> Any:
     Formulas nest as deep as the reader allows, a hundred levels.
     """
     if isinstance(node, nodes.Const):
-        return nodes.Const(name_of(node.value), node.span)
+        return nodes.Const(name_of(node.value), span=node.span)
     if isinstance(node, tuple):
         return tuple([with_names(part, name_of) for part in node])
     if isinstance(node, nodes.Node):
