@@ -36,7 +36,7 @@ def is_atom(value: object) -> bool:
     """
     kind = type(value)
     if kind is str:
-        return is_symbol(value)  # type: ignore[arg-type]
+        return is_symbol(value)
     if kind is int:
         return True
     if kind is float:
