@@ -1,8 +1,7 @@
 """Tokens: one regular expression made of the grammar's terminals, and its atoms.
 
-`ReadLog` serves both readers: it turns atoms into data and keeps comments, findings and
-the places that make a form damaged. Lists are built elsewhere: by
-`rapc.parser.reader` while all is well, by `rapc.parser.repair.cut` when it is not.
+`ReadLog` turns atoms into data and keeps comments, findings and
+the places that make a form damaged. Lists are built by `rapc.parser.reader`.
 """
 
 from __future__ import annotations
@@ -11,14 +10,15 @@ import math
 import re
 import sys
 from bisect import bisect_left
-from collections.abc import Callable, Iterable, Mapping
-from functools import cached_property
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import cache
 from typing import Any
 
 from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix
 from rapc.base.source import SourceFile
 from rapc.base.values import Number, format_atom, number
 from rapc.language.atoms import MAX_NAME
+from rapc.language.grammar import TERMINALS
 from rapc.language.heads import ARROW
 from rapc.parser.syntax import (
     Arrow,
@@ -43,20 +43,32 @@ MAX_FINDINGS = 1000
 """How many findings a file's text may give; more would help nobody."""
 
 OPEN, CLOSE, QUOTE, ATOM, STRING, COMMENT, BLOCK, OTHER = range(1, 9)
-"""The groups of `Lexicon.loose`; OTHER is a character that begins nothing."""
+CUT, UNCLOSED = 9, 10
+"""The kinds of tokens: the groups of `Lexicon.loose`, and what does not close.
+
+OTHER is a character that begins nothing, CUT a string, UNCLOSED a comment.
+"""
+
+FORM = (
+    r"\({1,2}(?:define-|declare-|require[\s\"]"
+    r"|(?:def|dec)[a-z]{0,6}-(?:rap|test|mem|event|class|indi|prim|sens|skill))"
+)
+FORM_LINE = re.compile(f"^{FORM}", re.I | re.M)
+"""What looks like the beginning of a form in column one."""
 
 Token = tuple[int, int, int]
-"""A token's group and the offsets of its text."""
+"""A token's kind and the offsets of its text."""
 
 _ESCAPE = re.compile(r"\\(.)", re.S)
 _NUMBER_LIKE = re.compile(r"[+-]?(?=\.?[0-9])[0-9]*\.?[0-9]*(?:e[+-]?[0-9]+)?", re.I)
-MAKERS: Mapping[str, Callable[[Any, int, int], Datum]] = {
+_Make = Callable[[Any, int, int], Datum]
+MAKERS: Mapping[str, _Make] = {
     "NUMBER": Numeral,
     "VARIABLE": Variable,
     "KEYWORD": Keyword,
     "WORD": Symbol,
 }
-"""What makes a datum of an atom's value and place, by its kind; but see `maker`."""
+"""What makes a datum of the value and place of an atom; `=>` is an `Arrow`."""
 
 _MEANT = str.maketrans(
     {
@@ -76,59 +88,69 @@ class Lexicon:
     atoms apart. For `loose`, which finds one token and the space before it, a string
     is its opening quote alone.
 
-    `words` cuts a text into pieces that leave nothing out: an atom with the parentheses
-    around it and the space behind it; parentheses or space alone; a string; a comment
-    to the end of its line; what begins nothing; or a string that is not closed, with
-    all that follows. `word` finds the atom of a piece. A comment in `#| |#` begins
-    where `block` says, unless that is in a string or comment; `words` knows of none.
-
     Args:
         terminals: regular expressions without groups of their own, by terminal name.
     """
 
     def __init__(self, terminals: Mapping[str, str]) -> None:
-        space, name, string = (terminals[k] for k in ("_SPACE", "_NAME", "STRING"))
+        space, name = terminals["_SPACE"], terminals["_NAME"]
         left, right, comment = (terminals[k] for k in ("LPAR", "RPAR", "COMMENT"))
         atom = f"(?!:(?!{name})){name}"
         other = rf"\|#|(?!{space})(?s:.)"
         block = terminals["BLOCK_OPEN"]
         tokens = (left, right, "#'", atom, '"', comment, block, other)
         choice = "|".join(f"({token})" for token in tokens)
-        self._loose = rf"{space}*(?:{choice}|\Z)"
-        pieces = (
-            f"(?:{left})*+(?!#'){atom}(?:{right})*+{space}*+",
-            f"(?:{left})++{space}*+|(?:{right})++{space}*+|{space}++",
-            f"{comment}|{string}|\"(?s:.*)|#'|{other}",
-        )
-        self.words = re.compile("|".join(pieces))
+        self.loose = re.compile(rf"{space}*+(?:{choice}|\Z)")
         kinds = "|".join(f"(?P<{kind}>{terminals[kind]})" for kind in MAKERS)
-        self._atom = kinds
-        self.word = re.compile(f"(?:{left})*+(?!#')(?:{kinds})")
-        self.block = re.compile(rf"(?<!\|){block}")
-        self._string = string
-        self.comment = re.compile(comment)
-
-    # What most files have no use for is compiled when it is asked for.
-
-    @cached_property
-    def loose(self) -> re.Pattern[str]:
-        """Return what finds one token after the other, where a text is put right."""
-        return re.compile(self._loose)
-
-    @cached_property
-    def atom(self) -> re.Pattern[str]:
-        """Return what an atom alone is."""
-        return re.compile(self._atom)
-
-    @cached_property
-    def string(self) -> re.Pattern[str]:
-        """Return what a string that is closed is."""
-        return re.compile(self._string)
+        self.atom = re.compile(kinds)
+        self.string = re.compile(terminals["STRING"])
 
 
-def maker(kind: str, raw: str) -> Callable[[Any, int, int], Datum]:
-    """Return what makes a datum of an atom of this kind, as it is written."""
-    return Arrow if raw == ARROW else MAKERS[kind]
+@cache
+def lexicon() -> Lexicon:
+    """The terminals of `rap.lark`, compiled once."""
+    return Lexicon(TERMINALS)
+
+
+def tokens(
+    text: str, at: int, string: re.Pattern[str], closers: Mapping[int, int]
+) -> Iterator[Token]:
+    """Yield the tokens of a text behind a place, comments among them.
+
+    Args:
+        text: the text.
+        at: the place.
+        string: what a string is; one that does not close is a `CUT`, which ends with
+            its line, the parentheses at the end of the line left out.
+        closers: where each comment in `#| |#` ends; one that does not close is an
+            `UNCLOSED`, which ends before the next form.
+    """
+    find = lexicon().loose
+    again = True
+    while again:
+        again = False
+        for match in find.finditer(text, at):
+            kind = match.lastindex
+            if kind is None:
+                return
+            start, end = match.span(kind)
+            if kind == STRING:
+                found = string.match(text, start)
+                if found is None:
+                    stop = text.find("\n", start)
+                    line = text[start : stop if stop >= 0 else len(text)]
+                    kind, end = CUT, start + max(1, len(line.rstrip(" \t\r\f)")))
+                else:
+                    end = found.end()
+            elif kind == BLOCK and start in closers:
+                end = closers[start]
+            elif kind == BLOCK:
+                form = FORM_LINE.search(text, start)
+                kind, end = UNCLOSED, form.start() if form else len(text)
+            yield kind, start, end
+            if kind >= CUT or kind in (STRING, BLOCK):
+                at, again = end, True
+                break
 
 
 def atom_value(kind: str, raw: str) -> Number | str | None:
@@ -144,12 +166,6 @@ def atom_value(kind: str, raw: str) -> Number | str | None:
     return sys.intern(raw.lower())
 
 
-def string_value(raw: str) -> str:
-    """Return what a string with its quotes says."""
-    value = raw[1:-1]
-    return _ESCAPE.sub(r"\1", value) if "\\" in value else value
-
-
 class ReadLog:
     """Comments and findings collected while a file is read, and what is damaged."""
 
@@ -158,9 +174,9 @@ class ReadLog:
     #: The offsets of forms that a `)` too many stands behind.
     surplus: list[int]
 
-    def __init__(self, source: SourceFile, lexicon: Lexicon) -> None:
+    def __init__(self, source: SourceFile) -> None:
         self.source = source
-        self.lexicon = lexicon
+        self._known: dict[str, tuple[_Make, Any]] = {}
         self.comments: list[Comment] = []
         self.diagnostics: list[Diagnostic] = []
         self.damage = []
@@ -184,11 +200,16 @@ class ReadLog:
 
     def atom(self, raw: str, start: int, end: int) -> Datum:
         """The datum of an atom, whatever is wrong with it."""
-        match = self.lexicon.atom.match(raw)
+        known = self._known.get(raw)
+        if known is not None:
+            return known[0](known[1], start, end)
+        match = lexicon().atom.match(raw)
         kind = (match and match.lastgroup) or "WORD"
         value = atom_value(kind, raw)
         if value is not None:
-            return maker(kind, raw)(value, start, end)
+            make: _Make = Arrow if raw == ARROW else MAKERS[kind]
+            self._known[raw] = make, value
+            return make(value, start, end)
         if kind == "NUMBER":
             self._too_long("number", MAX_NUMBER, start, end)
             return Numeral(0, start, end)
@@ -199,7 +220,8 @@ class ReadLog:
 
     def string(self, start: int, end: int) -> String:
         """The datum of a string with its quotes."""
-        return String(string_value(self.source.text[start:end]), start, end)
+        value = self.source.text[start + 1 : end - 1]
+        return String(_ESCAPE.sub(r"\1", value), start, end)
 
     def illegal(self, start: int, end: int) -> None:
         """Keep characters that begin nothing; neighbours make one finding."""

@@ -1,196 +1,318 @@
-"""Text to data, for good files fast and for bad ones with findings.
+"""Text to data: lists are built of tokens with a stack, so no text exhausts Python's.
 
-The terminals are those of `rap.lark`, by way of `rapc.language.grammar`; lists are
-built here with a stack of our own, so no text can exhaust Python's. A file whose
-parentheses, strings or comments do not close is read again by `rapc.parser.repair.cut`.
-What the data mean is not asked here.
+A text that does not close is cut where a form begins in column one, so that a fault
+stays in its form. Parentheses within such a segment are put right by
+`rapc.parser.repair`; strings and comments that do not close are cut off here.
+Everything takes linear time. What the data mean is not asked here.
 """
 
 from __future__ import annotations
 
 import re
-from bisect import bisect_right
-from collections.abc import Iterator, Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from functools import cache
-from typing import TYPE_CHECKING, Any
 
-from rapc.base.later import later
-from rapc.base.source import SourceFile
-from rapc.language.comments import comment_end
-from rapc.language.grammar import TERMINALS
+import msgspec
+
+from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix, Label
+from rapc.base.source import SourceFile, Span
+from rapc.language.comments import BLOCK_MARK
 from rapc.parser.lexicon import (
+    ATOM,
+    BLOCK,
+    CLOSE,
+    COMMENT,
+    CUT,
+    FORM,
     MAX_DEPTH,
-    Lexicon,
+    OPEN,
+    STRING,
+    UNCLOSED,
     ReadLog,
-    atom_value,
-    maker,
-    string_value,
+    Token,
+    lexicon,
+    tokens,
 )
-from rapc.parser.repair.rejoin import rejoin
+from rapc.parser.repair import Repair, balance, rejoin, repair_findings
 from rapc.parser.syntax import Datum, List, Reading, String
 
-if TYPE_CHECKING:
-    from rapc.parser.repair import cut
-else:
-    cut = later("rapc.parser.repair.cut")
+_SWALLOWED = r"\((?:define|declare)-"
+_BARE_FORM = r"(?:define|declare)-\w"
+_STRING = r'"[^"\\\n]*+(?:(?:\\[^\n]|\\?\n(?!\((?:define|declare)-))[^"\\\n]*+)*+"'
+_LINE_STRING = r'"[^"\\\n]*+(?:\\[^\n][^"\\\n]*+)*+"'
 
-_OPEN_ENDED = {'"': "string", ";": "comment"}
-"""What may hold `#|` without beginning a comment, by what it begins with."""
-
-_FORM_LINE = re.compile(r"^\((?:define|declare)-", re.I | re.M)
+_COMMENTS = (COMMENT, BLOCK, UNCLOSED)
 
 
 @cache
-def lexicon() -> Lexicon:
-    """The terminals of `rap.lark`, compiled once."""
-    return Lexicon(TERMINALS)
+def _compiled(pattern: str) -> re.Pattern[str]:
+    """Return an expression, compiled when the first text has to be put right."""
+    return re.compile(pattern, re.I | re.M)
+
+
+class Segment(msgspec.Struct):
+    """The tokens of a stretch of text up to where the next form begins (`end`).
+
+    `deep` is the place of a list nested too deeply, `string` of a string that does not
+    close, `comment` of such a comment. Where text is lost in one of these ways,
+    parentheses are put right without a word.
+    """
+
+    start: int
+    end: int
+    tokens: list[Token]
+    deep: int | None = None
+    string: Token | None = None
+    comment: Token | None = None
 
 
 def read(source: SourceFile) -> Reading:
     """Read a file: return its data, and the findings about its text."""
-    log = ReadLog(source, lexicon())
-    forms = _scan(log)
-    if forms is None or _swallowed(source.text, forms):
-        log = ReadLog(source, lexicon())
-        forms = cut.recover(log)
+    log = ReadLog(source)
+    text = source.text
+    closers = _comment_ends(text) if "#|" in text else {}
+    found = list(tokens(text, 0, lexicon().string, closers))
+    if _is_sound(text, found):
+        forms = _build(log, found, Repair())
+    else:
+        forms = _recover(log, closers)
     return log.finish(rejoin(log, forms))
 
 
-def _swallowed(text: str, forms: Sequence[Datum]) -> bool:
-    """Whether a list holds what looks like the next form: one `)` missing before it.
+def _is_sound(text: str, found: Sequence[Token]) -> bool:
+    """Whether all closes that opens, and no list holds what looks like a form.
 
-    A surplus one further on makes up for it, so the text as a whole is balanced.
+    A `)` missing before a form and a surplus one further on balance each other.
     """
-    tops = {form.start for form in forms}
-    for found in _FORM_LINE.finditer(text):
-        if found.start() not in tops:
-            above = bisect_right(forms, found.start(), key=lambda form: form.start)
-            if above and _list_at(forms[above - 1], found.start()):
-                return True
-    return False
-
-
-def _list_at(datum: Datum, offset: int) -> bool:
-    """Whether a list in this datum begins at an offset."""
-    while isinstance(datum, List) and datum.start < offset < datum.end:
-        index = bisect_right(datum.items, offset, key=lambda item: item.start)
-        if not index:
+    depth = 0
+    for kind, start, _ in found:
+        if kind == OPEN:
+            if (
+                depth
+                and text[start - 1] == "\n"
+                and _compiled(_SWALLOWED).match(text, start)
+            ):
+                return False
+            depth += 1
+        elif kind == CLOSE:
+            depth -= 1
+        if not 0 <= depth <= MAX_DEPTH or kind >= CUT:
             return False
-        datum = datum.items[index - 1]
-    return isinstance(datum, List) and datum.start == offset
+    return not depth
 
 
-class _Unclosed(Exception):
-    """A string or comment is not closed."""
-
-
-def _scan(log: ReadLog) -> list[Datum] | None:
-    """The data of a sound file; None as soon as something does not close."""
-    find = _Words(log).__getitem__
-    items: list[Datum] = []
-    stack: list[tuple[list[Datum], int]] = []
-    try:
-        for first, pieces in _windows(log):
-            at = first
-            for opens, make, value, start, end, closes, length in map(find, pieces):
-                if opens:
-                    if len(stack) + opens > MAX_DEPTH:
-                        return None
-                    stack.append((items, at))
-                    if opens > 1:
-                        stack += [([], left) for left in range(at + 1, at + opens)]
-                    items = []
-                if make is not None:
-                    items.append(make(value, at + start, at + end))
-                elif end:
-                    value(at, at + end)
-                if closes:
-                    if closes > len(stack):
-                        return None
-                    right = at + end
-                    while closes:
-                        right += 1
-                        closes -= 1  # noqa: PLW2901  # counting is what it is for
-                        inner = tuple(items)
-                        items, left = stack.pop()
-                        items.append(List(inner, left, right))
-                at += length
-    except _Unclosed:
-        return None
-    return None if stack else items
-
-
-def _windows(log: ReadLog) -> Iterator[tuple[int, list[str]]]:
-    """The pieces of a text from one `#| |#` to the next, with the place of the first.
-
-    Raises _Unclosed.
-    """
-    text, lexicon = log.source.text, log.lexicon
+def _recover(log: ReadLog, closers: Mapping[int, int]) -> list[Datum]:
+    """The data of any text at all; what is wrong with it goes into the log."""
+    text = log.source.text
+    forms: list[Datum] = []
     at = 0
     while at < len(text):
-        mark = text.find("#|", at)
-        block = lexicon.block.search(text, mark) if mark >= 0 else None
-        stop = block.start() if block else len(text)
-        pieces = lexicon.words.findall(text, at, stop)
-        begun = pieces and block and _OPEN_ENDED.get(pieces[-1][0])
-        if begun:  # a string or comment, which goes on behind what only looks like one
-            start = stop - len(pieces.pop())
-            whole = getattr(lexicon, begun).match(text, start)
-            if whole is None:
-                raise _Unclosed
-            pieces.append(whole[0])
-            stop = whole.end()
-        yield at, pieces
-        at = stop
-        if block and not begun:
-            at = comment_end(text, stop)
-            if at < 0:
-                raise _Unclosed
-            log.comment(stop, at)
+        segment = _Cutter(log, closers, at).cut()
+        if segment.string is not None:
+            segment = _Cutter(log, closers, at, lines=True).cut()
+        forms.extend(_data(log, segment))
+        at = segment.end
+    return forms
 
 
-_Word = tuple[int, Any, Any, int, int, int, int]
-"""What a piece of text means.
+def _comment_ends(text: str) -> dict[int, int]:
+    """Return where each `#|` that is closed has its end."""
+    ends: dict[int, int] = {}
+    stack: list[int] = []
+    for mark in BLOCK_MARK.finditer(text):
+        if mark[0] == "#|":
+            stack.append(mark.start())
+        elif stack:
+            ends[stack.pop()] = mark.end()
+    return ends
 
-How many lists it opens; what makes a datum, and of what, and where this stands in the
-piece; how many lists it closes; how long it is. With no maker but a place, what is
-called instead of one has something to note.
-"""
+
+class _Cutter:
+    """Cuts one segment off a text.
+
+    With `lines`, no string goes beyond its line.
+    """
+
+    def __init__(
+        self,
+        log: ReadLog,
+        closers: Mapping[int, int],
+        start: int,
+        *,
+        lines: bool = False,
+    ) -> None:
+        self.text = log.source.text
+        self.closers = closers
+        self.lines = lines
+        self.segment = Segment(start, len(self.text), [])
+        self.depth = 0
+        self.surplus = 0
+        self.in_test = self.text[start : start + 12].lower() == "(define-test"
+
+    def cut(self) -> Segment:
+        """The segment; given up where a string that might have lines is not closed."""
+        segment = self.segment
+        string = _compiled(_LINE_STRING if self.lines else _STRING)
+        for token in tokens(self.text, segment.start, string, self.closers):
+            kind, start, _ = token
+            if self._begins_form(kind, start):
+                segment.end = start
+                break
+            if kind == CUT:
+                segment.string = segment.string or token
+                if not self.lines:
+                    break
+            if kind == UNCLOSED and segment.comment is None:
+                segment.comment = token
+            if kind in (OPEN, CLOSE):
+                self._parenthesis(kind, start)
+            elif self.depth <= MAX_DEPTH or kind in _COMMENTS:
+                segment.tokens.append(token)
+        return segment
+
+    def _begins_form(self, kind: int, at: int) -> bool:
+        """Whether the next segment begins here."""
+        if at == self.segment.start or self.text[at - 1] != "\n":
+            return False
+        if kind == ATOM:
+            found = _compiled(_BARE_FORM).match(self.text, at)
+            return not self.depth and found is not None
+        if kind != OPEN:
+            return False
+        found = _compiled(FORM).match(self.text, at)
+        return found is not None and not (self.in_test and "require" in found[0])
+
+    def _parenthesis(self, kind: int, at: int) -> None:
+        if kind == OPEN:
+            self.depth += 1
+            if self.depth > MAX_DEPTH:
+                self.segment.deep = self.segment.deep or at
+                return
+        elif self.depth > MAX_DEPTH:
+            self.depth -= 1
+            return
+        elif self.depth:
+            self.depth -= 1
+        else:
+            self.surplus += 1
+            if self.surplus > MAX_DEPTH:
+                return
+        self.segment.tokens.append((kind, at, at + 1))
 
 
-class _Words(dict[str, _Word]):
-    """Pieces of a text (see `Lexicon.words`) and what each of them means."""
+def _data(log: ReadLog, segment: Segment) -> list[Datum]:
+    """The data of a segment; all of them count as damaged if anything was amiss."""
+    lost = _lost_text(log.source, segment)
+    code = [t for t in segment.tokens if t[0] not in _COMMENTS]
+    repair = balance(log.source, code)
+    if lost is not None:
+        log.report(lost)
+    elif not log.full:
+        for found in repair_findings(log.source, code, repair, segment.end):
+            log.report(found)
+    for kind, start, end in segment.tokens:
+        if kind in _COMMENTS:
+            log.comment(start, end)
+    forms = _build(log, code, repair)
+    harmless = lost is None and _is_harmless(code, repair, forms)
+    kept = log.surplus if harmless else log.damage
+    if lost is not None or repair.edits:
+        kept.extend(form.start for form in forms)
+    return forms
 
-    def __init__(self, log: ReadLog) -> None:
-        self._log = log
-        self._match = log.lexicon.word.match
 
-    def __missing__(self, piece: str) -> _Word:
-        """A piece not seen before. Raises _Unclosed."""
-        found = self._match(piece)
-        if found is None:
-            return self._other(piece)
-        kind = found.lastgroup or ""
-        start, end = found.span(kind)
-        raw = piece[start:end]
-        value = atom_value(kind, raw)
-        make = maker(kind, raw)
-        if value is None:
-            make, value = self._log.atom, raw
-        word = (start, make, value, start, end, piece.count(")", end), len(piece))
-        self[piece] = word
-        return word
+def _is_harmless(code: Sequence[Token], repair: Repair, forms: Sequence[Datum]) -> bool:
+    """Whether the repair only takes out what stands behind the one form there is."""
+    if repair.edits != len(repair.drops):
+        return False
+    starts = [code[index][1] for index, _ in repair.drops]
+    return not starts or (len(forms) == 1 and min(starts) >= forms[0].end)
 
-    def _other(self, piece: str) -> _Word:
-        first, length = piece[0], len(piece)
-        if first in "() \t\r\n\f":
-            opens, closes = piece.count("("), piece.count(")")
-            self[piece] = word = (opens, None, None, 0, 0, closes, length)
-            return word
-        if first == ";":
-            return (0, None, self._log.comment, 0, length, 0, length)
-        if first != '"':
-            return (0, None, self._log.illegal, 0, length, 0, length)
-        if self._log.lexicon.string.fullmatch(piece) is None:
-            raise _Unclosed
-        return (0, String, string_value(piece), 0, length, 0, length)
+
+def _lost_text(source: SourceFile, segment: Segment) -> Diagnostic | None:
+    """Report the first fault in nesting, strings and comments."""
+    if segment.deep is not None:
+        return Diagnostic(
+            "nested-too-deeply",
+            f"lists are nested more than {MAX_DEPTH} deep here",
+            source.span(segment.deep, segment.deep + 1),
+            help="are closing parentheses missing before?",
+        )
+    if segment.string is not None:
+        _, start, end = segment.string
+        opener = source.span(start, start + 1)
+        return _unclosed("unterminated-string", source, opener, end, '"', segment.end)
+    if segment.comment is not None:
+        _, start, stop = segment.comment
+        end = start + len(source.text[start:stop].rstrip())
+        opener = source.span(start, start + 2)
+        return _unclosed("unterminated-comment", source, opener, end, " |#", stop)
+    return None
+
+
+def _unclosed(
+    rule: str,
+    source: SourceFile,
+    opener: Span,
+    end: int,
+    closer: str,
+    noticed: int,
+) -> Diagnostic:
+    """A string or comment that should end at `end` and was missed at `noticed`."""
+    mark = closer.strip()
+    last = "noticed here" if noticed < len(source.text) else "the file ends here"
+    return Diagnostic(
+        rule,
+        f"this {rule.removeprefix('unterminated-')} is never closed",
+        opener,
+        labels=(
+            Label(source.span(end - 1, end), f"`{mark}` is most likely missing here"),
+            Label(source.span(noticed, noticed + 1), last),
+        ),
+        fix=Fix(
+            Applicability.UNSAFE,
+            f"insert `{mark}`",
+            (Edit(source.span(end, end), closer),),
+        ),
+    )
+
+
+def _build(log: ReadLog, tokens: Sequence[Token], repair: Repair) -> list[Datum]:
+    """The data of repaired tokens; comments go into the log."""
+    closes = Counter(at for at, _ in repair.closes)
+    opens = frozenset(repair.opens)
+    drops = {*repair.extra, *(at for at, _ in repair.drops)}
+    text, atom = log.source.text, log.atom
+    items: list[Datum] = []
+    stack: list[tuple[list[Datum], int]] = []
+    for index, (kind, start, end) in enumerate(tokens):
+        for _ in range(closes[index] if closes else 0):
+            items = _close(stack, items, tokens[index - 1][2])
+        if index in opens or (kind == OPEN and index not in drops):
+            stack.append((items, start))
+            items = []
+        if kind == ATOM:
+            items.append(atom(text[start:end], start, end))
+        elif kind == CLOSE and index not in drops:
+            items = _close(stack, items, end)
+        elif kind == STRING:
+            items.append(log.string(start, end))
+        elif kind == CUT:
+            items.append(String(text[start + 1 : end], start, end))
+        elif kind in _COMMENTS:
+            log.comment(start, end)
+        elif kind not in (OPEN, CLOSE):
+            log.illegal(start, end)
+    while stack:
+        items = _close(stack, items, tokens[-1][2])
+    return items
+
+
+def _close(
+    stack: list[tuple[list[Datum], int]], items: list[Datum], end: int
+) -> list[Datum]:
+    """Close the innermost list; the items of the list around it."""
+    outer, start = stack.pop()
+    outer.append(List(tuple(items), start, end))
+    return outer

@@ -18,14 +18,10 @@ from hypothesis.extra.lark import from_lark
 from lark import Token, Tree
 from lark.exceptions import UnexpectedInput
 
-from rapc.base.source import SourceFile
 from rapc.language.build import parser as reference
-from rapc.parser import reader
-from rapc.parser.lexicon import ReadLog
-from rapc.parser.repair import cut as recovery
 from tests.effort import examples, first
 from tests.parser.programs import FILES as PROGRAMS
-from tests.parser.reading import FILE, Plain, plain, reading
+from tests.parser.reading import Plain, plain, reading
 
 CHECKOUT = Path(__file__).parents[2]
 UNLIMITED = {"malformed-number", "too-long", "nested-too-deeply"}
@@ -187,17 +183,3 @@ def test_texts_made_of_pieces(text: str) -> None:
 @given(from_lark(reference(), start="data"))
 def test_texts_made_by_the_grammar(text: str) -> None:
     check(text)
-
-
-@examples(1000)
-@given(TEXTS)
-def test_recovery_reads_sound_texts_like_the_fast_reader(text: str) -> None:
-    """The slow reader is for broken texts, but must not break others.
-
-    It takes one thing for broken that might be meant: a string with a form in it.
-    """
-    found = reading(text)
-    if any(top.damaged for top in found.forms) or FORM_IN_STRING.search(text):
-        return
-    log = ReadLog(SourceFile(FILE, text), reader.lexicon())
-    assert log.finish(recovery.recover(log)).forms == found.forms

@@ -1,1 +1,0 @@
-"""Reading on where parentheses are missing or too many."""
