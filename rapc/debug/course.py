@@ -38,6 +38,8 @@ class Branch:
         self.saves = saves
         #: The furthest moment that was reached.
         self.end = Moment(0)
+        #: Whether the run was over after that.
+        self.over = False
         #: Where the user was when another branch was taken up.
         self.left = Moment(0)
 
@@ -101,6 +103,11 @@ class Course(Stepped):
         return self.branch.end.cycle
 
     @property
+    def seen_over(self) -> bool:
+        """Whether the run was seen to be over there."""
+        return self.branch.over
+
+    @property
     def moment(self) -> Moment:
         """Return where the session stands."""
         return Moment(self.cycle, self._done)
@@ -120,6 +127,7 @@ class Course(Stepped):
     def _cycle(self) -> bool:
         """Run a cycle, and redo what the user did after it in this branch."""
         if not self.run.step():
+            self.branch.over = True
             return False
         branch, cycle = self.branch, self.cycle
         if self._done < len(branch.acts):

@@ -83,7 +83,7 @@ class Replay:
         self._cut = recording.reason in ("", *_BROKEN_OFF)
         self._last = Moment(max(recording.last_cycle - self._cut, 0))
         self._main = session.branch
-        self._main.end = self._last
+        self._main.end, self._main.over = self._last, not self._cut
         for told in session.log.since(0):
             self._compare(told)
         session.log.follower = self._compare

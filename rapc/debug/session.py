@@ -93,6 +93,7 @@ class Session(Course):
         if moment < branch.end or moment.acts < len(branch.acts):
             branch = self._branch_off(moment)
         branch.acts.append((moment.cycle, act))
+        branch.over = False
         self.run = run
         self._done += 1
         branch.end = self.moment

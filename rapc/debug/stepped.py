@@ -72,6 +72,11 @@ class Stepped(ABC):
         """The furthest cycle that was seen."""
 
     @property
+    @abstractmethod
+    def seen_over(self) -> bool:
+        """Whether the run was seen to be over after that cycle."""
+
+    @property
     def over(self) -> bool:
         """Whether the run is over, here."""
         return self.reason != ""
@@ -236,11 +241,14 @@ class Stepped(ABC):
         if time < self.now:
             later = self.scan(want=lambda told: told.time > time)
             found = next(iter(later), None)
-            return self.goto(self.cycle if found is None else found.cycle - 1)
-        stop = self._as_far(lambda: "" if self.now > time else None, heed)
-        if stop.kind == "asked" and not self.no_way_back:
-            return self.goto(self.cycle - 1)
-        return stop
+            stop = self.goto(self.cycle if found is None else found.cycle)
+        else:
+            stop = self._as_far(lambda: "" if self.now > time else None, heed)
+            if self.no_way_back or stop.kind not in ("asked", "over"):
+                return stop
+            if self.over and self.now > time:  # the clock ran on as the run ended
+                stop = self.goto(self.cycle)
+        return self.goto(self.cycle - 1) if self.now > time else stop
 
     def _as_far(self, until: Callable[[], str | None], heed: bool) -> Stop:
         """Run as far as is asked; without `heed` nobody watches meanwhile."""

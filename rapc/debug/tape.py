@@ -58,6 +58,11 @@ class Tape(Stepped):
         """The last cycle that was recorded."""
         return self._recording.last_cycle
 
+    @property
+    def seen_over(self) -> bool:
+        """Whether the recording ends there: always."""
+        return True
+
     def scan(
         self,
         *kinds: type[Any],

@@ -47,6 +47,7 @@ from rapc.language.heads import (
     QUERIES,
     RAP_CLAUSES,
 )
+from rapc.repl.answer import ShownAnswer, say
 from rapc.repl.arguments import is_balanced
 from rapc.repl.complete import candidates
 from rapc.repl.draw import draw
@@ -163,10 +164,11 @@ class Prompt:
 
     def _answer_inputs(self, fresh: Callable[[], None]) -> None:
         shell = self._shell
+        greeting = [f"{shell.subject.stand()}; {GREETING}"]
         if shell.recording:
             told = f"recorded run: {shell.recording}; `:goto end` goes to its end"
-            sys.stdout.write(f"{visible(told)}\n")
-        sys.stdout.write(f"{shell.subject.stand()}; {GREETING}\n")
+            greeting.insert(0, told)
+        self._write(say(*greeting))
         interrupted = False
         while not shell.left:
             self._typed = False
@@ -181,10 +183,12 @@ class Prompt:
                 sys.stdout.write("Ctrl-C once more leaves\n")
                 continue
             interrupted = False
-            answer = shell.answer(text)
-            width = shutil.get_terminal_size().columns
-            sys.stdout.write(draw(answer, width, color=self._color))
-            sys.stdout.flush()
+            self._write(shell.answer(text))
+
+    def _write(self, answer: ShownAnswer) -> None:
+        width = shutil.get_terminal_size().columns
+        sys.stdout.write(draw(answer, width, color=self._color))
+        sys.stdout.flush()
 
     def _toolbar(self) -> str:
         session = self._shell.subject

@@ -131,6 +131,7 @@ def _stand(one: Asker) -> None:
     session = one.session
     assert session.stand().startswith(f"cycle {session.moment.cycle}, time ")
     assert session.seen >= session.cycle
+    assert session.seen_over in (True, False)
     assert session.now == session.run.now
     assert session.over == bool(session.reason)
 

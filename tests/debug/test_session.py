@@ -116,6 +116,25 @@ def test_a_time_is_reached_from_both_sides() -> None:
     assert session.now > 50
 
 
+@pytest.mark.parametrize("world", ["courier", "truck"])
+def test_a_time_is_the_same_moment_from_everywhere(world: str) -> None:
+    session = moments.courier(0) if world == "courier" else truck()
+    session.go(heed=False)
+    assert session.over
+    end = session.now
+    for time in (0, 3, 14.2, end / 7, end / 2, end - 0.5, end, end + 1):
+        stood = set()
+        for start in (0, 10**6, 5, session.cycle // 2, session.cycle + 1):
+            session.goto(start)
+            session.goto_time(time)
+            assert session.now <= time
+            stood.add((session.moment, session.over))
+        assert len(stood) == 1, (time, stood)
+        if not session.over:
+            session.step()
+            assert session.now > time
+
+
 def test_what_the_log_has_lost_is_made_again() -> None:
     session = truck()
     session.go()

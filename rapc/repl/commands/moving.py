@@ -138,7 +138,7 @@ def _goto(shell: Shell, args: Arguments) -> ShownAnswer:
         time = args.time("a time")
         return _moved(shell, lambda session: session.goto_time(time))
     if args.takes("end"):
-        return _moved(shell, lambda session: session.goto(session.seen))
+        return _moved(shell, lambda one: one.goto(one.seen + one.seen_over))
     cycle = args.count("a cycle")
     return _moved(shell, lambda session: session.goto(cycle))
 
