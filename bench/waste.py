@@ -174,11 +174,12 @@ def _still(tasks: Sequence[str] = (), **options: int) -> PointConfig:
     """The still part of chapter 6, with other options or tasks."""
     config = session().points[0].config
     changed = {name.replace("_", "-"): value for name, value in options.items()}
-    return msgspec.structs.replace(
-        config,
-        options={**config.options, **changed},
-        tasks=tuple(tasks) or config.tasks,
+    spec = msgspec.structs.replace(
+        config.spec,
+        options={**config.spec.options, **changed},
+        tasks=tuple(tasks) or config.spec.tasks,
     )
+    return msgspec.structs.replace(config, spec=spec)
 
 
 if __name__ == "__main__":

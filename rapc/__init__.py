@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from rapc.runtime.interpreter import Interpreter as Interpreter
     from rapc.runtime.settings import Settings as Settings
     from rapc.runtime.task_request import TaskRequest as TaskRequest
+    from rapc.spec import RunSpec as RunSpec
     from rapc.testing.from_python import TestResult as TestResult
     from rapc.testing.from_python import test as test
     from rapc.world import World as World
@@ -70,6 +71,7 @@ _HOMES = {
     "RefusedError": "rapc.errors",
     "CheckReport": "rapc.analysis.driver",
     "RunResult": "rapc.host",
+    "RunSpec": "rapc.spec",
     "SavedError": "rapc.errors",
     "SettingError": "rapc.errors",
     "Settings": "rapc.runtime.settings",

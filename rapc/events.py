@@ -22,6 +22,7 @@ import msgspec
 
 from rapc.base.values import Atom, Fact, format_atom, format_list, readable
 from rapc.base.visible import visible
+from rapc.spec import RunSpec
 
 
 def _kebab(name: str) -> str:
@@ -152,27 +153,20 @@ class Event(msgspec.Struct, frozen=True, tag_field="event", tag=_kebab, kw_only=
         return None
 
 
-class RunStarted(Event, frozen=True, kw_only=True, omit_defaults=True):
-    """The first event; `format` is the version of the trace format."""
+class RunStarted(Event, frozen=True, kw_only=True):
+    """The first event; `format` is the version of the trace format.
+
+    The tasks of an agenda are among those of the `spec`, which holds all settings.
+    """
 
     format: int
-    library: str
-    #: What tells the texts of the library from others, wherever they lie.
-    digest: str
-    world: str
-    #: `module:Class`, if the world was named so; empty for an installed world.
-    world_class: str = msgspec.field(name="world-class", default="")
-    options: Mapping[str, str | int | float | bool]
-    settings: Mapping[str, int | float | bool]
-    seed: int
-    tasks: tuple[str, ...]
-    faults: tuple[str, ...]
-    facts: tuple[str, ...]
+    spec: RunSpec
 
     def line(self) -> str:  # noqa: D102  # see `Event`
-        tasks = ", ".join(self.tasks) or "no task"
-        library = visible(self.library)
-        return f"run of {library} in {self.world}, seed {self.seed}: {tasks}"
+        spec = self.spec
+        tasks = ", ".join(spec.tasks) or "no task"
+        library = visible(spec.library)
+        return f"run of {library} in {spec.world}, seed {spec.seed}: {tasks}"
 
 
 class TaskCreated(Event, frozen=True, kw_only=True):

@@ -22,7 +22,7 @@ from rapc.base import files
 from rapc.base.gc_paused import gc_paused
 from rapc.base.later import later
 from rapc.base.source import SourceFile, place
-from rapc.base.values import Atom, Fact
+from rapc.base.values import Atom, Fact, format_list
 from rapc.compiler.program import Program
 from rapc.errors import ArgumentError, Error, RefusedError, TextError
 from rapc.events import TaskResult
@@ -30,25 +30,30 @@ from rapc.ir.nodes import DefineRap, Method
 from rapc.ir.printer import format_node
 from rapc.library import loader
 from rapc.library.loader import Loaded
-from rapc.parser.parse import parse, parse_fact
+from rapc.parser.parse import parse
 from rapc.runtime.arguments import (
     kind,
     need_count,
+    need_fact,
     need_program,
     need_seed,
+    need_settings,
     need_table,
+    need_task,
     need_time,
 )
 from rapc.runtime.events.recorder import Listener
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.prepare import Given, prepare
+from rapc.runtime.prepare import prepare
 from rapc.runtime.settings import Settings
-from rapc.runtime.task_request import TaskRequest, of_agenda, read_task_request
+from rapc.runtime.task_request import TaskRequest, as_text
+from rapc.spec import RunSpec
 from rapc.world import Callables, Time, World
 from rapc.worlds.registry import (
     build_world,
     check_options,
     find_world,
+    plain_values,
     refuse_incomplete,
 )
 
@@ -176,22 +181,26 @@ class CheckedLibrary:
             raise ArgumentError(f"`agenda` is {kind(agenda)}, no name")
         need_seed(seed)
         need_table(options, "`options`")
-        first = () if agenda is None else of_agenda(self.program.library, agenda)
-        requests = [_request(task) for task in _listed(tasks, "tasks")]
-        known = [_fact(fact) for fact in _listed(facts, "facts")]
+        if settings is not None:
+            need_settings(settings)
         made, chosen = _world(world, seed, options)
-        given = Given(
+        spec = RunSpec(
+            world_class=world if isinstance(world, str) and ":" in world else "",
+            options=plain_values(chosen),
+            settings={} if settings is None else settings.named(),
             seed=seed,
-            settings=settings,
-            tasks=[*first, *requests],
-            facts=known,
-            world=world if isinstance(world, str) else "",
-            options=chosen,
+            agenda=agenda,
+            tasks=tuple([_task(task) for task in _listed(tasks, "tasks")]),
+            facts=tuple([_fact(fact) for fact in _listed(facts, "facts")]),
+        )
+        run = prepare(
+            self.program,
+            made,
+            spec,
             functions=functions,
             solvers=solvers,
             comparators=comparators,
         )
-        run = prepare(self.program, made, given)
         for listener in listeners:
             run.interpreter.listen(listener)
         return run.begin()
@@ -428,20 +437,22 @@ def _listed(given: Any, what: str) -> list[Any]:
     return list(given)
 
 
-def _request(task: object) -> TaskRequest:
+def _task(task: object) -> str:
     if isinstance(task, TaskRequest):
-        return task
+        need_task(task)
+        return as_text(task)
     if not isinstance(task, str):
         raise ArgumentError(f"a task is {kind(task)}", 'as text: "(rap args)"')
-    return read_task_request(task)
+    return task
 
 
-def _fact(fact: object) -> Fact:
+def _fact(fact: object) -> str:
     if isinstance(fact, tuple):
-        return fact
+        need_fact(fact, "the fact")
+        return format_list(fact)
     if not isinstance(fact, str):
         raise ArgumentError(f"a fact is {kind(fact)}", 'as text: "(name args)"')
-    return parse_fact(fact)
+    return fact
 
 
 def _world(

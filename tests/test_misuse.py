@@ -185,7 +185,7 @@ NOT_HELD: tuple[Any, ...] = (
 NOT_HELD_SAID = r"(a value|an argument) of the (task|signal) is"
 
 
-@pytest.mark.parametrize("value", NOT_HELD, ids=ascii)
+@pytest.mark.parametrize("value", NOT_HELD, ids=range(len(NOT_HELD)))
 def test_value_that_no_run_can_hold_is_refused_at_once(value: Any) -> None:
     library = rapc.loads("(declare-event :ring (?x)) (define-rap (order ?a))")
     run = library.start(ScriptedWorld([], declared=library.program.library))

@@ -17,10 +17,11 @@ from rapc.base.names import did_you_mean
 from rapc.base.values import number, readable
 from rapc.cli.checked import load_checked
 from rapc.cli.common import print_findings, read_paths
-from rapc.cli.given import RunOptions, prepared, run_options
 from rapc.cli.options import USAGE, Amount, command, fail
+from rapc.cli.run_options import prepared, read_spec, run_options
 from rapc.ir import nodes
 from rapc.library.library import Library
+from rapc.spec import RunSpec
 from rapc.worlds.skills.drawing import Networked
 
 if TYPE_CHECKING:
@@ -88,14 +89,14 @@ def graph(  # noqa: PLR0912  # a branch for each view
 
     Exit status: 0; 2 for a library with errors, and for what cannot be read.
     """
-    given = RunOptions(**more)
     views = (rap, effects, dominators, dependents, moment)
     flags = (monitors, claims, everything, recursive)
     if sum(view is not None for view in views) + sum(flags) > 1:
         fail("options that select a graph exclude each other")
     if moment is not None and world_name is not None:
-        drawn, style = _network(path, world_name, moment, given), writers.NETWORK
-    elif moment is not None or world_name is not None or any(given):
+        spec = read_spec(world_name, **more)
+        drawn, style = _network(path, world_name, moment, spec), writers.NETWORK
+    elif moment is not None or world_name is not None or any(more.values()):
         fail("--skills takes --world; --world, --task and the like take --skills")
     else:
         library, style = _library(path), writers.LIBRARY
@@ -121,9 +122,9 @@ def graph(  # noqa: PLR0912  # a branch for each view
     click.echo(writers.WRITERS[output_format](drawn, style), nl=False)
 
 
-def _network(path: str, world_name: str, moment: float, given: RunOptions) -> Graph:
+def _network(path: str, world_name: str, moment: float, spec: RunSpec) -> Graph:
     """Return the network of skills at a time of a run; else end the command."""
-    ready = prepared(load_checked(path), world_name, given)
+    ready = prepared(load_checked(path), spec, world_name)
     world = inspect.unwrap(ready.world)  # type: ignore[arg-type]  # an object, too
     if not isinstance(world, Networked):
         fail(f"the world `{world.name}` has no network of skills to be drawn")

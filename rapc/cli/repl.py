@@ -10,15 +10,14 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rapc.base.later import later
-from rapc.base.values import typed
 from rapc.cli.checked import load_checked
 from rapc.cli.common import width_of
-from rapc.cli.given import RunOptions, prepared, run_options
 from rapc.cli.options import command, fail, settings
+from rapc.cli.run_options import prepared, read_spec, run_options
 from rapc.compiler.program import Program
 from rapc.debug.log import EventLog
 from rapc.debug.recorded import Replay
-from rapc.debug.recording import Beginnings, Recording
+from rapc.debug.recording import Recording
 from rapc.debug.session import Session
 from rapc.debug.tape import Tape
 from rapc.debug.texts import TYPED
@@ -30,6 +29,7 @@ from rapc.repl.commands.table import commands
 from rapc.repl.script import inputs, run_script
 from rapc.repl.shell import Shell
 from rapc.runtime.prepare import PreparedRun
+from rapc.spec import RunSpec
 from rapc.worlds.registry import find_world
 from rapc.worlds.scripted import ScriptedWorld
 
@@ -83,15 +83,19 @@ def repl(
     Exit status: 0, or 1 if an input of a script could not be carried out; 2 if nothing
     could be begun.
     """
-    asked = RunOptions(**more)
     if path is None:
-        if world_name or any(asked._replace(seed=0)):
+        if world_name or any({**more, "seed": 0}.values()):
             fail("a library is missing: give PATH", "without one there is no world")
         library = loads("", TYPED)
         world = ScriptedWorld([], declared=library.program.library)
-        shell = Shell(Session.open(library, world, seed=asked.seed), commands())
+        shell = Shell(Session.open(library, world, seed=more["seed"]), commands())
     elif path.endswith(RECORDED):
-        shell = _recorded(Path(path), world_name, asked)
+        if any(more.values()):
+            fail(
+                "a recorded run begins as it was recorded",
+                "only --world, -c and --json go with it",
+            )
+        shell = _recorded(Path(path), world_name)
     else:
         program = load_checked(path)
         if world_name is None and _asks_a_world(program.library):
@@ -99,7 +103,7 @@ def repl(
                 "a world is missing: give --world",
                 "`rapc worlds` lists those installed",
             )
-        ready = prepared(program, world_name, asked)
+        ready = prepared(program, read_spec(world_name, **more), world_name)
         shell = Shell(_session(ready), commands(), [path])
     color = settings().colored()
     if sys.stdin.isatty() and sys.stdout.isatty() and not (given or as_json):
@@ -117,22 +121,17 @@ def _asks_a_world(library: Library) -> bool:
     return bool(library.primitives or library.skills)
 
 
-def _recorded(path: Path, world_name: str | None, asked: RunOptions) -> Shell:
+def _recorded(path: Path, world_name: str | None) -> Shell:
     """Begin a recorded run again, or have it only to look at."""
-    if any(asked):
-        fail(
-            "a recorded run begins as it was recorded",
-            "only --world, -c and --json go with it",
-        )
     recording = Recording(path)
     begun = recording.begun
     found = _at_hand(begun, world_name, path)
     if isinstance(found, str):
         _tell(f"only to look at: {found}")
         return Shell(Tape(recording), commands(), recording=str(recording))
-    if begun.digest not in ("", digest(found.library)):
+    if begun.digest != digest(found.library):
         _tell("the library is not the one that was recorded: its text is another")
-    session = _session(_again(found, begun, world_name or begun.world))
+    session = _session(prepared(found, begun, world_name or begun.world))
     Replay(session, recording)
     return Shell(session, commands(), [begun.library], str(recording))
 
@@ -141,7 +140,7 @@ def _tell(text: str) -> None:
     click.echo(text, err=True)
 
 
-def _at_hand(begun: Beginnings, world_name: str | None, path: Path) -> Program | str:
+def _at_hand(begun: RunSpec, world_name: str | None, path: Path) -> Program | str:
     """Return the library of a recorded run, or why it or the world is not at hand.
 
     A recording may come from anywhere, so the module of a world that was named
@@ -161,14 +160,6 @@ def _at_hand(begun: Beginnings, world_name: str | None, path: Path) -> Program |
         return load(begun.library).program
     except Error as error:
         return error.message
-
-
-def _again(library: Program, begun: Beginnings, world_name: str) -> PreparedRun:
-    """Return a run that can be begun as a recorded one was."""
-    values = [f"{begun.world}.{name}={typed(v)}" for name, v in begun.options.items()]
-    values += [f"rapc.{name}={typed(v)}" for name, v in begun.settings.items()]
-    given = (begun.tasks, None, begun.seed, begun.facts, values, begun.faults)
-    return prepared(library, world_name, RunOptions(*given))
 
 
 def _session(ready: PreparedRun) -> Session:

@@ -19,8 +19,8 @@ from rapc.base.values import format_list, number, readable
 from rapc.base.visible import visible, visible_lines
 from rapc.cli.checked import load_checked
 from rapc.cli.common import PIPED_WIDTH, refuse_output
-from rapc.cli.given import RunOptions, prepared, run_options
 from rapc.cli.options import WholeNumber, command, fail, settings
+from rapc.cli.run_options import prepared, read_spec, run_options
 from rapc.errors import reason
 from rapc.events import Deadlock, Event, TaskResult
 from rapc.library.library import Library
@@ -101,13 +101,13 @@ def run(
     """
     if show_every is not None and not show:
         raise click.UsageError("--show-every says how often to --show")
-    asked = RunOptions(**more)
-    if asked.agenda is None and not asked.tasks:
+    if more["agenda"] is None and not more["tasks"]:
         fail("there is nothing to do: give --task or --agenda")
     library = load_checked(path)
     end = _time(until)
-    ready = prepared(library, world_name, asked)
-    _tell_what_ends_it(list(ready.given.tasks), library.library, end)
+    spec = read_spec(world_name, until=end, **more)
+    ready = prepared(library, spec, world_name)
+    _tell_what_ends_it(ready.tasks, library.library, end)
     interpreter, world = ready.interpreter, ready.world
     drawn = _drawable(world, world_name) if show else None
     report = RunReport()

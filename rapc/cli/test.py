@@ -14,8 +14,8 @@ from rapc.base.outputs import COVERAGE, JUNIT
 from rapc.base.visible import visible
 from rapc.cli.check_options import nearest_config
 from rapc.cli.common import refuse_faulty, refuse_output, write_output
-from rapc.cli.given import read_option
 from rapc.cli.options import Amount, WholeNumber, command, fail, settings
+from rapc.cli.run_options import read_option
 from rapc.console.lines import wrapped
 from rapc.console.testing import coverage_table, explain
 from rapc.console.testing.junit import as_junit

@@ -24,6 +24,7 @@ from rapc.base.values import number
 from rapc.debug.log import ToldEvent
 from rapc.debug.recorded_lines import Count, Number, as_told, event_lines
 from rapc.errors import LoadError, reason
+from rapc.spec import RunSpec
 from rapc.world import Time
 
 _ROWS = 256
@@ -50,22 +51,10 @@ _ENDED = "run-ended"
 _T = TypeVar("_T")
 
 
-class Beginnings(msgspec.Struct, frozen=True):
-    """The library, world, seed and tasks with which a recorded run began."""
+class _Started(msgspec.Struct, frozen=True):
+    """The keys of the first line: what the run was begun with."""
 
-    library: str
-    world: str
-    options: dict[str, str | int | float | bool]
-    settings: dict[str, int | float | bool]
-    seed: int
-    tasks: tuple[str, ...]
-    faults: tuple[str, ...]
-    #: A trace that an earlier rapc wrote does not have them.
-    facts: tuple[str, ...] = ()
-    #: Tells the texts of the library from others; nor does it have that.
-    digest: str = ""
-    #: `module:Class`, if the world was named so.
-    world_class: str = msgspec.field(name="world-class", default="")
+    spec: RunSpec
 
 
 class _Tag(msgspec.Struct, frozen=True):
@@ -104,7 +93,7 @@ class _Tail(msgspec.Struct, frozen=True):
 
 
 _TAG, _HEAD, _TAIL_OF = Decoder(_Tag), Decoder(_Head), Decoder(_Tail)
-_BEGINNINGS = Decoder(Beginnings)
+_BEGUN = Decoder(_Started)
 
 
 class _Block(NamedTuple):
@@ -146,7 +135,7 @@ class Recording:
         self._end: int | None = None
         self._kept: deque[_Block] = deque(maxlen=_BLOCKS)
         #: What the run was begun with.
-        self.begun = self._beginnings()
+        self.begun = self._spec()
         tail = self._tail()
         #: The number of the last cycle.
         self.last_cycle = tail.cycle
@@ -160,12 +149,12 @@ class Recording:
 
     # --- the first line and the last ------------------------------------------------
 
-    def _beginnings(self) -> Beginnings:
+    def _spec(self) -> RunSpec:
         line = self._bytes(0, lambda file: file.readline())
         said = f"`{self.path}` is not a trace of a run from its beginning"
         if not line or self._decoded(line, 0, _TAG).event != _STARTED:
             raise LoadError(said)
-        return self._decoded(line, 0, _BEGINNINGS)
+        return self._decoded(line, 0, _BEGUN).spec
 
     def _tail(self) -> _Tail:
         """Return the last line that is whole: a trace may be cut off within one."""

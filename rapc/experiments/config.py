@@ -14,20 +14,11 @@ from pathlib import Path
 
 import msgspec
 
-from rapc.base.names import did_you_mean
-from rapc.base.values import Atom, Text
-from rapc.errors import WorldError
 from rapc.experiments.draws import Draws, with_draws
 from rapc.runtime.settings import read_settings
+from rapc.spec import RunSpec
 from rapc.world import World
 from rapc.worlds import registry
-
-OWN = "rapc"
-"""The owner of the interpreter's settings, beside that of a world's options."""
-
-Plain = bool | int | float | str
-"""The value of an option; that of one of kind `text` is the text itself."""
-
 
 _CODE = (".py", ".lark")
 """The endings of files that decide what a package does."""
@@ -39,15 +30,10 @@ class PointConfig(msgspec.Struct, frozen=True):
     rapc: str
     #: A digest of rapc and of the package of the world.
     code: str
-    library: str
+    #: What a run is begun with, but for its seed; all options and settings are there.
+    spec: RunSpec
     #: The files of the library, name and text, in the order in which they were linked.
     sources: tuple[tuple[str, str], ...]
-    world: str
-    #: All options of the world, and all settings of the interpreter.
-    options: Mapping[str, Plain]
-    settings: Mapping[str, int | float]
-    tasks: tuple[str, ...]
-    until: int | float
     counted: tuple[str, ...]
     count: Mapping[str, str]
     #: Which figures of the world about the truth are told.
@@ -63,61 +49,15 @@ class PointConfig(msgspec.Struct, frozen=True):
         It does not say where files lie: the same library elsewhere is the same.
         """
         texts = "\0".join(text for _, text in self.sources)
-        plain = {
-            **msgspec.structs.asdict(self),
-            "library": hashlib.sha256(texts.encode(errors="replace")).hexdigest(),
-        }
+        digest = hashlib.sha256(texts.encode(errors="replace")).hexdigest()
+        spec = msgspec.structs.replace(self.spec, library="", digest=digest)
+        plain = {**msgspec.structs.asdict(self), "spec": spec}
         del plain["sources"]
         return msgspec.json.encode(plain, order="deterministic")
 
     def digest(self) -> str:
         """The hash under which results are stored."""
         return hashlib.sha256(self.as_json()).hexdigest()[:16]
-
-
-def world_options(
-    world: type[World], plain: Mapping[str, Plain]
-) -> dict[str, Atom | bool]:
-    """Values of options as a world takes them."""
-    kinds = {option.name: option.kind for option in world.kit.options}
-    return {
-        name: Text(str(value)) if kinds[name] == "text" else value
-        for name, value in plain.items()
-    }
-
-
-def plain_options(
-    world: type[World], given: Mapping[str, Atom | bool]
-) -> dict[str, Plain]:
-    """The values of all options of a world: those given, and the defaults."""
-    values = {option.name: option.default for option in world.kit.options} | dict(given)
-    return plain_values(values)
-
-
-def plain_values(values: Mapping[str, Atom | bool]) -> dict[str, Plain]:
-    """Return values of options as a configuration has them."""
-    return {n: v.value if isinstance(v, Text) else v for n, v in values.items()}
-
-
-def by_owner(
-    world: type[World], texts: Mapping[str, str]
-) -> tuple[dict[str, str], dict[str, str]]:
-    """Part settings by `owner.name` into the interpreter's and the world's, by name.
-
-    Raises:
-        WorldError: for an owner that is neither.
-    """
-    own: dict[str, str] = {}
-    theirs: dict[str, str] = {}
-    for key, text in texts.items():
-        owner, _, name = key.partition(".")
-        if owner not in (OWN, world.name):
-            raise WorldError(
-                f"`{key}`: `{owner}` is neither `{OWN}` nor `{world.name}`",
-                did_you_mean(owner, [OWN, world.name]),
-            )
-        (own if owner == OWN else theirs)[name] = text
-    return own, theirs
 
 
 def resolved(config: PointConfig, values: Mapping[str, str]) -> PointConfig:
@@ -128,21 +68,17 @@ def resolved(config: PointConfig, values: Mapping[str, str]) -> PointConfig:
     """
     if not config.draws:
         return config
-    world = registry.find_world(config.world)
-    own, theirs = by_owner(world, config.texts)
-    theirs = {name: with_draws(text, values) for name, text in theirs.items()}
-    own = {name: with_draws(text, values) for name, text in own.items()}
-    options = registry.read_options(world, theirs)
-    settings = msgspec.structs.asdict(read_settings(own))
-    drawn = {name.replace("-", "_") for name in own}
-    return msgspec.structs.replace(
-        config,
-        tasks=tuple([with_draws(task, values) for task in config.tasks]),
-        options={**config.options, **plain_values(options)},
-        settings={**config.settings, **{name: settings[name] for name in drawn}},
-        draws={},
-        texts={},
+    spec = config.spec
+    texts = {name: with_draws(text, values) for name, text in config.texts.items()}
+    options, own = registry.read_values(registry.find_world(spec.world), texts)
+    settings = read_settings(own).named()
+    spec = msgspec.structs.replace(
+        spec,
+        tasks=tuple([with_draws(task, values) for task in spec.tasks]),
+        options={**spec.options, **options},
+        settings={**spec.settings, **{name: settings[name] for name in own}},
     )
+    return msgspec.structs.replace(config, spec=spec, draws={}, texts={})
 
 
 def digest_of_code(world: type[World]) -> str:

@@ -21,19 +21,17 @@ from rapc.compiler.program import Program
 from rapc.errors import RefusedError, SettingError, TextError, WorldError
 from rapc.experiments.config import (
     PointConfig,
-    by_owner,
     digest_of_code,
-    plain_options,
     resolved,
-    world_options,
 )
 from rapc.experiments.definition import Experiment, ExperimentError, Series
 from rapc.experiments.draws import Value, drawn, extremes, names_in, with_draws
 from rapc.experiments.measures import LABELS, figures_of
 from rapc.experiments.run import counted_tasks
-from rapc.runtime.prepare import Given, prepare
+from rapc.runtime.prepare import prepare
 from rapc.runtime.settings import read_settings
 from rapc.runtime.task_request import TaskRequest, as_text, of_agenda, read_task_request
+from rapc.spec import RunSpec
 from rapc.world import World
 from rapc.worlds import registry
 
@@ -206,19 +204,21 @@ def _config(
         if any(name in names for name in names_in(text))
     }
     settled = {key: text for key, text in texts.items() if key not in open_}
-    own, theirs = by_owner(world, settled)
-    options = registry.read_options(world, theirs)
-    settings = read_settings(own)
+    options, own = registry.read_values(world, settled)
+    defaults = {option.name: option.default for option in world.kit.options}
+    spec = RunSpec(
+        library=library.name,
+        world=experiment.world,
+        options={**registry.plain_values(defaults), **options},
+        settings=read_settings(own).named(),
+        tasks=tasks,
+        until=experiment.until,
+    )
     return PointConfig(
         rapc=VERSION,
         code=digest_of_code(world),
-        library=library.name,
+        spec=spec,
         sources=tuple((f.name, f.text) for f in library.library.files.values()),
-        world=experiment.world,
-        options=plain_options(world, options),
-        settings=msgspec.structs.asdict(settings),
-        tasks=tasks,
-        until=experiment.until,
         counted=experiment.counted,
         count=experiment.count,
         figures=experiment.figures,
@@ -234,10 +234,10 @@ def _try(library: Program, world: type[World], config: PointConfig) -> None:
     """
     for values in extremes(config.draws):
         settled = resolved(config, values)
-        tasks = _tasks(settled.tasks)
-        _uncounted(settled, tasks)
-        made = registry.build_world(world, 0, world_options(world, settled.options))
-        prepare(library, made, Given(tasks=tasks))
+        _uncounted(settled, _tasks(settled.spec.tasks))
+        options = registry.check_options(world, settled.spec.options)
+        made = registry.build_world(world, 0, options)
+        prepare(library, made, settled.spec)
         _figures(made, config.figures)
 
 

@@ -17,13 +17,12 @@ import msgspec
 from rapc.base.source import SourceFile
 from rapc.compiler.program import Program
 from rapc.errors import Error
-from rapc.experiments.config import PointConfig, digest_of_code, resolved, world_options
+from rapc.experiments.config import PointConfig, digest_of_code, resolved
 from rapc.experiments.draws import drawn
 from rapc.experiments.measures import Measures, Tally, figures_of, tasks_told
 from rapc.library.loader import load_sources
-from rapc.runtime.prepare import Given, prepare
-from rapc.runtime.settings import Settings
-from rapc.runtime.task_request import TaskRequest, read_task_request
+from rapc.runtime.prepare import prepare
+from rapc.runtime.task_request import TaskRequest
 from rapc.worlds import registry
 
 
@@ -77,21 +76,19 @@ def measure(config: PointConfig, seed: int) -> Measures:
         OtherCode: if the configuration was made by another rapc.
     """
     config = resolved(config, drawn(config.draws, seed))
-    world_class = registry.find_world(config.world)
+    spec = msgspec.structs.replace(config.spec, seed=seed)
+    world_class = registry.find_world(spec.world)
     if digest_of_code(world_class) != config.code:
         raise OtherCode("the worker has another version of rapc or of the world")
-    options = world_options(world_class, config.options)
+    options = registry.check_options(world_class, spec.options)
     world = registry.build_world(world_class, seed, options)
-    library = _compiled(config.library, config.sources, threading.get_ident())
-    settings = msgspec.convert(config.settings, Settings)
-    tasks = [read_task_request(task) for task in config.tasks]
-    given = Given(seed=seed, settings=settings, tasks=tasks, options=options)
-    ready = prepare(library, world, given)
+    library = _compiled(spec.library, config.sources, threading.get_ident())
+    ready = prepare(library, world, spec)
     tally = Tally(world.kit.offer, config.count)
     ready.interpreter.listen(tally, *Tally.kinds)
     interpreter = ready.begin()
-    reason = interpreter.run(until=config.until)
-    raps = [str(task.goal[0]) for task in counted_tasks(tasks, config.counted)]
+    reason = interpreter.run(until=spec.until)
+    raps = [str(task.goal[0]) for task in counted_tasks(ready.tasks, config.counted)]
     told = tasks_told(raps, interpreter.results())
     ends = [task.outcome for task in told]
     completed, given_up = ends.count("succeeded"), ends.count("failed")

@@ -2,48 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+import msgspec
 
 from rapc.events import RunEnded, RunStarted
 from rapc.library.digest import digest
 from rapc.runtime import snapshot
 from rapc.runtime.machine import Machine
 from rapc.runtime.tasks.remove import remove
+from rapc.spec import RunSpec
 
-FORMAT = 1
+FORMAT = 2
 """The version of the trace format."""
 
 
-def tell_start(
-    machine: Machine,
-    seed: int,
-    options: Mapping[str, Any],
-    tasks: Sequence[str],
-    faults: Sequence[str],
-    facts: Sequence[str],
-    world_class: str = "",
-) -> None:
-    """Tell the first event of a run: what is run, and with which settings."""
+def tell_start(machine: Machine, spec: RunSpec) -> None:
+    """Emit the first event of a run: what is run, and with which settings."""
     if not (machine.recorder.on and machine.recorder.wants(RunStarted)):
         return
-    settings = machine.settings
     machine.recorder.emit(
         RunStarted,
         format=FORMAT,
-        library=machine.library.name,
-        digest=digest(machine.library.library),
-        world=machine.world.name,
-        world_class=world_class,
-        options=dict(options),
-        settings={
-            name.replace("_", "-"): getattr(settings, name)
-            for name in settings.__struct_fields__
-        },
-        seed=seed,
-        tasks=tuple(tasks),
-        faults=tuple(faults),
-        facts=tuple(facts),
+        spec=msgspec.structs.replace(
+            spec,
+            library=machine.library.name,
+            digest=digest(machine.library.library),
+            world=machine.world.name,
+            settings=machine.settings.named(),
+        ),
     )
 
 

@@ -48,6 +48,7 @@ from rapc.runtime.task_request import TaskRequest, read_task_request
 from rapc.runtime.tasks.remove import cancel_matching
 from rapc.runtime.tasks.signals import signal
 from rapc.runtime.tasks.start import create_top
+from rapc.spec import RunSpec
 from rapc.world import Time, World
 
 
@@ -367,31 +368,20 @@ class Interpreter:
             self.end("broken", told.message)
             raise
 
-    def start(
-        self,
-        options: Mapping[str, Any] | None = None,
-        tasks: Sequence[str] = (),
-        faults: Sequence[str] = (),
-        facts: Sequence[str] = (),
-        world_class: str = "",
-    ) -> None:
+    def start(self, spec: RunSpec | None = None) -> None:
         """Begin the run: emit `run-started` and assert the world's first facts.
 
         The first task or step begins a run that was not begun before.
 
         Args:
-            options: the world's options, for the trace.
-            tasks: the tasks to come, for the trace.
-            faults: the faults put into the world, for the trace.
-            facts: the facts given besides those of the world, for the trace.
-            world_class: `module:Class`, if the world was named so, for the trace.
+            spec: what the run is begun with, for the trace; library, world and
+                settings are those of the run.
         """
         if self._machine.state.started:
             return
         machine = self._machine
         machine.state.started = True
-        given = (tasks, faults, facts, world_class)
-        tell_start(machine, self.seed, options or {}, *given)
+        tell_start(machine, spec or RunSpec(seed=self.seed))
         try:
             for fact in first_facts(machine.world):
                 self.assert_fact(*fact)

@@ -10,41 +10,18 @@ has them from somewhere else.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import msgspec
 
-from rapc.base.values import Atom, Fact, format_list
+from rapc.base.values import Fact, format_list
 from rapc.compiler.program import Program
+from rapc.parser.parse import parse_fact
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.settings import Settings
-from rapc.runtime.task_request import TaskRequest, as_text
+from rapc.runtime.settings import read_settings
+from rapc.runtime.task_request import TaskRequest, as_text, of_agenda, read_task_request
+from rapc.spec import RunSpec
 from rapc.world import Callables, World
-
-
-class Given(msgspec.Struct, frozen=True, kw_only=True):
-    """What a run is given besides its library and its world."""
-
-    #: The seed of the interpreter; a world is made with its own.
-    seed: int = 0
-    settings: Settings | None = None
-    #: The top-level tasks that are submitted at the beginning, in this order.
-    tasks: Sequence[TaskRequest] = ()
-    #: Tasks that may be submitted later, looked at with the others.
-    later: Sequence[TaskRequest] = ()
-    #: What memory holds besides the facts of the world.
-    facts: Sequence[Fact] = ()
-    #: The name by which the world was given, for the trace: an installed name, or
-    #: `module:Class`.
-    world: str = ""
-    #: The options that the world was made with, for the trace.
-    options: Mapping[str, Atom | bool] = {}
-    #: The faults put into the world, as texts, for the trace.
-    faults: Sequence[str] = ()
-    #: Python code besides that of the world, see `Interpreter`.
-    functions: Callables | None = None
-    solvers: Callables | None = None
-    comparators: Callables | None = None
 
 
 class PreparedRun(msgspec.Struct, frozen=True):
@@ -52,7 +29,10 @@ class PreparedRun(msgspec.Struct, frozen=True):
 
     interpreter: Interpreter
     world: World
-    given: Given
+    spec: RunSpec
+    #: The top-level tasks, those of the agenda first, and the facts of the spec.
+    tasks: tuple[TaskRequest, ...]
+    facts: tuple[Fact, ...]
 
     def begin(self) -> Interpreter:
         """Begin the run and return its interpreter, to be stepped or run.
@@ -60,35 +40,58 @@ class PreparedRun(msgspec.Struct, frozen=True):
         Raises:
             PortError: if the world breaks.
         """
-        run, given = self.interpreter, self.given
-        tasks = [as_text(task) for task in given.tasks]
-        facts = [format_list(fact) for fact in given.facts]
-        named = given.world if ":" in given.world else ""
-        run.start(given.options, tasks, given.faults, facts, named)
-        for fact in given.facts:
+        run = self.interpreter
+        run.start(
+            msgspec.structs.replace(
+                self.spec,
+                agenda=None,
+                tasks=tuple([as_text(task) for task in self.tasks]),
+                facts=tuple([format_list(fact) for fact in self.facts]),
+            )
+        )
+        for fact in self.facts:
             run.assert_fact(*fact)
-        for task in given.tasks:
+        for task in self.tasks:
             run.submit(task)
         return run
 
 
-def prepare(library: Program, world: World, given: Given) -> PreparedRun:
+def prepare(  # Python code goes beside the spec, by name
+    library: Program,
+    world: World,
+    spec: RunSpec,
+    *,
+    later: Sequence[TaskRequest] = (),
+    functions: Callables | None = None,
+    solvers: Callables | None = None,
+    comparators: Callables | None = None,
+) -> PreparedRun:
     """Return a run of a library in a world, freshly made, that can begin.
 
+    Args:
+        library: the library.
+        world: the world, made with the seed, options and faults of the spec.
+        spec: what the run is begun with.
+        later: tasks that may be submitted later, checked with the others.
+        functions: Python code besides that of the world, see `Interpreter`; so are
+            the others.
+        solvers: see `functions`.
+        comparators: see `functions`.
+
     Raises:
-        RefusedError: if the library or a task cannot be run in the world.
+        TextError: for a task or a fact that cannot be read.
+        SettingError: for a setting that there is not, or a value it does not take.
+        RefusedError: if the library or a task cannot be run in the world, or there is
+            no such agenda.
         FactError: for a fact that the declarations do not allow.
     """
-    run = Interpreter(
-        library,
-        world,
-        given.seed,
-        given.settings,
-        given.functions,
-        given.solvers,
-        given.comparators,
-    )
-    run.check([*given.tasks, *given.later])
-    for fact in given.facts:
+    agenda = () if spec.agenda is None else of_agenda(library.library, spec.agenda)
+    tasks = (*agenda, *map(read_task_request, spec.tasks))
+    facts = tuple([parse_fact(text) for text in spec.facts])
+    settings = read_settings(spec.settings)
+    code = functions, solvers, comparators
+    run = Interpreter(library, world, spec.seed, settings, *code)
+    run.check([*tasks, *later])
+    for fact in facts:
         run.check_fact(*fact)
-    return PreparedRun(run, world, given)
+    return PreparedRun(run, world, spec, tasks, facts)

@@ -10,6 +10,7 @@ import msgspec
 from rapc.base.names import hint
 from rapc.base.values import number
 from rapc.errors import SettingError
+from rapc.spec import Plain
 
 _Count = Annotated[int, msgspec.Meta(ge=1)]
 _Cost = Annotated[int, msgspec.Meta(ge=0)] | Annotated[float, msgspec.Meta(ge=0)]
@@ -37,6 +38,11 @@ class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     #: Whether handlers are held to what the library declares of them.
     strict: bool = False
 
+    def named(self) -> dict[str, int | float | bool]:
+        """Return the values by the names of the command line (`futile-limit`)."""
+        fields = self.__struct_fields__
+        return {name.replace("_", "-"): getattr(self, name) for name in fields}
+
 
 _TAKES = {
     "cycle-cost": "0 or more",
@@ -46,23 +52,30 @@ _TAKES = {
 """What settings take that are no whole numbers from 1."""
 
 
-def read_settings(texts: Mapping[str, str]) -> Settings:
-    """Settings from text, by the names of the command line (`futile-limit`).
+def read_settings(values: Mapping[str, Plain]) -> Settings:
+    """Return settings by the names of the command line (`futile-limit`).
+
+    Args:
+        values: the values, or texts of them.
 
     Raises:
         SettingError: for an unknown name, or a value that the setting does not take.
     """
     names = {n.replace("_", "-"): n for n in Settings.__struct_fields__}
-    values: dict[str, object] = {}
-    for name, text in texts.items():
+    read: dict[str, object] = {}
+    for name, value in values.items():
         if name not in names:
             said = f"there is no setting `rapc.{name}`{hint(name, names)}"
             raise SettingError(said)
         try:
-            flag = {"true": True, "false": False}.get(text)
-            values[names[name]] = number(float(text)) if flag is None else flag
-            msgspec.convert({names[name]: values[names[name]]}, Settings)
+            read[names[name]] = _read(value) if isinstance(value, str) else value
+            msgspec.convert({names[name]: read[names[name]]}, Settings)
         except ValueError:
             takes = _TAKES.get(name, "a whole number, 1 or more")
-            raise SettingError(f"`rapc.{name}` takes {takes}, not `{text}`") from None
-    return msgspec.convert(values, Settings)
+            raise SettingError(f"`rapc.{name}` takes {takes}, not `{value}`") from None
+    return msgspec.convert(read, Settings)
+
+
+def _read(text: str) -> bool | int | float:
+    flag = {"true": True, "false": False}.get(text)
+    return number(float(text)) if flag is None else flag

@@ -19,6 +19,7 @@ from rapc.errors import StateError
 from rapc.ir.layout import laid_out
 from rapc.ir.nodes import DefineTest
 from rapc.parser.parse import parse
+from rapc.spec import RunSpec
 from rapc.testing.run import LATEST
 from rapc.world import Time
 
@@ -351,26 +352,25 @@ def exported(
     over = isinstance(last, events.RunEnded) and last.reason == "done"
     until = "" if over else f" (until (cycles {last.cycle}))"
     asked = f"(primitives {' '.join(reading.asked)})"
-    return Exported(
-        name, _begun(begun) + until, [*reading.parts, *done], goal, (outcome, asked)
-    )
+    clauses = _begun(begun.spec) + until
+    return Exported(name, clauses, [*reading.parts, *done], goal, (outcome, asked))
 
 
-def _begun(event: events.RunStarted) -> str:
+def _begun(spec: RunSpec) -> str:
     """Return the clauses that say what a run is begun with."""
-    clauses = [f"(world {_world(event)})"] if event.world != "scripted" else []
-    if event.options:
-        pairs = [f"({name} {_option(value)})" for name, value in event.options.items()]
+    clauses = [f"(world {_world(spec)})"] if spec.world != "scripted" else []
+    if spec.options:
+        pairs = [f"({name} {_option(value)})" for name, value in spec.options.items()]
         clauses.append(f"(options {' '.join(pairs)})")
-    clauses.append(f"(seed {event.seed})")
-    clauses += map(_given, event.tasks)
+    clauses.append(f"(seed {spec.seed})")
+    clauses += map(_given, spec.tasks)
     return " ".join(clauses)
 
 
-def _world(event: events.RunStarted) -> str:
+def _world(spec: RunSpec) -> str:
     """Return the name of a world; that of a class in quotes, which keep capitals."""
-    named = event.world_class
-    return format_atom(Text(named)) if named else event.world
+    named = spec.world_class
+    return format_atom(Text(named)) if named else spec.world
 
 
 def _given(task: str) -> str:

@@ -13,14 +13,15 @@ import msgspec
 
 from rapc.analysis.driver import Finding
 from rapc.base.source import Span
-from rapc.base.values import Fact, format_atom, readable
+from rapc.base.values import Fact, format_atom, format_list, readable
 from rapc.compiler.program import Program
 from rapc.errors import FactError, PortError, RefusedError, WorldError
 from rapc.ir import nodes
 from rapc.library.signatures import Signatures
 from rapc.runtime.events.recorder import Listener
-from rapc.runtime.prepare import Given, prepare
-from rapc.runtime.task_request import TaskRequest, of_agenda, of_node
+from rapc.runtime.prepare import prepare
+from rapc.runtime.task_request import TaskRequest, as_text, of_node
+from rapc.spec import RunSpec
 from rapc.testing.admission import Problem, options_of, problems
 from rapc.testing.answers import UnansweredQuestion, functions
 from rapc.testing.coverage import Coverage
@@ -183,15 +184,16 @@ class _Run:
             kit=kit,
             leaving=self._leaving,
         )
-        given = Given(
+        test = case.test
+        spec = RunSpec(
             seed=seed,
-            tasks=_first_tasks(case),
-            later=_later_tasks(case.test),
-            facts=[flat(fact) for fact in case.test.facts],
-            functions=functions(case.test.answers),
+            agenda=test.agenda,
+            tasks=tuple([as_text(of_node(task)) for task in test.tasks]),
+            facts=tuple([format_list(flat(fact)) for fact in test.facts]),
         )
         world = scripted if wrap is None else wrap(scripted, seed)
-        self._ready = prepare(case.library, world, given)
+        later, known = _later_tasks(test), functions(test.answers)
+        self._ready = prepare(case.library, world, spec, later=later, functions=known)
         self.interpreter = self._ready.interpreter
 
     # --- while it runs -----------------------------------------------------------
@@ -324,13 +326,6 @@ class _Run:
         trace = tuple(self._record.last_lines(count))
         failures = tuple(self._failures)
         return Outcome(self._case, self._seed, status, failures, self._note, trace)
-
-
-def _first_tasks(case: Case) -> list[TaskRequest]:
-    """Return the tasks of a test: those of its agenda come first."""
-    name = case.test.agenda
-    standing = of_agenda(case.library.library, name) if name is not None else ()
-    return [*standing, *map(of_node, case.test.tasks)]
 
 
 def _later_tasks(test: nodes.DefineTest) -> list[TaskRequest]:

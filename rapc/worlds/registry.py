@@ -25,6 +25,7 @@ from rapc.base.later import later
 from rapc.base.names import did_you_mean
 from rapc.base.values import Atom, Text, number
 from rapc.errors import ArgumentError, LoadError, WorldError
+from rapc.spec import Plain
 from rapc.world import Kit, Option, World
 
 if TYPE_CHECKING:
@@ -186,8 +187,12 @@ def _working_directory_on_path() -> Iterator[None]:
         sys.path.remove(here)
 
 
-def split_setting(text: str) -> tuple[str, str, str]:
-    """The owner, name and value of a setting `owner.name=value`.
+OWN_SETTINGS = "rapc"
+"""The owner of the settings of the interpreter, beside the world."""
+
+
+def split_setting(text: str) -> tuple[str, str]:
+    """Return the key and the value of `owner.name=value`.
 
     Raises:
         WorldError: if it is not of that form.
@@ -196,7 +201,37 @@ def split_setting(text: str) -> tuple[str, str, str]:
     owner, dot, name = key.strip().partition(".")
     if not (equals and dot and owner and name):
         raise WorldError(f"`{text}` is not of the form `world.option=value`")
-    return owner, name, value.strip()
+    return key.strip(), value.strip()
+
+
+def read_values(
+    world: type[World], texts: Mapping[str, str]
+) -> tuple[dict[str, Plain], dict[str, str]]:
+    """Return options of a world, and settings of the interpreter as texts.
+
+    Args:
+        world: the world.
+        texts: the values by `owner.name`; the owner is the world or `rapc`.
+
+    Raises:
+        WorldError: for another owner, an unknown option or a value of another kind.
+    """
+    own: dict[str, str] = {}
+    theirs: dict[str, str] = {}
+    for key, text in texts.items():
+        owner, _, name = key.partition(".")
+        if owner not in (OWN_SETTINGS, world.name):
+            raise WorldError(
+                f"`{key}`: `{owner}` is neither `{OWN_SETTINGS}` nor `{world.name}`",
+                did_you_mean(owner, [OWN_SETTINGS, world.name]),
+            )
+        (own if owner == OWN_SETTINGS else theirs)[name] = text
+    return plain_values(read_options(world, theirs) if theirs else {}), own
+
+
+def plain_values(options: Mapping[str, Atom | bool]) -> dict[str, Plain]:
+    """Return values of options as plain data: of a text the `str`."""
+    return {n: v.value if isinstance(v, Text) else v for n, v in options.items()}
 
 
 def read_options(

@@ -156,7 +156,7 @@ def test_the_first_decision_that_differs_is_told(tmp_path: Path) -> None:
         ("hello", "is not a trace: line 1: "),
         ("[]", "is not a trace: line 1: expected `object`, got `array`"),
         ('{"event":"signal"}', "not a trace of a run from its beginning"),
-        ('{"event":"run-started"}', "line 1: object missing required field `library`"),
+        ('{"event":"run-started"}', "line 1: object missing required field `spec`"),
         ("", "not a trace of a run from its beginning"),
         ("[" * 100_000, "line 1: "),
         (

@@ -34,7 +34,7 @@ def test_points_are_those_of_the_thesis_and_shared_where_they_are_alike() -> Non
 
 
 def test_orders_come_as_in_the_thesis() -> None:
-    tasks = chapter6().points[0].config.tasks
+    tasks = chapter6().points[0].config.spec.tasks
     orders = [task for task in tasks if task.startswith("(fill-order")]
     assert [int(text.partition(":at ")[2]) for text in orders] == [*range(120, 601, 60)]
     assert all(":priority 2" in text for text in orders)

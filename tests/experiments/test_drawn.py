@@ -91,8 +91,8 @@ def test_a_part_has_an_agenda_or_a_library_of_its_own() -> None:
     text = TASKS.replace(str(LIBRARY), "stdlib/truck") + AGENDA
     batch = session(text)
     given, one = batch.points
-    assert len(given.config.tasks) == 13
-    assert one.config.tasks == ("(fill-order red 1 factory-1)",)
+    assert len(given.config.spec.tasks) == 13
+    assert one.config.spec.tasks == ("(fill-order red 1 factory-1)",)
     assert one.library.endswith("/rock-order.rap")
     assert "--agenda nine-orders" in batch.command(given, 1)
     assert "--agenda" not in batch.command(one, 1)

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 
 import rapc
 from rapc import events
-from rapc.errors import FactError, RefusedError
-from rapc.runtime.prepare import Given, prepare
+from rapc.errors import FactError, RefusedError, SettingError, TextError
+from rapc.runtime.prepare import prepare
 from rapc.runtime.task_request import TaskRequest
+from rapc.spec import RunSpec
 from rapc.testing import discover
 from rapc.testing.run import run_case
 from rapc.worlds.scripted import ScriptedWorld
@@ -27,7 +29,6 @@ TEST = """
   (expect (memory (p b))))
 """
 LIBRARY = compiled(RAPS)
-DO_A = TaskRequest(("do", "a"))
 DO_B = TaskRequest(("do", "b"))
 
 
@@ -35,7 +36,7 @@ def told_first(told: list[events.Event]) -> tuple[object, object]:
     """Return the tasks and facts of which the first event tells."""
     begun = told[0]
     assert isinstance(begun, events.RunStarted)
-    return begun.tasks, begun.facts
+    return begun.spec.tasks, begun.spec.facts
 
 
 def test_a_test_tells_what_it_begins_with_as_a_program_does(tmp_path: Path) -> None:
@@ -60,22 +61,26 @@ def test_a_test_tells_what_it_begins_with_as_a_program_does(tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize(
-    ("given", "error", "message"),
+    ("spec", "later", "error", "message"),
     [
-        (Given(tasks=[TaskRequest(("dance",))]), RefusedError, "called `dance`"),
-        (Given(later=[TaskRequest(("do",))]), RefusedError, "has 1 input, not 0"),
-        (Given(facts=[("p", "a"), ("p",)]), FactError, "takes 1 argument, not 0"),
+        (RunSpec(tasks=("(dance)",)), (), RefusedError, "called `dance`"),
+        (RunSpec(), [TaskRequest(("do",))], RefusedError, "has 1 input, not 0"),
+        (RunSpec(facts=("(p a)", "(p)")), (), FactError, "takes 1 argument, not 0"),
+        (RunSpec(agenda="day"), (), RefusedError, "no agenda is called `day`"),
+        (RunSpec(settings={"patience": -1}), (), SettingError, "takes 0 or more"),
+        (RunSpec(tasks=("(do",)), (), TextError, "do"),
     ],
 )
 def test_what_cannot_be_run_is_refused_before_anything_happens(
-    given: Given, error: type[Exception], message: str
+    spec: RunSpec, later: Sequence[TaskRequest], error: type[Exception], message: str
 ) -> None:
+    world = ScriptedWorld([], declared=LIBRARY.library)
     with pytest.raises(error, match=message):
-        prepare(LIBRARY, ScriptedWorld([], declared=LIBRARY.library), given)
+        prepare(LIBRARY, world, spec, later=later)
 
 
 def test_tasks_of_later_are_not_submitted() -> None:
     world = ScriptedWorld([], declared=LIBRARY.library)
-    ready = prepare(LIBRARY, world, Given(tasks=[DO_A], later=[DO_B]))
+    ready = prepare(LIBRARY, world, RunSpec(tasks=("(do a)",)), later=[DO_B])
     assert ready.interpreter.agenda() == ()
     assert [str(entry.goal) for entry in ready.begin().agenda()] == ["(do a)"]

@@ -188,7 +188,7 @@ def test_faults_in_a_run_of_any_world(tmp_path: Path) -> None:
     assert "eye-cant-find)" in first.stdout
     told = (tmp_path / "a.jsonl").read_text()
     events = [json.loads(line) for line in told.splitlines()]
-    assert events[0]["faults"] == [fault.partition("=")[2] for fault in faults]
+    assert events[0]["spec"]["faults"] == [fault.partition("=")[2] for fault in faults]
     ends = [e for e in events if e["event"] == "primitive-ended"]
     scans = {e["result"] for e in ends if e["request"].startswith("(eye-scan")}
     assert scans == {"okay", "eye-cant-find"}

@@ -54,7 +54,7 @@ def test_the_listener_gets_the_events_of_each_run() -> None:
     events: list[Any] = []
     rapc.test(TEXT, listener=events.append)
     started = [event for event in events if isinstance(event, RunStarted)]
-    assert [event.seed for event in started] == [0, 5]
+    assert [event.spec.seed for event in started] == [0, 5]
 
 
 def test_a_test_that_cannot_be_run_is_an_error() -> None:

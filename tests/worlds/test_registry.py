@@ -99,8 +99,8 @@ def test_a_module_of_the_working_directory_is_found(
 
 
 def test_settings_are_split_into_owner_name_and_value() -> None:
-    assert registry.split_setting("truck.fuel=20") == ("truck", "fuel", "20")
-    assert registry.split_setting(" a.b = c=d ") == ("a", "b", "c=d")
+    assert registry.split_setting("truck.fuel=20") == ("truck.fuel", "20")
+    assert registry.split_setting(" a.b = c=d ") == ("a.b", "c=d")
     for wrong in ("fuel=20", "truck.fuel", "=3", "truck.=3", ".fuel=3"):
         with pytest.raises(WorldError, match="not of the form"):
             registry.split_setting(wrong)

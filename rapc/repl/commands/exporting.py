@@ -59,7 +59,7 @@ def _export_test(shell: Shell, args: Arguments) -> ShownAnswer:
     )
 
     begun = told[0]
-    world = begun.world_class if isinstance(begun, RunStarted) else ""
+    world = begun.spec.world_class if isinstance(begun, RunStarted) else ""
     modules = [world.partition(":")[0]] if world else []  # imported for this run
 
     def run(node: DefineTest) -> Outcome:

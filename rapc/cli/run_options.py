@@ -1,0 +1,185 @@
+"""Options that describe a run, shared by `run`, `repl` and `graph`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from rapc.base.later import later
+from rapc.cli.options import fail
+from rapc.compiler.program import Program
+from rapc.errors import FactError, RefusedError, SettingError, TextError
+from rapc.library.library import Library
+from rapc.library.signatures import Signatures
+from rapc.parser.parse import parse_fact
+from rapc.runtime.prepare import PreparedRun, prepare
+from rapc.runtime.settings import read_settings
+from rapc.runtime.task_request import read_task_request
+from rapc.spec import RunSpec
+from rapc.world import Time, World
+from rapc.worlds import registry
+from rapc.worlds.registry import find_world
+
+if TYPE_CHECKING:
+    from rapc.testing import faults as fault_texts
+    from rapc.worlds import faults as worlds_faults
+    from rapc.worlds import scripted
+else:
+    fault_texts = later("rapc.testing.faults")
+    scripted = later("rapc.worlds.scripted")
+    worlds_faults = later("rapc.worlds.faults")
+
+F = TypeVar("F", bound=Callable[..., Any])
+T = TypeVar("T")
+R = TypeVar("R")
+
+
+def run_options(command: F) -> F:
+    """Add the options that say what a run begins with."""
+    options = (
+        click.option(
+            "--task",
+            "tasks",
+            multiple=True,
+            metavar="'(RAP ARGS) [OPTIONS]'",
+            help="Task to run; :priority N, :deadline T, :at T, :background true may "
+            "follow.",
+        ),
+        click.option(
+            "--agenda",
+            metavar="NAME",
+            help="Agenda of the library: its tasks come before those of --task.",
+        ),
+        click.option(
+            "--seed", type=int, default=0, show_default=True, help="Seed of the run."
+        ),
+        click.option(
+            "--fact",
+            "facts",
+            multiple=True,
+            metavar="'(FACT)'",
+            help="Fact in memory at first.",
+        ),
+        click.option(
+            "--set",
+            "values",
+            multiple=True,
+            metavar="OWNER.NAME=VALUE",
+            help="Option of the world, or rapc.NAME for a setting of the interpreter.",
+        ),
+        click.option(
+            "--fault",
+            "faults",
+            multiple=True,
+            metavar="'(REQUEST) RESULT [p=..] [from=..] [until=..]'",
+            help="Let requests fail so; may be given several times.",
+        ),
+    )
+    for option in reversed(options):
+        command = option(command)
+    return command
+
+
+def read_spec(  # the options of `run_options`, and of `run`
+    world_name: str | None,
+    *,
+    tasks: Sequence[str] = (),
+    agenda: str | None = None,
+    seed: int = 0,
+    facts: Sequence[str] = (),
+    values: Sequence[str] = (),
+    faults: Sequence[str] = (),
+    until: Time | None = None,
+) -> RunSpec:
+    """Return what the options say that `run_options` adds; a fault ends the command.
+
+    Args:
+        world_name: the name of a world, or `module:Class`; None for a world that offers
+            what the library declares and answers no request.
+        tasks: `--task`; the others likewise.
+        agenda: its name.
+        seed: the seed.
+        facts: the initial facts.
+        values: `owner.name=value`.
+        faults: faults put into the world.
+        until: the time at which the run is stopped.
+    """
+    readers: tuple[tuple[str, Sequence[str], Callable[[str], object]], ...] = (
+        ("--task", tasks, read_task_request),
+        ("--fact", facts, parse_fact),
+        ("--fault", faults, fault_texts.read_fault),
+    )
+    for option, texts, read in readers:
+        for text in texts:
+            read_option(option, read, text)
+    world = scripted.ScriptedWorld if world_name is None else find_world(world_name)
+    named = dict(read_option("--set", registry.split_setting, text) for text in values)
+    if world_name is None and any(not key.startswith("rapc.") for key in named):
+        fail("--set: without a world there are no options of a world")
+    options, own = read_option("--set", partial(registry.read_values, world), named)
+    settings = read_option("--set", read_settings, own).named()
+    return RunSpec(
+        world=world.name,
+        world_class=world_name if world_name and ":" in world_name else "",
+        options=options,
+        settings={name: settings[name] for name in own},
+        seed=seed,
+        agenda=agenda,
+        tasks=tuple(tasks),
+        facts=tuple(facts),
+        faults=tuple(faults),
+        until=until,
+    )
+
+
+def prepared(
+    library: Program, spec: RunSpec, world_name: str | None = None
+) -> PreparedRun:
+    """Return a run of a library that can begin; else end the command.
+
+    Args:
+        library: what is run.
+        spec: what the run is begun with.
+        world_name: how to find the world of the spec, as `read_spec`.
+    """
+    world: World
+    if world_name is None:
+        world = scripted.ScriptedWorld([], declared=library.library)
+    else:
+        found = find_world(world_name)
+        options = registry.check_options(found, spec.options)
+        world = registry.build_world(found, spec.seed, options)
+    world = _with_faults(world, library.library, spec)
+    try:
+        return prepare(library, world, spec)
+    except RefusedError as refused:
+        others = registry.having(refused.lacking) if refused.lacking else ()
+        meant = [f"the world `{name}` has them all" for name in others]
+        fail(*refused.reasons, *meant)
+    except FactError as error:
+        fail(f"--fact: {error}")
+
+
+def read_option(name: str, read: Callable[[T], R], given: T) -> R:
+    """Return what `read` makes of an option; a fault in it ends the command."""
+    try:
+        return read(given)
+    except (TextError, SettingError, FactError) as error:
+        fail(f"{name}: {error}")
+
+
+def _with_faults(world: World, library: Library, spec: RunSpec) -> World:
+    """Return a world with the faults of a spec; ends the command if it cannot be."""
+    if not spec.faults:
+        return world
+    faults = [fault_texts.read_fault(text) for text in spec.faults]
+    offered = Signatures.offered(world.kit.offer)
+    told = fault_texts.told_for_skills(library)
+    for fault in faults:
+        wrong = worlds_faults.problem(fault, offered, told)
+        if wrong is not None:
+            fail(f"--fault: {wrong}")
+    return worlds_faults.FaultyWorld(world, faults, spec.seed)
