@@ -67,12 +67,43 @@ def test_widest_doorway_is_noticed_by_sonar(seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", first(1, [4, 6, 8, 10, 14]))
-def test_open_doorway_found_closed_is_passed_by_direction(seed: int) -> None:
+def test_doorway_at_the_end_of_a_narrow_hall_is_open(seed: int) -> None:
     text = _text("narrow-hall")
     journey = travel(seed, _map("narrow-hall"), {"map": Text(text)})
     assert journey.arrived, journey
-    assert journey.time < 300
+    assert journey.time < 60
     assert journey.strays == []
+
+
+ENDS = [
+    (width, aside, turned)
+    for turned in (0.0, 0.1, -0.1)
+    for aside in (0.0, 0.1, -0.1)
+    for width in (1.3, 1.2, 1.0, 0.8)
+]
+"""Width of the doorway, metres of the robot to the side, radians by which it is turned.
+"""
+
+
+@pytest.mark.parametrize("closed", [False, True])
+@pytest.mark.parametrize("end", first(2, ENDS))
+def test_little_wall_beside_a_doorway_tells_it_from_a_closed_one(
+    end: tuple[float, float, float], closed: bool
+) -> None:
+    width, aside, turned = end
+    text = _text("narrow-hall").replace("width = 1.3", f"width = {width}\ndoor = true")
+    driver = Driver(ENDS.index(end), STILL, read_map(text))
+    driver.place(9.0, 0.85 + aside, EAST + turned)
+    driver.sim.state.doors[0].closed = closed
+    driver.sim.restore(driver.sim.save())
+    outcome = driver.until(
+        SkillRequest("move-thru-doorway", (EAST, 0.3)),
+        events=("movement-complete", "door-closed", "stuck"),
+        within=60,
+    )
+    assert outcome.event == ("door-closed" if closed else "movement-complete")
+    assert driver.sim.state.space == ("one" if closed else "two")
+    assert driver.sim.state.collisions == []
 
 
 @pytest.mark.parametrize("seed", first(1, [2004, 2032, 2098, 2114]))

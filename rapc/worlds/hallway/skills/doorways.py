@@ -10,6 +10,9 @@ and its edges lie half-way between the last open place and the first with wall:
     wall wall  .  open open  .  open open  .   .  wall      (. unknown)
               ^----------- the gap -----------^
 
+At the end of a narrow hall no three echoes share a plane. After some looks one echo on
+each side of the way, equally far ahead, are taken for the edges of the wall.
+
 A robot that was stopped in the doorway has no such wall ahead. If it stands between two
 jambs (`jambs`) it goes on from there, and is through if it has a wall behind it then,
 which begins on both sides of the way.
@@ -75,6 +78,12 @@ CLOSE = 0.4
 
 AHEAD = (0.6, 1.5)
 """Before a wall that is so far away the robot stands in no doorway, in metres."""
+
+EDGE = (0.3, 1.2)
+"""How far to each side of straight ahead an edge of a doorway can be, in metres."""
+
+FLAT = 0.1
+"""Two edges of a doorway are equally far ahead, but for this, in metres."""
 
 LINE_UP = 0.4
 """How soon the robot is in line with the gap, in metres of way."""
@@ -196,6 +205,8 @@ class TrackDoorJambs(Skill):
             state.origin = across
         if not _is_before(wall):
             self._look_aside(echoes, along, across)
+        if wall is None and state.wall is None and state.looks > LOOKS:
+            wall = _edges(echoes)
         if wall is not None and (state.wall is None or state.stage == "looking"):
             state.wall = along + wall
         if state.wall is None:
@@ -290,6 +301,22 @@ def _plane(echoes: Sequence[Point]) -> float | None:
         if len(near) > best:
             best, found = len(near), sum(near) / len(near)
     return found
+
+
+def _edges(echoes: Sequence[Point]) -> float | None:
+    """Return how far ahead a wall is that has room for one echo on each side of a gap.
+
+    At the end of a narrow hall there may be too little wall for a plane.
+    """
+    low, high = EDGE
+    near = [(x, y) for x, y in echoes if 0.3 < x < 2.5 and low < abs(y) < high]
+    pairs = [
+        (y - aside, (x + other) / 2)
+        for x, y in near
+        for other, aside in near
+        if aside < 0 < y and abs(x - other) < FLAT
+    ]
+    return min(pairs)[1] if pairs else None
 
 
 def _is_before(wall: float | None) -> bool:
