@@ -186,8 +186,9 @@ def test_breakpoints_are_kept_in_a_file(tmp_path: Path) -> None:
     other = truck_shell()
     text = said(other, f":break load {kept}")
     assert "rap travel-road if (place depot depot) after 2" in text
-    kept.write_text("[{}]")
-    assert "holds no breakpoints" in said(other, f":break load {kept}", width=300)
+    for damaged in (b"[{}]", b'[{"kind":"\xff"}]', b'[{"x":' + b"[" * 100_000):
+        kept.write_bytes(damaged)
+        assert "holds no breakpoints" in said(other, f":break load {kept}", width=300)
     assert "cannot read" in said(other, f":break load {tmp_path / 'none'}")
     assert "there are no breakpoints" in said(other, ":unbreak all")
 

@@ -14,6 +14,7 @@ from rapc.base.values import readable
 from rapc.debug import differences, recorded
 from rapc.debug.breakpoints import KINDS, Breakpoint
 from rapc.debug.find import Finder, find_event, is_before
+from rapc.debug.recording import UNREADABLE
 from rapc.debug.stepped import Stepped
 from rapc.errors import ArgumentError, TextError
 from rapc.repl.answer import ShownAnswer, say, table
@@ -115,7 +116,7 @@ def _load(shell: Shell, path: Path) -> ShownAnswer:
         points = msgspec.json.decode(path.read_bytes(), type=list[Breakpoint])
     except OSError as error:
         raise ArgumentError(f"cannot read `{path}`: {error.strerror}") from error
-    except msgspec.DecodeError as error:
+    except UNREADABLE as error:
         raise ArgumentError(f"`{path}` holds no breakpoints: {error}") from error
     for point in points:
         shell.breakpoints.add(point)
