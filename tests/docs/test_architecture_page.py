@@ -1,4 +1,4 @@
-"""docs/architecture.md draws the house as it stands: every room, in its order."""
+"""The layers in docs/architecture.md are those of the import contract."""
 
 from __future__ import annotations
 
