@@ -27,8 +27,7 @@ from rapc.base.diagnostics import Diagnostic
 from rapc.base.source import SourceFile
 from rapc.ir import nodes
 from rapc.library import library
-from rapc.library.loader import Loaded, load
-from rapc.library.units import Units
+from rapc.library.loader import Loaded, Units, load
 from rapc.parser.parse import parse
 from rapc.parser.unit import SourceUnit
 

@@ -13,8 +13,7 @@ import pytest
 
 from rapc.base.diagnostics import Diagnostic
 from rapc.errors import LoadError
-from rapc.library.loader import load, load_text
-from rapc.library.requiring import standard_libraries
+from rapc.library.loader import load, load_text, standard_libraries
 
 
 def _write(folder: Path, **files: str) -> Path:

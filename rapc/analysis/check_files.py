@@ -1,6 +1,6 @@
 """Check files by their paths: each test file by itself, all others as one library.
 
-What the tests of a file run is what `rapc.library.test_files` says. A finding that more
+What the tests of a file run is what `rapc.library.loader` says. A finding that more
 than one of these libraries has, in a file that they share, is reported once. A file of
 the one library is judged there: what a test requires of it may be a part, in which only
 errors count, for they keep the test from being run.
@@ -17,8 +17,7 @@ from rapc.analysis.selection import Selection
 from rapc.base.files import TEST_SUFFIX, lies_in, path_of
 from rapc.base.source import Span
 from rapc.library import loader
-from rapc.library.loader import Loaded, Names, Parse
-from rapc.library.test_files import alike, load_tests
+from rapc.library.loader import Loaded, Names, Parse, alike, load_tests
 from rapc.parser.parse import parse
 
 

@@ -27,8 +27,7 @@ from rapc.base.source import SourceFile, Span
 from rapc.ir import nodes
 from rapc.ir.nodes import DefineTest
 from rapc.library.library import Library
-from rapc.library.loader import Loaded
-from rapc.library.requiring import UNRESOLVED
+from rapc.library.loader import UNRESOLVED, Loaded
 from rapc.library.signatures import Signatures
 
 if TYPE_CHECKING:

@@ -37,8 +37,7 @@ from rapc.cli.common import (
     write_output,
 )
 from rapc.cli.options import USAGE, command, fail, say, settings
-from rapc.library.loader import STANDARD_INPUT
-from rapc.library.units import Units
+from rapc.library.loader import STANDARD_INPUT, Units
 
 if TYPE_CHECKING:
     from rapc.analysis import baseline, fixes

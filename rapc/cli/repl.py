@@ -23,8 +23,7 @@ from rapc.debug.tape import Tape
 from rapc.debug.texts import TYPED
 from rapc.errors import Error
 from rapc.host import load, loads
-from rapc.library.digest import digest
-from rapc.library.library import Library
+from rapc.library.library import Library, digest
 from rapc.repl.commands.table import commands
 from rapc.repl.script import inputs, run_script
 from rapc.repl.shell import Shell

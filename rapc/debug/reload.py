@@ -20,8 +20,7 @@ from rapc.debug.acts import Act, Setup
 from rapc.debug.declared import obstacles
 from rapc.errors import RefusedError
 from rapc.ir import nodes
-from rapc.library.digest import digest
-from rapc.library.library import Library
+from rapc.library.library import Library, digest
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.saving.format import decode_run
 from rapc.runtime.saving.records import Parts, RunRecord, TaskRecord, WaitRecord

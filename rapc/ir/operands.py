@@ -8,7 +8,6 @@ kinds in `_BY_VALUE` the operands have a say, too.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from operator import attrgetter
 from typing import Any
 
 import msgspec
@@ -36,7 +35,7 @@ def operands(formula: nodes.Formula) -> Operands:
     by_value = _BY_VALUE.get(kind)
     if by_value is not None:
         return by_value(formula)
-    return _TAKEN[kind](formula)
+    return Operands(*[_values(formula, fields) for fields in _FIELDS[kind]])
 
 
 _ROLES: Mapping[str, str] = {
@@ -65,43 +64,17 @@ def _fields(kind: type[nodes.Node]) -> tuple[tuple[str, ...], ...]:
     )
 
 
-def _held(
-    kind: type[nodes.Node], fields: tuple[str, ...]
-) -> Callable[[nodes.Node], tuple[Any, ...]]:
-    """Return what takes the values of some fields from a node, as one tuple."""
-    takes = [attrgetter(field) for field in fields]
-    rows = [declared(kind, field).startswith("tuple[") for field in fields]
-    if len(fields) == 1 and rows[0]:
-        return takes[0]
-    if len(fields) > 1 and not any(rows):
-        return attrgetter(*fields)
-    return lambda node: tuple(
-        one
-        for take, row in zip(takes, rows, strict=True)
-        for one in (take(node) if row else (take(node),))
-    )
-
-
 _FIELDS = {kind: _fields(kind) for kind in nodes.Formula.__args__}
 
 
-def _taken(
-    kind: type[nodes.Node], roles: tuple[tuple[str, ...], ...]
-) -> Callable[[nodes.Node], Operands]:
-    """Return what takes the operands from a formula of a kind, by role."""
-    held = {at: _held(kind, fields) for at, fields in enumerate(roles) if fields}
-    if len(held) == 1:
-        ((at, only),) = held.items()
-        made: Callable[..., Operands] = Operands
-        before = ((),) * at
-        return lambda formula: made(*before, only(formula))
-    names = Operands.__struct_fields__
-    return lambda formula: Operands(
-        **{names[at]: take(formula) for at, take in held.items()}
-    )
+def _values(formula: nodes.Formula, fields: tuple[str, ...]) -> tuple[Any, ...]:
+    """The values of some fields of a formula, in a row."""
+    found: list[Any] = []
+    for field in fields:
+        value = getattr(formula, field)
+        found += value if type(value) is tuple else (value,)
+    return tuple(found)
 
-
-_TAKEN = {kind: _taken(kind, fields) for kind, fields in _FIELDS.items()}
 
 PARTS: Mapping[type, tuple[str, ...]] = {
     kind: (*fields[2], *fields[3]) for kind, fields in _FIELDS.items()

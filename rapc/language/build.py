@@ -182,8 +182,12 @@ def _lists(items: list[Shape]) -> list[Shape]:
 
 def module() -> str:
     """The text of `grammar.py`."""
+    named: dict[str, list[str]] = {}
+    for name, pattern in terminals().items():
+        named.setdefault(pattern, []).append(name)
     patterns = [
-        f"    {json.dumps(k)}: {json.dumps(v)}," for k, v in terminals().items()
+        f"    **dict.fromkeys({tuple(names)!r}, {json.dumps(pattern)}),"
+        for pattern, names in named.items()
     ]
     rows = [f"    {json.dumps(k)}: {_row(v)}," for k, v in grammar().items()]
     return (

@@ -7,6 +7,7 @@ for itself. What a reference means, and whether it means anything, is for
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
@@ -151,6 +152,20 @@ def link(units: Sequence[SourceUnit]) -> tuple[Library, tuple[Diagnostic, ...]]:
     tests = tuple(test for unit in units for test in unit.tests)
     found.extend(_duplicate_tests(tests))
     return Library(**fields, files=files, forms=forms, tests=tests), tuple(found)
+
+
+def digest(library: Library) -> str:
+    """Return what tells a library from others: a digest of its texts, in order.
+
+    It is the same wherever the sources lie.
+    """
+    found = hashlib.sha256()
+    for source in library.files.values():
+        text = source.text.encode("utf-8", "surrogatepass")
+        found.update(b"%d\n" % len(text))
+        found.update(text)
+    found.update(" ".join(library.raps).encode("utf-8", "surrogatepass"))
+    return found.hexdigest()
 
 
 def name_span(files: Mapping[str, SourceFile], form: nodes.TopForm) -> Span:

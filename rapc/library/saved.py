@@ -15,7 +15,7 @@ from __future__ import annotations
 import hashlib
 import re
 from collections import deque
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
 from typing import Any, NamedTuple
@@ -28,6 +28,7 @@ from rapc.base.version import VERSION
 from rapc.errors import SavedError
 from rapc.ir import nodes
 from rapc.ir.nodes import DefineTest
+from rapc.library.lazy import Lazy
 from rapc.library.library import Library, link
 from rapc.library.saved_check import UnsoundError, Verifier
 from rapc.library.signature import Signature
@@ -222,36 +223,24 @@ class SavedLibrary:
         rows = {row.name: (row, unit) for unit in units for row in unit.raps}
         if found or len(rows) < sum(len(unit.raps) for unit in units):
             raise _WrongError("defines a name twice")
-        known = Signatures.of(linked, _RowSignatures(rows))
-        verifier = Verifier(known, linked.files)
+        signatures = Lazy(rows, lambda name: _signature(rows[name][0]))
+        verifier = Verifier(Signatures.of(linked, signatures), linked.files)
         for form in linked.forms:
             verifier.declaration(form)
-        raps = _Raps(self._file, rows, verifier)
+        raps = Lazy(rows, lambda name: self._rap(*rows[name], verifier))
         linked = msgspec.structs.replace(linked, raps=raps, forms=())
         return linked, verifier
 
-
-class _RowSignatures(Mapping[str, Signature]):
-    """The signatures of RAPs by name, made of their rows; no RAP is decoded."""
-
-    def __init__(self, rows: Mapping[str, tuple[_Rap, _Unit]]) -> None:
-        self._rows = rows
-        self._made: dict[str, Signature] = {}
-
-    def __getitem__(self, name: str) -> Signature:
-        made = self._made.get(name)
-        if made is None:
-            made = self._made[name] = _signature(self._rows[name][0])
-        return made
-
-    def __contains__(self, name: object) -> bool:
-        return name in self._rows
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._rows)
-
-    def __len__(self) -> int:
-        return len(self._rows)
+    def _rap(self, row: _Rap, unit: _Unit, verifier: Verifier) -> nodes.DefineRap:
+        """Decode a RAP and look at it. Raises SavedError if it cannot be run."""
+        with _errors_name(self._file):
+            if not 0 <= row.form < len(unit.forms):
+                raise _WrongError(f"lacks the RAP `{row.name}`")
+            made: nodes.DefineRap = _decode(unit.forms[row.form], nodes.DefineRap)
+            if row != _row(made, row.form):
+                raise _WrongError("has a RAP in the place of another")
+            verifier.rap(made)
+            return made
 
 
 def _signature(row: _Rap) -> Signature:
@@ -273,47 +262,6 @@ def _row(rap: nodes.DefineRap, at: int) -> _Rap:
     """The row of a RAP that is so many forms from the first."""
     inputs = msgspec.Raw(msgspec.json.encode(_inputs(rap)))
     return _Rap(rap.name, at, inputs, len(rap.outputs))
-
-
-class _Raps(Mapping[str, nodes.DefineRap]):
-    """The RAPs of a library by name, each decoded and looked at when asked for.
-
-    Reading one raises SavedError if it cannot be run.
-    """
-
-    def __init__(
-        self, file: str, rows: Mapping[str, tuple[_Rap, _Unit]], verifier: Verifier
-    ) -> None:
-        self._file = file
-        self._rows = rows
-        self._verifier = verifier
-        self._made: dict[str, nodes.DefineRap] = {}
-
-    def __getitem__(self, name: str) -> nodes.DefineRap:
-        made = self._made.get(name)
-        if made is None:
-            row, unit = self._rows[name]
-            with _errors_name(self._file):
-                made = self._made[name] = self._read(row, unit)
-        return made
-
-    def _read(self, row: _Rap, unit: _Unit) -> nodes.DefineRap:
-        if not 0 <= row.form < len(unit.forms):
-            raise _WrongError(f"lacks the RAP `{row.name}`")
-        made: nodes.DefineRap = _decode(unit.forms[row.form], nodes.DefineRap)
-        if row != _row(made, row.form):
-            raise _WrongError("has a RAP in the place of another")
-        self._verifier.rap(made)
-        return made
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._rows)
-
-    def __len__(self) -> int:
-        return len(self._rows)
-
-    def __contains__(self, name: object) -> bool:
-        return name in self._rows
 
 
 def _look_at_names(body: _Body) -> None:

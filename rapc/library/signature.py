@@ -6,7 +6,7 @@ Not here: which names there are, and what is wrong with a use of one
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Literal
 
 import msgspec
@@ -28,6 +28,18 @@ Kind = Literal[
     "event",
 ]
 """What a name is declared to be."""
+
+Declared = (
+    nodes.DeclareProposition
+    | nodes.DeclareProperty
+    | nodes.DeclareFunction
+    | nodes.DefineQuery
+    | nodes.DeclarePrimitive
+    | nodes.DeclareDatum
+    | nodes.DeclareSkill
+    | nodes.DeclareEvent
+)
+"""Declarations of names with arguments."""
 
 CONSTANT_DEFAULTS = ("unknown", "true", "false")
 """Defaults of properties that are values; any other names a registered function."""
@@ -104,91 +116,38 @@ class Signature(msgspec.Struct, frozen=True):
         return f"`{self.name}` takes {wanted}, not {count}"
 
 
-class RapSignatures(Mapping[str, Signature]):
-    """The signatures of RAPs that may be read only when they are asked for."""
-
-    def __init__(self, raps: Mapping[str, nodes.DefineRap]) -> None:
-        self._raps = raps
-        self._made: dict[str, Signature] = {}
-
-    def __getitem__(self, name: str) -> Signature:
-        made = self._made.get(name)
-        if made is None:
-            rap = self._raps[name]
-            kinds = {one.variable: one.kind for one in rap.kinds}
-            args = tuple(
-                [nodes.Argument(v, kinds.get(v.name), span=v.span) for v in rap.inputs]
-            )
-            count, outputs = len(args), len(rap.outputs)
-            made = Signature("RAP", name, count, count, args, rap.name_span, outputs)
-            self._made[name] = made
-        return made
-
-    def __contains__(self, name: object) -> bool:
-        return name in self._raps
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._raps)
-
-    def __len__(self) -> int:
-        return len(self._raps)
-
-
 # --- from declarations ----------------------------------------------------------------
 
 
-def plain_signature(
-    kind: Kind,
-    form: nodes.DeclareProposition
-    | nodes.DeclareDatum
-    | nodes.DeclareSkill
-    | nodes.DeclareEvent,
-) -> Signature:
-    """Return the signature of a declaration that says no more than its arguments."""
-    count = None if form.args is None else len(form.args)
-    return Signature(kind, form.name, count or 0, count, form.args, form.span)
+def of_declaration(kind: Kind, form: Declared) -> Signature:
+    """Return the signature of a declaration.
 
-
-def of_query(form: nodes.DefineQuery) -> Signature:
-    """Return the signature of a named query, with the formula it stands for."""
-    count = len(form.args)
-    return Signature(
-        "query",
-        form.name,
-        count,
-        count,
-        form.args,
-        form.name_span,
-        formula=form.formula,
-    )
-
-
-def of_property(form: nodes.DeclareProperty) -> Signature:
-    """Return the signature of a property.
-
-    Its value may be left out where an argument precedes the value [L 2.11].
+    The value of a property may be left out where an argument precedes it [L 2.11].
     """
     count = None if form.args is None else len(form.args)
-    least = max(1, (count or 0) - 1)
+    is_property = isinstance(form, nodes.DeclareProperty)
     return Signature(
-        "property", form.name, least, count, form.args, form.span, default=form.default
+        kind,
+        form.name,
+        max(1, (count or 0) - 1) if is_property else count or 0,
+        count,
+        form.args,
+        getattr(form, "name_span", form.span),
+        results=getattr(form, "results", ()),
+        default=getattr(form, "default", None),
+        reads=getattr(form, "reads", None),
+        formula=getattr(form, "formula", None),
     )
 
 
-def of_function(form: nodes.DeclareFunction) -> Signature:
-    """Return the signature of a function, with the predicates it says it reads."""
-    count = None if form.args is None else len(form.args)
-    return Signature(
-        "function", form.name, count or 0, count, form.args, form.span, reads=form.reads
+def of_rap(rap: nodes.DefineRap) -> Signature:
+    """Return the signature of a RAP."""
+    kinds = {one.variable: one.kind for one in rap.kinds}
+    args = tuple(
+        [nodes.Argument(v, kinds.get(v.name), span=v.span) for v in rap.inputs]
     )
-
-
-def of_primitive(form: nodes.DeclarePrimitive) -> Signature:
-    """Return the signature of a primitive, with its results."""
-    count = len(form.args)
-    return Signature(
-        "primitive", form.name, count, count, form.args, form.span, results=form.results
-    )
+    count, outputs = len(args), len(rap.outputs)
+    return Signature("RAP", rap.name, count, count, args, rap.name_span, outputs)
 
 
 def of_counts(kind: Kind, offered: Mapping[str, int]) -> dict[str, Signature]:

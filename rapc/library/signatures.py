@@ -21,18 +21,16 @@ from rapc.base.names import Suggestions, is_slip
 from rapc.base.values import Atom
 from rapc.language.heads import CALLS, QUERIES
 from rapc.library.kinds import Kinds, misfits, said_of
+from rapc.library.lazy import Lazy
 from rapc.library.library import Library
 from rapc.library.signature import (
+    Declared,
     Kind,
-    RapSignatures,
     Signature,
     amount,
     of_counts,
-    of_function,
-    of_primitive,
-    of_property,
-    of_query,
-    plain_signature,
+    of_declaration,
+    of_rap,
 )
 
 if TYPE_CHECKING:
@@ -131,25 +129,25 @@ class Signatures:
 
         A RAP is looked at when its signature is asked for, unless `raps` has them.
         """
+
+        def declared(kind: Kind, forms: Mapping[str, Declared]) -> dict[str, Signature]:
+            return {name: of_declaration(kind, form) for name, form in forms.items()}
+
         predicates = {
-            **{
-                n: plain_signature("proposition", form)
-                for n, form in library.propositions.items()
-            },
-            **{n: of_property(form) for n, form in library.properties.items()},
-            **{n: of_function(form) for n, form in library.functions.items()},
-            **{n: of_query(form) for n, form in library.queries.items()},
+            **declared("proposition", library.propositions),
+            **declared("property", library.properties),
+            **declared("function", library.functions),
+            **declared("query", library.queries),
         }
         return cls(
-            RapSignatures(library.raps) if raps is None else raps,
+            Lazy(library.raps, lambda name: of_rap(library.raps[name]))
+            if raps is None
+            else raps,
             predicates,
-            {n: of_primitive(form) for n, form in library.primitives.items()},
-            {
-                n: plain_signature("sensor datum", form)
-                for n, form in library.data.items()
-            },
-            {n: plain_signature("skill", form) for n, form in library.skills.items()},
-            {n: plain_signature("event", form) for n, form in library.events.items()},
+            declared("primitive", library.primitives),
+            declared("sensor datum", library.data),
+            declared("skill", library.skills),
+            declared("event", library.events),
             Kinds(library.kinds),
         )
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import msgspec
 
 from rapc.events import RunEnded, RunStarted
-from rapc.library.digest import digest
+from rapc.library.library import digest
 from rapc.runtime import snapshot
 from rapc.runtime.machine import Machine
 from rapc.runtime.tasks.remove import remove

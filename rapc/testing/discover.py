@@ -19,8 +19,8 @@ from rapc.base.source import SourceFile, Span
 from rapc.compiler.program import Program
 from rapc.ir.nodes import DefineTest
 from rapc.library import loader
+from rapc.library.loader import load_tests
 from rapc.library.saved import SavedLibrary
-from rapc.library.test_files import load_tests
 from rapc.testing.run import Case
 
 

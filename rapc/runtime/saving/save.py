@@ -13,7 +13,7 @@ from collections.abc import Callable
 from rapc.base.code_places import place_of
 from rapc.base.values import Fact, format_atom
 from rapc.errors import StateError
-from rapc.library.digest import digest
+from rapc.library.library import digest
 from rapc.runtime.authors import laid_at, saved_state
 from rapc.runtime.machine import Machine
 from rapc.runtime.memory import saving as memory_saving

@@ -1,0 +1,38 @@
+"""Mappings whose values are made when they are first asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator, Mapping
+from typing import TypeVar
+
+V = TypeVar("V")
+
+
+class Lazy(Mapping[str, V]):
+    """Values by names that are known, each made once.
+
+    Args:
+        names: the names.
+        make: what makes the value of a name.
+    """
+
+    def __init__(self, names: Collection[str], make: Callable[[str], V]) -> None:
+        self._names = names
+        self._make = make
+        self._made: dict[str, V] = {}
+
+    def __getitem__(self, name: str) -> V:
+        if name not in self._made:
+            if name not in self._names:
+                raise KeyError(name)
+            self._made[name] = self._make(name)
+        return self._made[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._names
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
