@@ -99,6 +99,17 @@ class _Aim(msgspec.Struct, frozen=True):
     free: Container[str]
 
 
+class _Match(msgspec.Struct, frozen=True):
+    """What is known where a wanted literal is held against one that holds."""
+
+    #: The variables of the wanted one that may take a value.
+    free: Container[str]
+    #: The variables of the other one that have no value where it is asked.
+    late: Container[str]
+    #: What variables have taken so far.
+    choice: _Choice
+
+
 class _Search:
     """A search for values of free variables, with a bound on its work.
 
@@ -134,8 +145,9 @@ class _Search:
                 continue
             extended = dict(choice)
             if goal.holds:
-                fact = _fact(goal, other)
-                found = self._alike(goal.formula, fact, aim.free, extended)
+                late = self._late(other, aim.held)
+                match = _Match(aim.free, late, extended)
+                found = self._alike(goal.formula, _fact(goal, other), match)
             else:
                 found = self._denies(goal, other, aim, choice)
             if found:
@@ -151,72 +163,66 @@ class _Search:
         """Whether a denial follows from another: what it denies leads to the other."""
         denied = list(literals(substitute(goal.formula, choice)))
         inner = _Search(self._relations, None, self._left)
-        turned = _Aim(list(literals(other.formula)), denied, self._own(other, aim.held))
+        late = self._late(other, aim.held)
+        turned = _Aim(list(literals(other.formula)), denied, late)
         found = inner.find(turned) is not None
         self._left = inner._left
         return found
 
-    def _own(self, denial: Literal, held: Iterable[Literal]) -> set[str]:
-        """The variables of a denial that have no value where it is asked."""
-        if self._given is None:
-            return set()
-        return unbound(denial, held, self._given)
+    def _late(self, held: Literal, before: Iterable[Literal]) -> set[str]:
+        """The variables of what holds that have no value where it is asked."""
+        return set() if self._given is None else unbound(held, before, self._given)
 
-    def _alike(
-        self, one: object, two: object, free: Container[str], choice: _Choice
-    ) -> bool:
+    def _alike(self, one: object, two: object, match: _Match) -> bool:
         """Whether a wanted formula is one that holds, by a choice of variables."""
         if isinstance(one, nodes.Proposition) and isinstance(two, nodes.Proposition):
-            return self._one_fact(one, two, free, choice)
+            return self._one_fact(one, two, match)
         if isinstance(one, nodes.Believe) and isinstance(two, nodes.Believe):
-            return self._one_fact(
-                one.pattern, two.pattern, free, choice
-            ) and self._one_age(one, two, free, choice)
+            return self._one_fact(one.pattern, two.pattern, match) and self._one_age(
+                one, two, match
+            )
         if isinstance(one, nodes.HistoryTest) and isinstance(two, nodes.HistoryTest):
             return (
                 one.query == two.query
-                and _same_row(one.args[:-1], two.args[:-1], None, choice)
-                and _same_row(one.args[-1:], two.args[-1:], free, choice)
+                and _same_row(one.args[:-1], two.args[:-1], None, match.choice)
+                and _same_row(one.args[-1:], two.args[-1:], match.free, match.choice)
             )
         if isinstance(one, nodes.Or | nodes.And) and isinstance(two, type(one)):
             pairs = zip(one.parts, two.parts, strict=False)
             return len(one.parts) == len(two.parts) and all(
-                self._alike(a, b, free, choice) for a, b in pairs
+                self._alike(a, b, match) for a, b in pairs
             )
-        return _same(one, two, None, choice)
+        return _same(one, two, None, match.choice)
 
     def _one_fact(
-        self,
-        one: nodes.Proposition,
-        two: nodes.Proposition,
-        free: Container[str],
-        choice: _Choice,
+        self, one: nodes.Proposition, two: nodes.Proposition, match: _Match
     ) -> bool:
         """Whether a fact is another one; a default holds of a known index alone."""
-        declared = self._relations.get(one.name)
+        choice, declared = match.choice, self._relations.get(one.name)
         if one.name != two.name or declared is None:
             return one.name == two.name and _same_row(one.args, two.args, None, choice)
         terms, others = declared.full(one.args), declared.full(two.args)
-        index = free if self._is_stored(two) else None
+        index = match.free if self._is_stored(two) else None
         return _same_row(terms[:-1], others[:-1], index, choice) and _same_row(
-            terms[-1:], others[-1:], free, choice
+            terms[-1:], others[-1:], match.free, choice
         )
 
-    def _one_age(
-        self,
-        one: nodes.Believe,
-        two: nodes.Believe,
-        free: Container[str],
-        choice: _Choice,
-    ) -> bool:
-        """Whether an age is another one; only what is stored has any."""
-        if not isinstance(one.age, nodes.Var) or not self._is_stored(two.pattern):
-            return _same(one.age, two.age, None, choice)
-        is_age = isinstance(two.age, nodes.Var) and two.age.name not in (
-            self._given or ()
+    def _one_age(self, one: nodes.Believe, two: nodes.Believe, match: _Match) -> bool:
+        """Whether an age is another one.
+
+        A variable without a value takes the age of a fact that is stored; one with a
+        value is a bound, and no fact is younger than its own age [L 2.51, 2.56].
+        """
+        choice, age, other = match.choice, one.age, two.age
+        is_free = isinstance(age, nodes.Var) and (
+            age.anonymous or (age.name in match.free and age.name not in choice)
         )
-        other = two.age if is_age else nodes.Var("?")
-        return one.age == two.age or _same(one.age, other, free, choice)
+        if not is_free:
+            known = not isinstance(other, nodes.Var)
+            return known and _same(age, other, None, choice)
+        if not isinstance(other, nodes.Var) or other.name not in match.late:
+            other = nodes.Var("?")
+        return self._is_stored(two.pattern) and _same(age, other, match.free, choice)
 
     def _is_stored(self, fact: nodes.Proposition) -> bool:
         """Whether memory has a fact where one holds: no default can be meant."""

@@ -122,8 +122,9 @@ def _contradictions(
         if clash is not None:
             if any(clash.second is one for one in here.behind):
                 clash = Clash(clash.second, clash.first)
-            _report_contradiction(reports, clash)
-            found = True
+            if any(clash.second is one for one in own):
+                _report_contradiction(reports, clash)
+                found = True
             continue
         for at, literal in enumerate(own):
             inner = literal.formula

@@ -65,6 +65,8 @@ class _Asked(msgspec.Struct, frozen=True):
 
     literal: Literal
     clause: str
+    #: The literal as it is written, where its variables were given other names.
+    written: Literal
 
 
 class _Goal(msgspec.Struct, frozen=True):
@@ -134,7 +136,7 @@ def _rap(run: Pass, rap: nodes.DefineRap) -> None:
     if looped is not None and id(looped) not in never:
         if _never(at, looped, "repeat-while"):
             return
-        at.held.extend(_Asked(one, "repeat-while") for one in literals(looped))
+        at.held.extend(_Asked(one, "repeat-while", one) for one in literals(looped))
     always: nodes.Method | None = None
     behind: list[nodes.Formula] = []
     for method in rap.methods:
@@ -174,16 +176,16 @@ def _apart(at: _Chosen, rap: nodes.DefineRap) -> bool:
     clash = first_clash(at.reports.run, (), every, at.given)
     if clash is None:
         return False
-    clauses = {id(one.literal): one.clause for one in at.held}
-    one = clauses.get(id(clash.first))
-    if one is None or one == clauses.get(id(clash.second)):
+    asked = {id(one.literal): one for one in at.held}
+    first, second = asked.get(id(clash.first)), asked.get(id(clash.second))
+    if first is None or second is None or first.clause == second.clause:
         return False
     at.reports.report(
         UNREACHABLE,
-        f"no method is ever chosen: {said(clash.second)} never holds where "
-        f"`{one}` does",
+        f"no method is ever chosen: {said(second.written)} never holds where "
+        f"`{first.clause}` does",
         clash.second.span,
-        Label(clash.first.span, _why(one)),
+        Label(clash.first.span, _why(first.clause)),
     )
     return True
 
@@ -197,14 +199,20 @@ def _held(
     """
     for clause, formula in _required(rap):
         if id(formula) not in never:
-            for one in literals(apart(formula, given, f"@{clause.word}")):
-                yield _Asked(one, clause.word)
+            yield from _named_apart(formula, given, clause.word)
     goal = rap.succeed
     parts = goal.parts if isinstance(goal, nodes.Or) else (goal,)
     for part in parts:
         if isinstance(part, nodes.Not):
-            for one in literals(apart(part.part, given, "@succeed")):
-                yield _Asked(one, "succeed")
+            yield from _named_apart(part.part, given, "succeed")
+
+
+def _named_apart(
+    formula: nodes.Formula, given: Container[str], clause: str
+) -> Iterator[_Asked]:
+    renamed = literals(apart(formula, given, f"@{clause}"))
+    for one, written in zip(renamed, literals(formula), strict=True):
+        yield _Asked(one, clause, written)
 
 
 def _required(rap: nodes.DefineRap) -> Iterator[tuple[Clause, nodes.Formula]]:
@@ -229,7 +237,7 @@ def _ways_to_succeed(rap: nodes.DefineRap) -> Iterator[nodes.Formula]:
 def _never(at: _Chosen, formula: nodes.Formula, what: str) -> bool:
     """Report a formula, or branches of it, that never holds at a choice."""
     own = list(literals(formula))
-    whole = _refuted(at, own, formula.span, what)
+    whole = _refuted(at, own, own, formula.span, what)
     if whole is not None:
         at.reports.report(UNREACHABLE, *whole)
         return True
@@ -237,11 +245,10 @@ def _never(at: _Chosen, formula: nodes.Formula, what: str) -> bool:
         if isinstance(literal.formula, nodes.Or) and literal.holds:
             before, behind = own[:place], own[place + 1 :]
             parts = literal.formula.parts
+            branches = [(part.span, list(literals(part))) for part in parts]
             found = [
-                _refuted(
-                    at, [*before, *literals(part), *behind], part.span, "this branch"
-                )
-                for part in parts
+                _refuted(at, [*before, *branch, *behind], branch, span, "this branch")
+                for span, branch in branches
             ]
             if parts and all(found):
                 message = f"{what} is never chosen: no branch of this ever holds"
@@ -259,13 +266,25 @@ _Refuted = tuple[str, Span, Label]
 
 
 def _refuted(
-    at: _Chosen, own: Sequence[Literal], span: Span, what: str
+    at: _Chosen,
+    own: Sequence[Literal],
+    about: Sequence[Literal],
+    span: Span,
+    what: str,
 ) -> _Refuted | None:
-    """Say why literals, none of which contradict each other, never hold."""
+    """Say why literals, none of which contradict each other, never hold.
+
+    Args:
+        at: what is so where a method is chosen.
+        own: the literals, in the order in which they are asked.
+        about: those of them that may be told of.
+        span: where they stand.
+        what: what they are.
+    """
     clash = at.clash(own)
     if clash is not None:
         clause = next((a.clause for a in at.held if a.literal is clash.first), None)
-        if clause is None:
+        if clause is None or not any(clash.second is one for one in about):
             return None
         return (
             f"{said(clash.second)} never holds when a method is chosen",

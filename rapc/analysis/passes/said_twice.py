@@ -72,7 +72,7 @@ def _look(run: Pass, parts: tuple[nodes.Formula, ...], *, joined: bool) -> None:
     first: dict[nodes.Formula, nodes.Formula] = {}
     for at, part in enumerate(parts):
         other = first.setdefault(part, part)
-        if other is part or (joined and _is_about_less(run, parts[:at], part)):
+        if other is part or (joined and _is_another(run, parts[:at], part)):
             continue
         whole = Span(part.span.file, parts[at - 1].span.end, part.span.end)
         fix = Fix(Applicability.SAFE, "take it away", (Edit(whole, ""),))
@@ -87,13 +87,17 @@ def _look(run: Pass, parts: tuple[nodes.Formula, ...], *, joined: bool) -> None:
         )
 
 
-def _is_about_less(
+def _is_another(
     run: Pass, before: Sequence[nodes.Formula], part: nodes.Formula
 ) -> bool:
-    """Whether a `not` may be about one thing, and the same one before it about all.
+    """Whether a part may mean something else than the same one before it.
 
-    A default, or a query, may hold of that one though it holds of none [L 2.21].
+    A `not` may be about one thing that was bound in between, and before about all: a
+    default, or a query, may hold of that one though it holds of none [L 2.21]. An age
+    that a `believe` has bound is a bound behind it [L 2.56].
     """
+    if isinstance(part, nodes.Believe):
+        return isinstance(part.age, nodes.Var) and not part.age.anonymous
     if not isinstance(part, nodes.Not):
         return False
     at = before.index(part)
