@@ -13,7 +13,7 @@ from collections.abc import Callable, Container, Iterable, Mapping
 
 from rapc.analysis.named_bindings import QueryBindings, Summaries, query_arguments
 from rapc.ir import nodes
-from rapc.ir.operands import operands
+from rapc.ir.schema import operands
 
 
 class Bound(Container[str]):

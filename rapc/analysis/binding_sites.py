@@ -14,7 +14,7 @@ import msgspec
 from rapc.analysis.named_bindings import query_arguments
 from rapc.base.source import Span
 from rapc.ir import clauses, nodes
-from rapc.ir.operands import operands
+from rapc.ir.schema import operands
 from rapc.ir.walk import FormulaAt, formulas
 
 

@@ -18,7 +18,7 @@ from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.base.source import SourceFile, Span
 from rapc.ir import nodes
 from rapc.ir.clauses import METHOD, held
-from rapc.ir.fields import CHILDREN
+from rapc.ir.schema import CHILDREN
 from rapc.language.heads import CALLS
 from rapc.library.library import Library, word_span
 from rapc.library.signatures import Use

@@ -17,8 +17,16 @@ from typing import Any
 
 from rapc.base.values import Text, format_atom
 from rapc.ir import nodes
-from rapc.ir.held import HELD_BY, OPERANDS_OF
-from rapc.ir.productions import Part, fields, parts, rule_of, rule_of_kind, unsaid
+from rapc.ir.schema import (
+    HELD_BY,
+    OPERANDS_OF,
+    Part,
+    fields,
+    parts,
+    rule_of,
+    rule_of_kind,
+    unsaid,
+)
 from rapc.language.grammar import RULES, TERMINALS
 from rapc.language.heads import heads
 from rapc.language.shapes import Shape, is_rule, is_word

@@ -14,8 +14,7 @@ import msgspec
 from rapc.base.source import NOWHERE
 from rapc.ir import clauses, nodes
 from rapc.ir.clauses import Clause
-from rapc.ir.fields import CHILDREN
-from rapc.ir.operands import PARTS
+from rapc.ir.schema import CHILDREN, PARTS
 
 
 class FormulaAt(msgspec.Struct, frozen=True):

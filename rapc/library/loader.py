@@ -37,8 +37,8 @@ from rapc.base.gc_paused import gc_paused
 from rapc.base.names import nearest
 from rapc.base.source import SourceFile
 from rapc.ir import nodes
-from rapc.ir.node_map import NodeMap
 from rapc.ir.nodes import DefineTest
+from rapc.ir.schema import NodeMap
 from rapc.library import library
 from rapc.library.library import Library
 from rapc.parser.parse import parse

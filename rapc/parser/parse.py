@@ -15,8 +15,8 @@ from rapc.base.source import SourceFile
 from rapc.base.values import Atom, Fact
 from rapc.errors import TextError
 from rapc.ir import nodes
-from rapc.ir.node_map import NodeMap
 from rapc.ir.nodes import DefineTest
+from rapc.ir.schema import NodeMap
 from rapc.ir.walk import subformulas
 from rapc.parser.context import (
     ANY_CLAUSE,

@@ -7,8 +7,8 @@ import msgspec
 from rapc.base.diagnostics import Diagnostic
 from rapc.base.source import SourceFile
 from rapc.ir import nodes
-from rapc.ir.node_map import NodeMap
 from rapc.ir.nodes import DefineTest
+from rapc.ir.schema import NodeMap
 from rapc.parser.syntax import Comment, Datum
 
 Partial = NodeMap[nodes.TopForm | DefineTest, frozenset[str]]

@@ -8,7 +8,7 @@ import pytest
 
 from rapc.analysis.driver import check_library
 from rapc.ir import nodes
-from rapc.ir.fields import CHILDREN
+from rapc.ir.schema import CHILDREN
 from rapc.library.loader import load_text
 from tests.effort import first
 from tests.work import lines

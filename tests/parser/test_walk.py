@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from rapc.ir import nodes, walk
-from rapc.ir.operands import Operands, operands
 from rapc.ir.printer import format_formula, format_term
+from rapc.ir.schema import Operands, operands
 from tests.parser.reading import parsed
 
 RAP = """\

@@ -14,7 +14,7 @@ from rapc.analysis.first_values import FirstValues
 from rapc.analysis.literals import literals
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import clauses, nodes
-from rapc.ir.operands import operands
+from rapc.ir.schema import operands
 from rapc.ir.walk import variable_names
 from rapc.library.signature import CONSTANT_DEFAULTS, Signature
 from rapc.library.signatures import Signatures

@@ -22,7 +22,7 @@ from rapc.compiler.query.plan_steps import AccessPath
 from rapc.compiler.query.term_code import argument_code, attempt, known_value, match
 from rapc.compiler.watches import Watch, of_age, of_call, of_proposition, of_resources
 from rapc.ir import nodes
-from rapc.ir.fields import CHILDREN
+from rapc.ir.schema import CHILDREN
 from rapc.ir.walk import variable_names
 from rapc.library.signatures import Signatures
 

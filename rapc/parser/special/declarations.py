@@ -8,9 +8,8 @@ from typing import Literal, cast
 from rapc.base.values import Atom
 from rapc.ir import nodes
 from rapc.parser.context import Context, head_of, kind_of
-from rapc.parser.declared import explained, name_of
-from rapc.parser.findings import wrong
-from rapc.parser.parameters import parameters, symbol
+from rapc.parser.forms import explained, name_of, parameters, symbol
+from rapc.parser.generic import wrong
 from rapc.parser.special.formulas import formula
 from rapc.parser.syntax import Datum, List, Numeral, String, Symbol
 from rapc.parser.terms import constant, proposition

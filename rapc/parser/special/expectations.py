@@ -8,9 +8,8 @@ from typing import cast
 from rapc.ir import nodes
 from rapc.language.heads import ARROW, rules_by_head
 from rapc.parser.context import Context, head_of
-from rapc.parser.elaborate import made
-from rapc.parser.findings import wrong
-from rapc.parser.options import options
+from rapc.parser.forms import options
+from rapc.parser.generic import made, wrong
 from rapc.parser.special.formulas import lone_formula
 from rapc.parser.syntax import Arrow, Datum, Keyword, List, Numeral, Symbol
 from rapc.parser.terms import term

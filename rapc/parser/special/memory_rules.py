@@ -8,8 +8,7 @@ from typing import Literal, cast
 from rapc.ir import nodes
 from rapc.language.heads import ALONE
 from rapc.parser.context import Context, head_of, kind_of
-from rapc.parser.elaborate import made
-from rapc.parser.findings import wrong
+from rapc.parser.generic import made, wrong
 from rapc.parser.special.formulas import formula
 from rapc.parser.syntax import Datum, Keyword, List, Symbol, Variable
 from rapc.parser.terms import goal, signal, terms

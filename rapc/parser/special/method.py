@@ -7,9 +7,8 @@ from typing import Any
 
 from rapc.ir import nodes
 from rapc.language.heads import METHOD_CLAUSES, heads
-from rapc.parser.clauses import clauses, read_clauses, single
 from rapc.parser.context import Context, head_of, kind_of
-from rapc.parser.fields import slots
+from rapc.parser.forms import clauses, read_clauses, single, slots
 from rapc.parser.special.steps import wait_for
 from rapc.parser.syntax import Datum, List, Numeral, Symbol
 from rapc.parser.terms import colon, pattern

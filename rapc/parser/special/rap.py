@@ -12,12 +12,16 @@ from rapc.base.diagnostics import Fix
 from rapc.base.names import nearest
 from rapc.ir import nodes
 from rapc.language.heads import METHOD_CLAUSES, RAP_CLAUSES, often
-from rapc.parser.clauses import clauses, read_clauses, single
 from rapc.parser.context import ANY_CLAUSE, Context, head_of
-from rapc.parser.elaborate import made
-from rapc.parser.fields import slots
-from rapc.parser.findings import wrong
-from rapc.parser.parameters import parameter, parameters
+from rapc.parser.forms import (
+    clauses,
+    parameter,
+    parameters,
+    read_clauses,
+    single,
+    slots,
+)
+from rapc.parser.generic import made, wrong
 from rapc.parser.special.method import method
 from rapc.parser.syntax import Datum, List, Symbol, Variable
 from rapc.parser.terms import split_arrow, term

@@ -9,7 +9,7 @@ from rapc.base.names import nearest
 from rapc.ir import nodes
 from rapc.language.heads import ANNOTATIONS, CALLS, METHOD_CLAUSES, SLIPS
 from rapc.parser.context import Context, head_of
-from rapc.parser.findings import wrong
+from rapc.parser.generic import wrong
 from rapc.parser.special.formulas import formula
 from rapc.parser.syntax import Datum, Keyword, List, Numeral, Symbol, Variable
 from rapc.parser.terms import goal, signal

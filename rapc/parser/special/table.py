@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from functools import cache
 
-from rapc.ir import nodes, productions
+from rapc.ir import nodes, schema
 from rapc.ir.clauses import METHOD, RAP
-from rapc.parser import parameters, terms
+from rapc.parser import forms, terms
 from rapc.parser.context import Read
-from rapc.parser.declared import declaration
-from rapc.parser.elaborate import GrammarReaders, Maker, Mend
+from rapc.parser.forms import declaration
+from rapc.parser.generic import GrammarReaders, Maker, Mend
 from rapc.parser.special import (
     declarations,
     expectations,
@@ -25,7 +25,7 @@ from rapc.parser.special import (
 SPECIAL: Mapping[str, Read] = {
     # forms
     "define_rap": rap.define_rap,
-    **{rule: declaration(rule, kind) for rule, kind in productions.declarations()},
+    **{rule: declaration(rule, kind) for rule, kind in schema.declarations()},
     "declare_class_comparator": declarations.comparator,
     "define_memory_rule": memory_rules.memory_rule,
     "define_event_rule": memory_rules.event_rule,
@@ -35,8 +35,8 @@ SPECIAL: Mapping[str, Read] = {
     "define_test": tests.define_test,
     "define_test_defaults": tests.define_test_defaults,
     # operands and options of declarations
-    "arguments": parameters.arguments,
-    "valued": parameters.valued,
+    "arguments": forms.arguments,
+    "valued": forms.valued,
     "results": declarations.results,
     "kind_values": declarations.kind_values,
     "excludes": declarations.excludes,

@@ -12,14 +12,10 @@ from typing import Any, cast
 from rapc.base.values import Number
 from rapc.ir import nodes
 from rapc.language.heads import TEST_CLAUSES, heads, often
-from rapc.parser.clauses import clauses, read_clauses, single
 from rapc.parser.context import Context, Read, head_of
-from rapc.parser.elaborate import made
-from rapc.parser.fields import filled, slots
-from rapc.parser.findings import wrong
-from rapc.parser.options import read_options
+from rapc.parser.forms import clauses, filled, read_clauses, read_options, single, slots
+from rapc.parser.generic import made, terminal, wrong
 from rapc.parser.syntax import Datum, List, String, Symbol
-from rapc.parser.terminals import terminal
 from rapc.parser.terms import term
 
 

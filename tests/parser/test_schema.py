@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from rapc.ir.node_map import NodeMap
 from rapc.ir.nodes import Const
+from rapc.ir.schema import NodeMap
 
 
 def test_equal_nodes_have_values_of_their_own() -> None:

@@ -3,11 +3,11 @@
 A reader takes a datum, reports what is wrong with it in the author's words, and returns
 the node, or None if something had to be left out. For most rules the shape in
 `rapc.language.grammar` says all there is to know: which words head the list, how many
-operands of which kinds follow. What a shape leaves open is said in three tables:
-`MAKERS` (which node comes of the operands, where it is not the one of the same name),
-`rapc.parser.findings` (the rule that a fault breaks) and `rapc.language.words` (what a
-finding calls the operands). Rules that need a hand have readers of their own in
-`rapc.parser.special` and its neighbours; those are asked first.
+operands of which kinds follow. What a shape leaves open is said in `MAKERS` of
+`rapc.parser.special.table` (which node comes of the operands, where it is not the one
+of the same name) and beside the rule in the grammar (what a finding says). Rules that
+need a hand have readers of their own in `rapc.parser.special` and its neighbours; those
+are asked first.
 
 A list whose operands do not fit its shape is reported once, as a whole; operands that
 are lists themselves report what is wrong in them.
@@ -22,15 +22,137 @@ from typing import Any
 import msgspec
 
 from rapc.base.source import Span
+from rapc.base.values import Number
 from rapc.ir import nodes
-from rapc.language.grammar import GRAMMAR, RULES
+from rapc.language.grammar import GRAMMAR, RULES, TERMINALS
 from rapc.language.heads import heads, rules_by_head, words_of_shape
 from rapc.language.shapes import Shape, is_list, is_rule, is_terminal, is_word, leaves
+from rapc.language.spelling import spelling
 from rapc.parser.context import Context, OptionReader, Read, head_of, kind_of
-from rapc.parser.findings import finding, wrong
-from rapc.parser.syntax import Datum, List, Symbol
-from rapc.parser.terminals import OperandWanted, is_string, one_word, terminal
+from rapc.parser.syntax import Datum, Keyword, List, Numeral, String, Symbol, Variable
 from rapc.parser.terms import NAMED, REFUSED, term, with_arguments
+
+
+def finding(rule: str) -> str:
+    """Return the rule of the checker that a fault in data of a rule breaks."""
+    return GRAMMAR[rule].breaks if rule in GRAMMAR else "malformed-clause"
+
+
+def wrong(ctx: Context, rule: str, datum: Datum) -> None:
+    """Report a list whose operands are too few, too many or of the wrong kinds."""
+    said, name = GRAMMAR[rule], head_of(datum)
+    message = said.wrong.format(kind=kind_of(datum))
+    if not message and said.takes:
+        message = f"`{name}` takes {said.takes}"
+    elif not message:
+        message = f"`{name}` is written `{spelling(rule)}`"
+    ctx.report(said.breaks, message, datum, help=said.help)
+
+
+Fits = Callable[[Datum], bool]
+"""Whether a datum is of the kind wanted, by its type and first word alone."""
+
+
+class OperandWanted(msgspec.Struct, frozen=True):
+    """What a single operand must be."""
+
+    fits: Fits
+    read: Read
+    #: Whether `read` is for data that fit only; lists tell by themselves what is wrong.
+    strict: bool
+
+
+def one_word(word: str) -> Fits:
+    """Return what tells the symbol or keyword `word` from all other data."""
+
+    def fits(datum: Datum) -> bool:
+        return isinstance(datum, Symbol | Keyword) and datum.name == word
+
+    return fits
+
+
+def _is_name(datum: Datum) -> bool:
+    return type(datum) is Symbol
+
+
+def is_string(datum: Datum) -> bool:
+    """Whether a datum is a string."""
+    return type(datum) is String
+
+
+def _is_parameter(datum: Datum) -> bool:
+    return type(datum) is Variable and datum.name != "?"
+
+
+def terminal(name: str) -> OperandWanted:
+    """Return what reads a terminal: constants, variables to nodes, names to strings."""
+    if name in _NODES:
+        return OperandWanted(_NODES[name], term, True)
+    if name in _NUMBERS:
+        return OperandWanted(_is_numeral, _number(name), False)
+    if name == "FILE":
+        return OperandWanted(_names_file, _file, True)
+    if name == "STRING":
+        return OperandWanted(is_string, _text, True)
+    if TERMINALS[name] == TERMINALS["SYMBOL"]:
+        return OperandWanted(_is_name, _named, True)
+    if TERMINALS[name] == TERMINALS["KEYWORD"]:
+        return OperandWanted(_NODES["KEYWORD"], _named, True)
+    raise TypeError(f"no operand is a {name} alone")
+
+
+def _named(ctx: Context, datum: Datum) -> str:
+    assert isinstance(datum, Symbol | Keyword)
+    return datum.name
+
+
+def _text(ctx: Context, datum: Datum) -> str:
+    assert isinstance(datum, String)
+    return datum.value
+
+
+def _names_file(datum: Datum) -> bool:
+    return isinstance(datum, Symbol) or (isinstance(datum, String) and datum.value > "")
+
+
+def _file(ctx: Context, datum: Datum) -> str:
+    """The name of a file; a symbol is read as one that lacks its quotes."""
+    if isinstance(datum, String):
+        return datum.value
+    assert isinstance(datum, Symbol)
+    fix = ctx.replace(datum, f'"{datum.name}"')
+    ctx.report_fixable("malformed-form", "`require` takes a string", datum, fix=fix)
+    return datum.name
+
+
+def _is_numeral(datum: Datum) -> bool:
+    return type(datum) is Numeral
+
+
+_NODES: Mapping[str, Fits] = {
+    "SYMBOL": _is_name,
+    "VARIABLE": lambda datum: type(datum) is Variable,
+    "NUMBER": _is_numeral,
+    "KEYWORD": lambda datum: type(datum) is Keyword,
+}
+_NUMBERS: Mapping[str, Callable[[Number], bool]] = {
+    "INTEGER": lambda value: isinstance(value, int),
+    "COUNT": lambda value: isinstance(value, int) and value >= 0,
+    "POSITIVE": lambda value: isinstance(value, int) and value > 0,
+    "TIME": lambda value: value >= 0,
+    "PERIOD": lambda value: value > 0,
+}
+"""For each terminal of numbers which of them it is."""
+
+
+def _number(name: str) -> Read:
+    def read(ctx: Context, datum: Datum) -> Number | None:
+        if isinstance(datum, Numeral) and _NUMBERS[name](datum.value):
+            return datum.value
+        ctx.report("malformed-clause", f"{GRAMMAR[name].wanted} is wanted here", datum)
+        return None
+
+    return read
 
 
 class Operand(msgspec.Struct, frozen=True):

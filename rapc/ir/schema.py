@@ -1,0 +1,383 @@
+"""What the classes of nodes and the grammar say of nodes: fields, operands, parts.
+
+The types with which fields are declared say which fields hold nodes, and what becomes
+of the variables in a formula (`operands`). A node is written by the rule it is named
+after, but for those in `_RULES` (`rule_of`). The parts of a list are the fields of the
+node, one after the other; clauses and options, which come in any order, are the fields
+of their names (`parts`); `OPERANDS_OF` has the nodes whose fields are otherwise.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, MutableMapping
+from functools import cache
+from types import UnionType
+from typing import Any, TypeVar
+
+import msgspec
+
+from rapc.base.values import Number
+from rapc.ir import nodes
+from rapc.ir.nodes import Node
+from rapc.language.grammar import RULES
+from rapc.language.heads import ARROW, heads, rule_named
+from rapc.language.shapes import Shape, is_rule, is_word, leaves
+
+K = TypeVar("K", bound=Node)
+V = TypeVar("V")
+
+
+class NodeMap(MutableMapping[K, V]):
+    """Values by node, in the order in which they were put in."""
+
+    def __init__(self, rows: Iterable[tuple[K, V]] = ()) -> None:
+        self._rows: dict[int, tuple[K, V]] = {}
+        for node, value in rows:
+            self[node] = value
+
+    def __getitem__(self, node: K) -> V:
+        """Return the value of `node`; raises KeyError if it has none."""
+        return self._rows[id(node)][1]
+
+    def __setitem__(self, node: K, value: V) -> None:
+        """Set the value of `node`."""
+        self._rows[id(node)] = (node, value)
+
+    def __delitem__(self, node: K) -> None:
+        """Forget `node`; raises KeyError if it has no value."""
+        del self._rows[id(node)]
+
+    def __iter__(self) -> Iterator[K]:
+        """Return the nodes that have values."""
+        return iter([node for node, _ in self._rows.values()])
+
+    def __len__(self) -> int:
+        """Return how many nodes have values."""
+        return len(self._rows)
+
+    def __contains__(self, node: object) -> bool:
+        """Whether `node` itself, not only one like it, has a value."""
+        return id(node) in self._rows
+
+
+def declared(kind: type, field: str) -> str:
+    """Return the type of a field as it is written in its class or one above."""
+    found = (vars(above).get("__annotations__", {}) for above in kind.__mro__)
+    return next(str(types[field]) for types in found if field in types)
+
+
+@cache
+def names_in_type(text: str) -> frozenset[str]:
+    """Return the names in a type as it is written."""
+    return frozenset(_WORD.findall(text))
+
+
+def _children(kind: type[nodes.Node]) -> tuple[str, ...]:
+    """The fields of a type of node whose declared types name nodes."""
+    return tuple(
+        field
+        for field in kind.__struct_fields__
+        if _NODES & names_in_type(declared(kind, field)) and field not in _PAIRS
+    )
+
+
+_WORD = re.compile(r"\w+")
+
+_PAIRS = ("keys",)
+"""Fields of pairs of a word and a node, which are no nodes themselves."""
+
+_NODES = {
+    name
+    for name, value in vars(nodes).items()
+    if (isinstance(value, UnionType) and name not in {"Atom", "Number"})
+    or (isinstance(value, type) and issubclass(value, nodes.Node))
+}
+
+CHILDREN: Mapping[type, tuple[str, ...]] = {
+    kind: _children(kind)
+    for kind in vars(nodes).values()
+    if isinstance(kind, type) and issubclass(kind, nodes.Node)
+    if kind not in (nodes.Node, nodes.Pattern)
+}
+"""For each type of node, the fields that hold nodes, in the order of the text."""
+
+
+class Operands(msgspec.Struct, frozen=True):
+    """The operands of a formula by what becomes of the variables in them."""
+
+    #: Terms that need their values.
+    used: tuple[nodes.Term, ...] = ()
+    #: Terms that are held against values, all at once; variables take these.
+    matched: tuple[nodes.Term, ...] = ()
+    #: Formulas that must all hold, from left to right, each handing on what it binds.
+    parts: tuple[nodes.Formula, ...] = ()
+    #: Formulas that hand nothing out.
+    closed: tuple[nodes.Formula, ...] = ()
+
+
+def operands(formula: nodes.Formula) -> Operands:
+    """Return what a formula holds; the parts of an `or` are among `parts`."""
+    kind = type(formula)
+    by_value = _BY_VALUE.get(kind)
+    if by_value is not None:
+        return by_value(formula)
+    return Operands(*[_values(formula, fields) for fields in _FIELDS[kind]])
+
+
+_ROLES: Mapping[str, str] = {
+    "Used": "used",
+    "Matched": "matched",
+    "Term": "matched",
+    "Formula": "parts",
+    "Proposition": "parts",
+    "Closed": "closed",
+}
+"""What the types of fields say."""
+
+
+def _fields(kind: type[nodes.Node]) -> tuple[tuple[str, ...], ...]:
+    """The fields of a kind of formula for each field of `Operands`."""
+    said = {
+        field: {
+            _ROLES[word]
+            for word in names_in_type(declared(kind, field)) & _ROLES.keys()
+        }
+        for field in kind.__struct_fields__
+    }
+    return tuple(
+        tuple([field for field, roles in said.items() if role in roles])
+        for role in Operands.__struct_fields__
+    )
+
+
+_FIELDS = {kind: _fields(kind) for kind in nodes.Formula.__args__}
+
+
+def _values(formula: nodes.Formula, fields: tuple[str, ...]) -> tuple[Any, ...]:
+    """The values of some fields of a formula, in a row."""
+    found: list[Any] = []
+    for field in fields:
+        value = getattr(formula, field)
+        found += value if type(value) is tuple else (value,)
+    return tuple(found)
+
+
+PARTS: Mapping[type, tuple[str, ...]] = {
+    kind: (*fields[2], *fields[3]) for kind, fields in _FIELDS.items()
+}
+"""For each kind of formula, the fields that hold formulas."""
+
+
+def _history_test(formula: nodes.HistoryTest) -> Operands:
+    """Return the method of a question about history, and the result asked for."""
+    if formula.query == "method-tried":
+        return Operands(used=formula.args)
+    return Operands(used=formula.args[:-1], matched=formula.args[-1:])
+
+
+def _sensor_name(formula: nodes.SensorName) -> Operands:
+    """Of what is out of sight there is no end: it has to be named."""
+    value = formula.value
+    if type(value) is nodes.Const and value.value == "false":
+        return Operands(used=(formula.item,))
+    return Operands(matched=(formula.item, value))
+
+
+_BY_VALUE: Mapping[type, Callable[[Any], Operands]] = {
+    nodes.HistoryTest: _history_test,
+    nodes.SensorName: _sensor_name,
+}
+
+
+class Part(msgspec.Struct, frozen=True):
+    """A part of a rule: a word, an operand, or a clause or option."""
+
+    shape: Shape
+    #: The field of a clause or option; empty for words and for operands.
+    field: str = ""
+
+
+def rule_of(node: nodes.Node) -> str:
+    """Return the rule that a node is written by."""
+    rule = rule_of_kind(type(node))
+    return rule if isinstance(rule, str) else rule(node)
+
+
+def rule_of_kind(kind: type[nodes.Node]) -> str | Callable[[Any], str]:
+    """Return the rule that nodes of a kind are written by, or what tells it of each."""
+    return _RULES.get(kind) or rule_named(kind.__name__)
+
+
+_RULES: Mapping[type, str | Callable[[Any], str]] = {
+    nodes.SetTest: lambda node: str(node.test),
+    nodes.HistoryTest: lambda node: str(node.query).replace("-", "_"),
+    nodes.For: lambda node: "order" if node.formula is None else "protect",
+    nodes.ResourceChange: lambda node: str(node.op).replace("-", "_"),
+    nodes.Skills: "primitive",
+    nodes.DeclareProposition: "declare_memory_proposition",
+    nodes.DeclareProperty: "declare_memory_property",
+    nodes.DeclareFunction: "declare_memory_function",
+    nodes.DeclareComparator: "declare_class_comparator",
+    nodes.DeclareDatum: "declare_sensor_datum",
+    nodes.Exclusion: "excludes",
+    nodes.MemoryRule: "define_memory_rule",
+    nodes.EventRule: "define_event_rule",
+    nodes.RuleAction: "action",
+    nodes.ResultCase: "case",
+    nodes.GivenTask: "agenda_task",
+    nodes.MemoryHolds: "memory",
+    nodes.TraceHas: "trace",
+}
+"""The rules of nodes that are called otherwise, or for which their fields decide."""
+
+
+def declarations() -> Iterator[tuple[str, type[nodes.Node]]]:
+    """The rules of declarations that are a name and parts in any order, with kinds."""
+    named = {rule: kind for kind, rule in _RULES.items() if isinstance(rule, str)}
+    for rule in filter(is_rule, leaves(RULES["_form"])):
+        if rule.startswith("declare_") and rule != "declare_class_comparator":
+            like = "".join(map(str.capitalize, rule.split("_")))
+            yield rule, named.get(rule) or getattr(nodes, like)
+
+
+def parts(rule: str, kind: type[nodes.Node]) -> tuple[Part, ...]:
+    """Return the parts of a rule, in order, as nodes of a kind have them."""
+    shape = RULES[rule]
+    if is_word(shape):
+        return (Part(shape),)
+    items = [item for one in shape[1:] for item in _one_of(one)]
+    found: list[Part] = []
+    for part in (part for item in items for part in _parts(item, kind)):
+        if not part.field or part not in found:
+            found.append(part)
+    return tuple(found)
+
+
+def fields(kind: type[nodes.Node], known: Iterable[Part]) -> tuple[str, ...]:
+    """Return the fields of a kind that are operands, in order."""
+    named = {part.field for part in known}
+    return tuple(
+        field
+        for field in kind.__struct_fields__
+        if field not in named and not field.endswith("span")
+    )
+
+
+def _one_of(item: Shape) -> tuple[Shape, ...]:
+    """The first of several rows that a list may hold; of anything else that alone."""
+    if item[0] == "or" and any(one[0] == "seq" for one in item[1:]):
+        first = item[1]
+        return tuple(first[1:])
+    return (item,)
+
+
+def _parts(item: Shape, kind: type[nodes.Node]) -> Iterable[Part]:
+    rules, once = _clauses(item)
+    if once or (len(rules) == 1 and all(map(_is_option, rules))):
+        return [Part(rule, _field(rule, kind)) for rule in rules]
+    return [Part(item)]
+
+
+def _is_option(rule: str) -> bool:
+    """Whether a rule is that of an option: a word with a colon and its values."""
+    return RULES[rule][0] == "seq" and heads(rule)[0].startswith(":")
+
+
+def _clauses(item: Shape) -> tuple[dict[str, None], bool]:
+    """The rules in a group, groups in it entered, and whether it is of clauses."""
+    found: dict[str, None] = {}
+    once = False
+    for leaf in filter(is_rule, leaves(item)):
+        if leaf[0] == "_":
+            inner, held = _clauses(RULES[leaf])
+            once = once or held or leaf.startswith("_once")
+            found |= inner
+        else:
+            found[leaf] = None
+    return found, once
+
+
+def _field(rule: str, kind: type[nodes.Node]) -> str:
+    """The field that holds a clause or an option: that of its word, or of several."""
+    word = heads(rule)[0].strip(":").replace("-", "_")
+    names = (_FIELD_OF.get(rule, word), f"{word}s")
+    return next(name for name in names if name in kind.__struct_fields__)
+
+
+_FIELD_OF = {
+    "primitive": "body",
+    "task_net": "body",
+    "cycles": "until",
+    "above": "above",
+    "expect": "expectations",
+}
+"""The fields of clauses that are called otherwise."""
+
+
+def unsaid(rule: str, kind: type[nodes.Node], field: str) -> Any:
+    """Return what a field holds where its clause or option is left out."""
+    if rule == "primitive_atomic":
+        return True
+    words = declared(kind, field)
+    if words.endswith("| None"):
+        return None
+    return next((value for begin, value in _EMPTY if words.startswith(begin)), None)
+
+
+_EMPTY = (("tuple[", ()), ("bool", False), ("int", 0), ("Number", 0))
+"""What fields of a type hold where nothing is said."""
+
+
+def _index(node: nodes.DefineRap) -> Iterable[Any]:
+    kinds = {one.variable: one for one in node.kinds}
+    inputs, outputs = (
+        [kinds.get(one.name, one) for one in row] for row in (node.inputs, node.outputs)
+    )
+    arrow = [ARROW] if outputs else []
+    return ((node.name, *inputs, *arrow, *outputs),)
+
+
+def _row_request(node: nodes.ScriptRow) -> Iterable[Any]:
+    asked = node.request if node.kind == "request" else (node.kind, node.request)
+    return (asked, node.result)
+
+
+def _asked(one: nodes.Request | nodes.Skill) -> Any:
+    """A request as it is, a skill as what is asked: that it be enabled."""
+    return ("enable", one) if isinstance(one, nodes.Skill) else one
+
+
+OPERANDS_OF: Mapping[type, Callable[[Any], Iterable[Any]]] = {
+    nodes.SetTest: lambda node: node.args,
+    nodes.HistoryTest: lambda node: node.args,
+    nodes.For: lambda node: [one for one in (node.formula, node.tag) if one],
+    nodes.ResourceChange: lambda node: (node.resource, node.amount),
+    nodes.WaitFor: lambda node: (nodes.Signal(node.signal, node.args), node.mode),
+    nodes.Step: lambda node: (
+        *(node.tag, node.priority or None, node.goal),
+        node.annotations,
+    ),
+    nodes.DefineRap: _index,
+    nodes.DefineQuery: lambda node: ((node.name, *node.args), node.formula, node.doc),
+    nodes.ResultEffects: lambda node: ((node.result, *node.effects),),
+    nodes.EventRule: lambda node: (nodes.Signal(node.signal, node.args), node.rules),
+    nodes.ScriptRow: _row_request,
+    **dict.fromkeys(
+        (nodes.Primitives, nodes.PrimitivesInclude),
+        lambda node: ([_asked(one) for one in node.requests],),
+    ),
+    nodes.Never: lambda node: (_asked(node.request),),
+}
+"""The operands of nodes whose fields are not those of their rules."""
+
+
+def _row_signals(row: nodes.ScriptRow) -> tuple[nodes.Signal | Number, ...]:
+    """The signals of a row, each behind the wait for it if there is one."""
+    waits = row.pauses or [0] * len(row.signals)
+    told = zip(waits, row.signals, strict=True)
+    return tuple([part for wait, one in told for part in (wait, one) if part])
+
+
+HELD_BY: Mapping[str, Callable[[Any], Any]] = {"row_signals": _row_signals}
+"""What options hold that is more than their field."""

@@ -1,0 +1,521 @@
+"""Forms whose parts come in any order: clauses, options, and declarations.
+
+Clauses are lists that begin with their names, options stand in a row, `:word value...`.
+Each is read by the reader of its rule and fills the field of its name. Behind its name
+the parts of a declaration come in any order, too: operands, `:options` and a text. Of
+an operand that is missing something is assumed, which is reported.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from functools import cache
+from itertools import chain
+from typing import Any, cast
+
+import msgspec
+
+from rapc.base.source import Span
+from rapc.ir import nodes, schema
+from rapc.ir.schema import declared, parts, unsaid
+from rapc.language.heads import METHOD_CLAUSES, RAP_CLAUSES, heads, often, rules_by_head
+from rapc.language.shapes import is_word, leaves
+from rapc.parser.context import Context, Read, head_of, kind_of
+from rapc.parser.generic import wrong
+from rapc.parser.syntax import Datum, Keyword, List, String, Symbol, Variable
+
+
+def arguments(ctx: Context, datum: Datum) -> tuple[nodes.Argument, ...]:
+    """`(?variable ...)`, each of them with its kind if wanted: `(?size number)`."""
+    if not isinstance(datum, List):
+        wrong(ctx, "arguments", datum)
+        return ()
+    return parameters(ctx, datum.items, {})
+
+
+def valued(ctx: Context, datum: Datum) -> tuple[nodes.Argument, ...]:
+    """The arguments of a property, the last of which is its value."""
+    made = arguments(ctx, datum)
+    if isinstance(datum, List) and not datum.items:
+        wrong(ctx, "valued", datum)
+    return made
+
+
+def parameters(
+    ctx: Context, data: Sequence[Datum], seen: dict[str, Datum]
+) -> tuple[nodes.Argument, ...]:
+    """Variables in a row, with kinds or without, none of them among those `seen`."""
+    if not data:
+        return ()
+    return tuple(filter(None, [_argument(ctx, one, seen) for one in data]))
+
+
+def _argument(
+    ctx: Context, datum: Datum, seen: dict[str, Datum]
+) -> nodes.Argument | None:
+    if type(datum) is not List or not datum.items:
+        variable = parameter(ctx, datum, seen)
+        return nodes.Argument(variable, None, span=variable.span) if variable else None
+    kind = symbol(ctx, datum.items[1], "a kind") if len(datum.items) == 2 else None
+    if len(datum.items) != 2:
+        wrong(ctx, "argument", datum)
+    variable = parameter(ctx, datum.items[0], seen)
+    return nodes.Argument(variable, kind, span=ctx.span(datum)) if variable else None
+
+
+def parameter(ctx: Context, datum: Datum, seen: dict[str, Datum]) -> nodes.Var | None:
+    """A variable with a name that is not yet among those `seen`."""
+    if type(datum) is not Variable or datum.name == "?":
+        named = _named(ctx, datum)
+        if named is None:
+            return None
+        datum = named
+    first = seen.setdefault(datum.name, datum)
+    if first is not datum:
+        ctx.report(
+            "repeated-variable",
+            f"`{datum.name}` stands here twice",
+            datum,
+            labels=[(first, "the first is here")],
+        )
+    return nodes.Var(datum.name, span=Span(ctx.file, datum.start, datum.end))
+
+
+def _named(ctx: Context, datum: Datum) -> Variable | None:
+    """Return the variable that a symbol was meant for; report whatever it is."""
+    if isinstance(datum, Symbol):
+        ctx.report_fixable(
+            "malformed-form",
+            f"the variable `?{datum.name}` lacks its `?`",
+            datum,
+            fix=ctx.replace(datum, f"?{datum.name}"),
+        )
+        return Variable(f"?{datum.name}", datum.start, datum.end)
+    what = "a bare `?`" if isinstance(datum, Variable) else kind_of(datum)
+    message = f"a variable with a name is wanted here, not {what}"
+    ctx.report("malformed-form", message, datum)
+    return None
+
+
+def symbol(ctx: Context, datum: Datum, what: str) -> str | None:
+    """A symbol's name; anything else is reported."""
+    if isinstance(datum, Symbol):
+        return datum.name
+    ctx.report("malformed-form", f"{what} is wanted here, not {kind_of(datum)}", datum)
+    return None
+
+
+class Slots(msgspec.Struct, frozen=True):
+    """The fields of a node that clauses and options fill, in the order of the node."""
+
+    #: The names of the fields.
+    names: tuple[str, ...]
+    #: What the fields hold where nothing is said.
+    unsaid: tuple[Any, ...]
+    #: The places of fields that hold one thing, by the words of their clauses.
+    single: Mapping[str, int]
+    #: The places of fields that hold a tuple of them.
+    rows: Mapping[str, int]
+
+
+@cache
+def slots(rule: str, kind: type[nodes.Node]) -> Slots:
+    """Return the fields that the clauses and options of a rule fill in its node."""
+    known = [part for part in parts(rule, kind) if part.field]
+    empty = {p.field: unsaid(str(p.shape), kind, p.field) for p in known}
+    names = tuple([name for name in kind.__struct_fields__ if name in empty])
+    single: dict[str, int] = {}
+    rows: dict[str, int] = {}
+    for part in known:
+        many = declared(kind, part.field).startswith("tuple[")
+        word = heads(str(part.shape))[0]
+        (rows if many else single)[word] = names.index(part.field)
+    return Slots(names, tuple([empty[name] for name in names]), single, rows)
+
+
+def filled(into: Slots, read: Mapping[str, Sequence[Any]]) -> list[Any]:
+    """Return what the fields hold, of what was read of options by their words."""
+    fields = list(into.unsaid)
+    for word, values in read.items():
+        put(fields, into, word, values)
+    return fields
+
+
+def put(fields: list[Any], into: Slots, word: str, values: Sequence[Any]) -> None:
+    """Put what was read of the clauses or options of a word where it belongs.
+
+    What could not be read is None. Of several things for a field that holds one the
+    first counts; rows are joined.
+    """
+    at = into.single.get(word)
+    if at is None:
+        at = into.rows[word]
+        rows = [_row(value, into.names[at]) for value in values if value is not None]
+        if rows:
+            fields[at] = (*(fields[at] or ()), *chain.from_iterable(rows))
+    elif values[0] is not None:
+        fields[at] = values[0]
+
+
+def _row(value: Any, field: str) -> Iterable[Any]:
+    """A row as it is, that of a node which holds one of the same name, or one thing."""
+    if isinstance(value, nodes.Node):
+        held: Iterable[Any] = getattr(value, field, (value,))
+        return held
+    return value if type(value) is tuple else (value,)
+
+
+def read_options(
+    ctx: Context, data: Sequence[Datum], owner: str, group: str
+) -> Mapping[str, list[Any]]:
+    """Return what was read of each option of a group by its word; none stands twice."""
+    rules = rules_by_head(group)
+    known = {word: ctx.readers.option(rule) for word, rule in rules.items()}
+    found = options(ctx, data, owner, {w: one.values for w, one in known.items()})
+    return {word: [known[word].read(ctx, one)] for word, one in found.items()}
+
+
+def options(
+    ctx: Context, data: Sequence[Datum], owner: str, known: Mapping[str, int]
+) -> Mapping[str, List]:
+    """Options by their words, each as a list of its word and its values.
+
+    `known` gives the number of values of each; no keyword is one. Reports what is no
+    option, and words that stand twice.
+    """
+    others, found = split(ctx, data, owner, known)
+    for one in others:
+        message = f"{kind_of(one)} stands where an option of {owner} is wanted"
+        ctx.report("malformed-clause", message, one)
+    return {word: rows[0] for word, rows in found.items()}
+
+
+def split(
+    ctx: Context,
+    data: Sequence[Datum],
+    owner: str,
+    known: Mapping[str, int],
+    many: Collection[str] = (),
+    rule: str = "malformed-clause",
+    keywords: bool = False,
+) -> tuple[list[Datum], dict[str, list[List]]]:
+    """Whatever is no option, and the options by their words.
+
+    Those in `many` may stand more than once. `rule` is broken by an option that lacks
+    its values; `keywords` says whether one that is no option may be a value.
+    """
+    others: list[Datum] = []
+    found: dict[str, list[List]] = {}
+    at = 0
+    while at < len(data):
+        here = data[at]
+        at += 1
+        if not isinstance(here, Keyword):
+            others.append(here)
+            continue
+        word: str | None = here.name
+        if word not in known:
+            word = ctx.unknown("unknown-clause", f"option of {owner}", here, known)
+        values = [
+            one
+            for one in data[at : at + known.get(word or "", 1)]
+            if not isinstance(one, Keyword) or (keywords and one.name not in known)
+        ]
+        at += len(values)
+        if word is None:
+            continue
+        if len(values) < known[word]:
+            ctx.report(rule, f"`{word}` lacks its value", here)
+        elif word in found and word not in many:
+            ctx.report("duplicate-clause", f"there is a second `{word}`", here)
+        else:
+            end = values[-1].end if values else here.end
+            meant = Keyword(word, here.start, here.end)
+            found.setdefault(word, []).append(List((meant, *values), here.start, end))
+    return others, found
+
+
+def clauses(
+    ctx: Context, data: Sequence[Datum], owner: str, known: Sequence[str]
+) -> Iterator[tuple[str, List]]:
+    """The clauses among some data with the names they are meant to have.
+
+    Reports what is no clause, or a clause of something else.
+    """
+    for datum in data:
+        name = head_of(datum)
+        if name is not None and type(datum) is List and name in known:
+            yield name, datum
+        elif name is None or type(datum) is not List:
+            ctx.report(
+                "malformed-clause",
+                f"{kind_of(datum)} stands where a clause of `{owner}` is wanted",
+                datum,
+                help="a clause is a list that begins with its name",
+            )
+        elif name in RAP_CLAUSES or name in METHOD_CLAUSES:
+            other = "a method" if name in METHOD_CLAUSES else "the RAP itself"
+            ctx.report(
+                "misplaced-clause",
+                f"`{name}` is a clause of {other}, not of `{owner}`",
+                datum.items[0],
+                help="a parenthesis may be missing or too many before it",
+            )
+        else:
+            word = cast(Symbol, datum.items[0])
+            meant = ctx.unknown("unknown-clause", f"clause of `{owner}`", word, known)
+            if meant:
+                yield meant, datum
+
+
+def single(
+    ctx: Context,
+    found: Iterable[tuple[str, List]],
+    many: Collection[str] = (),
+) -> dict[str, list[List]]:
+    """Clauses by name; reports those that stand twice and may not.
+
+    The first of two counts.
+    """
+    kept: dict[str, list[List]] = {}
+    for name, datum in found:
+        have = kept.get(name)
+        if have is None:
+            kept[name] = [datum]
+        elif name not in many:
+            ctx.report(
+                "duplicate-clause",
+                f"there is a second `{name}`",
+                datum.items[0],
+                labels=[(have[0].items[0], "the first is here")],
+            )
+        else:
+            have.append(datum)
+    return kept
+
+
+def read_clauses(
+    ctx: Context, kept: Mapping[str, Sequence[List]], group: str, into: Slots
+) -> list[Any]:
+    """Return the fields that clauses fill, read by the readers of a group."""
+    fields = list(into.unsaid)
+    if not kept:
+        return fields
+    readers = ctx.readers.group(group)
+    outer = ctx.clause
+    for name, rows in kept.items():
+        read = readers[name]
+        ctx.clause = name
+        put(fields, into, name, [read(ctx, row) for row in rows])
+    ctx.clause = outer
+    return fields
+
+
+class DeclaredOperand(msgspec.Struct, frozen=True):
+    """An operand of a declaration behind its name."""
+
+    field: str
+    #: The rule or terminal that it is read as.
+    leaf: str
+    #: Whether it may be left out.
+    optional: bool
+    #: Whether one comes behind it that may not.
+    aside: bool
+
+
+class Declaration(msgspec.Struct, frozen=True):
+    """What a rule says of a declaration and its node."""
+
+    kind: type[nodes.Node]
+    #: Whether its name begins with a colon.
+    colon: bool
+    #: Whether its node keeps the text that explains it.
+    explained: bool
+    operands: tuple[DeclaredOperand, ...]
+    #: The rules of its options by their words.
+    options: Mapping[str, str]
+    #: The options that may stand more than once.
+    many: frozenset[str]
+    slots: Slots
+    #: What the fields of its options hold where nothing is said.
+    unsaid: Mapping[str, Any]
+
+
+@cache
+def _told(rule: str, kind: type[nodes.Node]) -> Declaration:
+    known = schema.parts(rule, kind)
+    names = schema.fields(kind, known)[1:]
+    wanted = [
+        part.shape for part in known if not part.field and not is_word(part.shape)
+    ]
+    rows = [
+        (name, shape)
+        for name, shape in zip(names, wanted[1:], strict=False)
+        if name != "doc"
+    ]
+    operands = [
+        DeclaredOperand(
+            field=name,
+            leaf=next(leaves(shape)),
+            optional=shape[0] == "?",
+            aside=any(later[0] != "?" for _, later in rows[at:]),
+        )
+        for at, (name, shape) in enumerate(rows, start=1)
+    ]
+    filled_by = slots(rule, kind)
+    return Declaration(
+        kind=kind,
+        colon=wanted[0] in ("SKILL", "SIGNAL"),
+        explained="doc" in names,
+        operands=tuple(operands),
+        options={heads(str(p.shape))[0]: str(p.shape) for p in known if p.field},
+        many=often(rule),
+        slots=filled_by,
+        unsaid=dict(zip(filled_by.names, filled_by.unsaid, strict=True)),
+    )
+
+
+def declaration(rule: str, kind: Any) -> Read:
+    """Return what reads the declarations of a rule to nodes of a kind."""
+
+    def read(ctx: Context, form: List) -> Any:
+        told = _told(rule, kind)
+        name = name_of(ctx, form, colon=told.colon)
+        if name is None:
+            return None
+        data: Sequence[Datum] = form.items[2:]
+        given: dict[str, Any] = dict(told.unsaid)
+        if Keyword in map(type, data):
+            data, options = _options(ctx, form, data, told)
+            given.update(options)
+        doc, operands = explained(ctx, form, data)
+        _add_operands(ctx, form, name, operands, told, given)
+        if told.explained:
+            given["doc"] = doc
+        return kind(name=name, span=ctx.span(form), **given)
+
+    return read
+
+
+def _options(
+    ctx: Context, form: List, data: Sequence[Datum], told: Declaration
+) -> tuple[list[Datum], dict[str, Any]]:
+    """The data that are no options, and the fields of options by their names."""
+    known = {w: ctx.readers.option(one) for w, one in told.options.items()}
+    counts = {word: option.values for word, option in known.items()}
+    owner = f"`{head_of(form)}`"
+    others, options = split(ctx, data, owner, counts, told.many, "malformed-form", True)
+    found = {w: [known[w].read(ctx, o) for o in row] for w, row in options.items()}
+    fields = filled(told.slots, found)
+    return others, dict(zip(told.slots.names, fields, strict=True))
+
+
+def name_of(ctx: Context, form: List, *, colon: bool) -> str | None:
+    """The name in a declaration; `colon` says that it begins with one."""
+    place = form.items[1] if len(form.items) > 1 else form
+    if isinstance(place, Keyword) and colon:
+        return place.name
+    if isinstance(place, Symbol):
+        if not colon:
+            return place.name
+        ctx.report_fixable(
+            "malformed-form",
+            f"the name `{place.name}` of a skill or event begins with a colon",
+            place,
+            fix=ctx.replace(place, f":{place.name}"),
+        )
+        return f":{place.name}"
+    wanted = "a name with a colon" if colon else "a symbol for its name"
+    ctx.report("malformed-form", f"`{head_of(form)}` wants {wanted} first", place)
+    return None
+
+
+def explained(
+    ctx: Context, form: List, data: Iterable[Datum]
+) -> tuple[str, list[Datum]]:
+    """The text that explains a declaration, and the data in it that are no texts."""
+    operands: list[Datum] = []
+    docs: list[String] = []
+    for one in data:
+        if isinstance(one, String):
+            docs.append(one)
+        else:
+            operands.append(one)
+    if len(docs) > 1:
+        _surplus(ctx, form, docs[1:])
+    return docs[0].value if docs else "", operands
+
+
+def _surplus(ctx: Context, form: List, data: Iterable[Datum]) -> None:
+    """Report what a declaration has no place for."""
+    for extra in data:
+        message = f"{kind_of(extra)} too many for `{head_of(form)}`"
+        ctx.report("malformed-form", message, extra)
+
+
+def _add_operands(
+    ctx: Context,
+    form: List,
+    name: str,
+    data: list[Datum],
+    told: Declaration,
+    given: dict[str, Any],
+) -> None:
+    """Put the operands into `given` by their fields; reports the first missing."""
+    last, missed = form.items[1], False
+    for one in told.operands:
+        value = None
+        wanted = bool(data)
+        if one.optional and one.aside and data:
+            wanted = isinstance(data[0], List)
+        if wanted:
+            last = data.pop(0)
+            value = ctx.readers[one.leaf](ctx, last)
+        elif not one.optional and not missed:
+            missed = True
+            _missing(ctx, form.items[1], name, one.leaf, last)
+        if value is None and not one.optional:
+            value = MISSING[one.leaf].assumed
+        given[one.field] = value
+    if data:
+        _surplus(ctx, form, data)
+
+
+class MissingOperand(msgspec.Struct, frozen=True):
+    """A row: what is reported of an operand that is missing, and assumed of it."""
+
+    #: The message; `{name}` stands for the name of what is declared.
+    message: str
+    help: str
+    #: What is offered to be written there.
+    written: str
+    assumed: Any
+
+
+MISSING: Mapping[str, MissingOperand] = {
+    "arguments": MissingOperand(
+        "the arguments of `{name}` are missing", "without any, write `()`", "()", ()
+    ),
+    "results": MissingOperand(
+        "the results of `{name}` are missing",
+        "list `okay` and what else the world may answer: `(okay blocked)`",
+        "",
+        ("okay",),
+    ),
+    "DEFAULT": MissingOperand(
+        "the property `{name}` has no default",
+        "it is `unknown`, `true`, `false` or the name of a function",
+        "unknown",
+        "unknown",
+    ),
+}
+"""The operands of declarations that may not be left out, by rule or terminal."""
+
+
+def _missing(ctx: Context, place: Datum, name: str, leaf: str, last: Datum) -> None:
+    said = MISSING[leaf]
+    fix = None
+    if said.written:
+        fix = ctx.insert(last.end, f" {said.written}", sure=False)
+    message = said.message.format(name=name)
+    ctx.report("malformed-form", message, place, help=said.help, fix=fix)
