@@ -11,7 +11,7 @@ from rapc.ir import nodes
 from rapc.ir.walk import steps
 
 
-class Pause(msgspec.Struct, frozen=True, array_like=True, gc=False):
+class Pause(msgspec.Struct, frozen=True, gc=False):
     """How long a standing RAP surely waits between two rounds, and what says so."""
 
     every: Number
@@ -19,7 +19,7 @@ class Pause(msgspec.Struct, frozen=True, array_like=True, gc=False):
     end: int
 
 
-class Asking(msgspec.Struct, frozen=True, array_like=True, gc=False):
+class Asking(msgspec.Struct, frozen=True, gc=False):
     """What a RAP asks for by itself, each once."""
 
     rap: str
@@ -30,11 +30,6 @@ class Asking(msgspec.Struct, frozen=True, array_like=True, gc=False):
     #: The names of the facts that its methods note.
     notes: tuple[str, ...]
     pause: Pause | None
-
-    def asked(self) -> tuple[object, ...]:
-        """Return all of it but where in the text it stands."""
-        every = self.pause.every if self.pause is not None else None
-        return self.rap, self.calls, self.requests, self.notes, every
 
 
 def asking(rap: nodes.DefineRap) -> Asking:

@@ -230,31 +230,12 @@ INDEX = Analyzer(
 )
 
 
-class Uses:
-    """How often names are used.
-
-    Args:
-        counts: the numbers by `use_key`, of one part of the library each.
-    """
-
-    def __init__(self, counts: Sequence[Mapping[str, int]]) -> None:
-        self._counts = counts
-
-    def count(self, use: Use, name: str) -> int:
-        """Return how often a name is used in one way, be it declared or not."""
-        key = use_key(use, name)
-        return sum(one.get(key, 0) for one in self._counts)
-
-
-def use_key(use: Use, name: str) -> str:
-    """Return the words for one way to use a name."""
-    return f"{use} {name}"
+Uses = Counter[tuple[Use, str]]
+"""How often a name is used in one way, be it declared or not."""
 
 
 def _count(run: Pass) -> Uses:
-    every = [(one.use, one.name) for one in run.result(INDEX).uses()]
-    counts = {use_key(*pair): number for pair, number in Counter(every).items()}
-    return Uses((counts,))
+    return Counter([(one.use, one.name) for one in run.result(INDEX).uses()])
 
 
 USES = Analyzer(

@@ -93,8 +93,8 @@ def report_arguments(run: Pass, rule: Rule, uses: Container[Use]) -> None:
     for one in misuses(run, uses, "arguments"):
         faults.setdefault((one.used.name, one.fault.message), []).append(one)
     for (name, _), wrong in faults.items():
-        count = run.result(MISUSES).uses().count
-        every = sum(count(use, name) for use in _ALL_USES if use in uses)
+        number = run.result(MISUSES).uses()
+        every = sum(number[use, name] for use in _ALL_USES if use in uses)
         alike = every == len(wrong) >= _ALL
         for one in wrong[:1] if alike else wrong:
             declared = one.fault.declared
@@ -196,7 +196,7 @@ def _unused(run: Pass, meant: Signature | None) -> Iterator[Label]:
     if meant is None or meant.kind not in _SAME:
         return
     uses = run.result(MISUSES).uses()
-    if not any(uses.count(use, meant.name) for use in _SAME[meant.kind]):
+    if not any(uses[use, meant.name] for use in _SAME[meant.kind]):
         label = "nothing uses this, and the name is close"
         yield Label(declared_at(run, meant), label)
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.census import CENSUS
 from rapc.analysis.inferred_kinds import INFERRED, InferredKinds
 from rapc.analysis.places import Place, place_parts
 from rapc.ir import nodes
@@ -76,13 +75,13 @@ class PlaceKinds:
 
 
 def _run(run: Pass) -> PlaceKinds:
-    own = kinds_of_inputs(run.library.raps.values(), run.result(INFERRED))
-    return PlaceKinds(run.signatures, {**run.result(CENSUS).inputs, **own})
+    inputs = kinds_of_inputs(run.library.raps.values(), run.result(INFERRED))
+    return PlaceKinds(run.signatures, inputs)
 
 
 PLACE_KINDS = Analyzer(
     name="place-kinds",
     doc="Works out of which kinds the values at argument places are.",
     run=_run,
-    needs=(CENSUS, INFERRED),
+    needs=(INFERRED,),
 )

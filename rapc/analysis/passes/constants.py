@@ -8,14 +8,13 @@ A comparison belongs to the places of the variable that is compared.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 
 import msgspec
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.census import CENSUS, sort_of
 from rapc.analysis.close_names import Close, is_row
-from rapc.analysis.file_census import FormKey, form_key
 from rapc.analysis.index import Form
 from rapc.analysis.passes.kinds import ANALYZER as KINDS
 from rapc.analysis.place_kinds import PLACE_KINDS, PlaceKinds
@@ -142,22 +141,22 @@ class _Standing(msgspec.Struct, frozen=True):
     sort: str
 
 
-def _run(run: Pass) -> Mapping[tuple[int, str], FormKey]:
+def _run(run: Pass) -> Collection[tuple[int, str]]:
     """Report, and return the variables for which a word stands, by the form's id."""
     known = _Known(run)
     told = run.result(KINDS)
-    unmarked: dict[tuple[int, str], FormKey] = {}
+    unmarked: dict[tuple[int, str], None] = {}
     for one in _standing(run, known.place_kinds):
         if isinstance(one.form, nodes.DefineTest):
             continue
         if not known.fits(one):
-            unmarked[id(one.form), f"?{one.const.value}"] = form_key(one.form)
+            unmarked[id(one.form), f"?{one.const.value}"] = None
             continue
         if id(one.form) in told or not one.sort:
             continue
         found = _misspelt(run, known, one) or _mixed(known, one) or _foreign(known, one)
         if found is not None:
-            unmarked[id(one.form), f"?{one.const.value}"] = form_key(one.form)
+            unmarked[id(one.form), f"?{one.const.value}"] = None
             run.report(found)
     return unmarked
 
@@ -206,7 +205,7 @@ class _Known:
             self._listed[value] += 2
         self._at: dict[str, _Stands] = {}
         self._sorts: dict[Place, Counter[str]] = {}
-        self._forms: dict[str, Counter[FormKey]] = {}
+        self._forms: dict[str, Counter[int]] = {}
         self._close: Close | None = None
 
     def count(self, written: str) -> int:
@@ -229,14 +228,14 @@ class _Known:
         """Return how many constants of each sort stand at a place."""
         found = self._sorts.get(place)
         if found is None:
-            every = [one.written for _, one in self.census.at(place)]
+            every = [one.written for one in self.census.at(place)]
             found = self._sorts[place] = Counter(map(sort_of, every))
         return found
 
     def first(self, written: str) -> Iterator[Span]:
         """Yield where a constant stands first, if it does."""
         for one in self.census.standing(written)[:1]:
-            yield one.span
+            yield one.const.span
 
     def close_to(self, written: str) -> Iterator[str]:
         """Yield the words that are spelled almost like another."""
@@ -265,8 +264,10 @@ class _Known:
         forms = self._forms.get(one.written)
         if forms is None:
             every = self.census.standing(one.written)
-            forms = self._forms[one.written] = Counter([found.form for found in every])
-        return forms[form_key(one.form)]
+            forms = self._forms[one.written] = Counter(
+                [id(found.form) for found in every]
+            )
+        return forms[id(one.form)]
 
     def _own_values(self, run: Pass, name: str) -> Sequence[Atom]:
         form = run.library.kinds.get(name)

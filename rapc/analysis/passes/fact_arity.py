@@ -135,7 +135,7 @@ def _never_true(run: Pass, declared: Signature) -> bool:
         return True
     place = argument_place("predicate", declared.name, (declared.most or 1) - 1)
     there = run.result(CENSUS).at(place)
-    values = {one.written for _, one in there if one.count == declared.most}
+    values = {one.written for one in there if one.count == declared.most}
     values.discard("unknown")
     return bool(values) and values.isdisjoint(TRUTH)
 

@@ -7,12 +7,12 @@ shortest of these times is how old the belief may well be.
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator
+from collections.abc import Container, Iterator, Sequence
 
 import msgspec
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.census import CENSUS, Census
+from rapc.analysis.asking import Asking, asking
 from rapc.analysis.index import INDEX
 from rapc.analysis.literals import number_of
 from rapc.analysis.passes.standing import is_described
@@ -76,7 +76,7 @@ def _run(run: Pass) -> None:
     ]
     if not believed or not run.complete or not is_described(library):
         return
-    sensing = _Sensing(library, run.result(CENSUS))
+    sensing = _Sensing(library)
     for part in _told(run):
         found, age = sensing.of(part.pattern.name), number_of(part.age)
         if found is not None and age is not None and 0 < age < found.every:
@@ -92,7 +92,12 @@ def _told(run: Pass) -> Iterator[nodes.Believe]:
         for whole in formulas(rap)
         if whole.clause.is_condition
     ]
-    waiting = list(run.result(CENSUS).conditions())
+    waiting = [
+        part.name
+        for formula in asked
+        for part in subformulas(formula)
+        if isinstance(part, nodes.Proposition)
+    ]
     seen: set[str] = set()
     while waiting:
         query = library.queries.get(waiting.pop())
@@ -112,7 +117,7 @@ ANALYZER = Analyzer(
     name="freshness",
     doc="Finds beliefs that are to be younger than the time between two sensings.",
     run=_run,
-    needs=(CENSUS, INDEX),
+    needs=(INDEX,),
     rules=(FRESHER,),
     needs_whole="form",
 )
@@ -135,14 +140,18 @@ class _Sensing:
 
     Args:
         library: the library.
-        census: what its forms tell.
     """
 
-    def __init__(self, library: Library, census: Census) -> None:
-        self._sources = _sources(library, census)
+    def __init__(self, library: Library) -> None:
+        asked = [
+            (form.span.file, asking(form))
+            for form in library.forms
+            if isinstance(form, nodes.DefineRap)
+        ]
+        self._sources = _sources(library, [one for _, one in asked])
         self._callers: dict[str, dict[str, None]] = {}
         self._pauses: dict[str, _Sensed | None] = {}
-        for file, one in census.asking():
+        for file, one in asked:
             pause = one.pause
             self._pauses[one.rap] = (
                 _Sensed(pause.every, Span(file, pause.start, pause.end))
@@ -151,7 +160,8 @@ class _Sensing:
             )
             for callee in one.calls:
                 self._callers.setdefault(callee, {})[one.rap] = None
-        self._given = frozenset(census.given())
+        agendas = (f for f in library.forms if isinstance(f, nodes.DefineAgenda))
+        self._given = {task.goal.name for form in agendas for task in form.tasks}
         self._known: dict[str, _Sensed | None] = {}
 
     def of(self, fact: str) -> _Sensed | None:
@@ -190,7 +200,9 @@ class _Sensing:
         return best
 
 
-def _sources(library: Library, census: Census) -> dict[str, dict[str | None, None]]:
+def _sources(
+    library: Library, asked: Sequence[Asking]
+) -> dict[str, dict[str | None, None]]:
     """Return the RAPs that may bring facts; None among them: what comes unasked."""
     by_primitive: dict[str, set[str]] = {}
     told = {name for form in library.primitives.values() for name in form.tells}
@@ -205,11 +217,11 @@ def _sources(library: Library, census: Census) -> dict[str, dict[str | None, Non
             known = library.data.get(name)
             facts |= set(_brought(known.on or ())) if known is not None else set()
         by_primitive[form.name] = facts
-    for _, one in census.asking():
+    for one in asked:
         made = [by_primitive.get(name, ()) for name in one.requests]
         for fact in (*one.notes, *(fact for facts in made for fact in facts)):
             found.setdefault(fact, {})[one.rap] = None
-    raps = {one.rap for _, one in census.asking()}
+    raps = {one.rap for one in asked}
     for fact, by in _by_rules(library, raps):
         found.setdefault(fact, {})[by] = None
     return found

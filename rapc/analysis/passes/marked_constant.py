@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.census import CENSUS, Census, Found, sort_of
-from rapc.analysis.file_census import FormKey, form_key
+from rapc.analysis.census import CENSUS, Census, sort_of
 from rapc.analysis.index import INDEX, Form, VariableAt
 from rapc.analysis.passes.bindings import BINDINGS
 from rapc.analysis.passes.constants import ANALYZER as CONSTANTS
 from rapc.analysis.place_kinds import PLACE_KINDS, PlaceKinds
-from rapc.analysis.places import PLACES, Place
+from rapc.analysis.places import PLACES, Constant, Place
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,
@@ -64,8 +63,6 @@ def _run(run: Pass) -> None:
     missing = run.result(BINDINGS).missing
     constants = run.result(CONSTANTS)
     census = run.result(CENSUS)
-    own = [(form, name) for (_, name), form in constants.items()]
-    unmarked = {*census.unmarked, *own}
     for variable, owner in _used_once(run):
         there = places.of(owner, variable.name)
         if not there or (id(owner), variable.name) in constants:
@@ -75,9 +72,9 @@ def _run(run: Pass) -> None:
             continue
         wanted = kinds.of((place,))
         others = list(_others(census, kinds, variable.name[1:], place))
-        others = [o for o in others if (o.form, variable.name) not in unmarked]
-        if _are_sure(others, form_key(owner)):
-            run.report(_finding(variable, others[0].span))
+        others = [o for o in others if (id(o.form), variable.name) not in constants]
+        if _are_sure(others, owner):
+            run.report(_finding(variable, others[0].const.span))
         elif any(_lists(run, kind, variable.name[1:]) for kind in wanted):
             run.report(_finding(variable, None))
 
@@ -98,10 +95,10 @@ _ENOUGH = 4
 
 def _others(
     census: Census, kinds: PlaceKinds, word: str, place: Place
-) -> Iterator[Found]:
+) -> Iterator[Constant]:
     """Yield constants of a name at a place, and at places of its kinds."""
     every = census.standing(word) if sort_of(word) not in ("number", "text") else ()
-    told = [one for one in every if one.filled and not one.in_test]
+    told = [c for c in every if c.count and type(c.form) is not nodes.DefineTest]
     yield from [one for one in told if place in one.places][:_ENOUGH]
     for kind in kinds.of((place,)):
         yield from [one for one in told if kind in kinds.of(one.places)][:_ENOUGH]
@@ -124,10 +121,10 @@ def _is_declared(use: VariableAt) -> bool:
     return parent is own or isinstance(parent, nodes.Argument | nodes.Resource)
 
 
-def _are_sure(constants: Sequence[Found], owner: FormKey) -> bool:
+def _are_sure(constants: Sequence[Constant], owner: Form) -> bool:
     """Whether constants are more than one word that may itself lack its mark."""
-    elsewhere = any(one.form != owner for one in constants)
-    return elsewhere or len({one.span for one in constants}) > 1
+    elsewhere = any(one.form is not owner for one in constants)
+    return elsewhere or len({one.const.span for one in constants}) > 1
 
 
 def _lists(run: Pass, kind: str, word: str) -> bool:

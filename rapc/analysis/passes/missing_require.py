@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping
 from os.path import basename, dirname
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.census import CENSUS
 from rapc.analysis.index import INDEX, NameUse
 from rapc.analysis.places import SPACES
 from rapc.base.diagnostics import (
@@ -81,7 +80,7 @@ ANALYZER = Analyzer(
     name="missing-require",
     doc="Finds names of files that a file does not require.",
     run=_run,
-    needs=(CENSUS, INDEX),
+    needs=(INDEX,),
     rules=(MISSING,),
 )
 
@@ -188,5 +187,6 @@ def _edits(run: Pass, here: str, word: str) -> Iterator[Edit]:
         end = last[0].span.end
         yield Edit(Span(here, end, end), f"\n{word}")
     else:
-        start = run.result(CENSUS).files[here].first
+        every = (*run.library.forms, *run.library.tests)
+        start = next(form.span.start for form in every if form.span.file == here)
         yield Edit(Span(here, start, start), f"{word}\n\n")

@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping
 
 from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.asked import asked_by, asked_through, is_computed
-from rapc.analysis.census import CENSUS, Census
 from rapc.analysis.certain import fact_name
 from rapc.analysis.endless import below_agendas, endless, is_never
 from rapc.analysis.index import INDEX, Form, Index
@@ -167,8 +166,8 @@ def _run(run: Pass) -> set[int]:
                 )
                 run.report(_endless(task, cause, work))
     if run.complete and is_described(library):
-        changed = _Changed(library, run.result(CENSUS), run.result(INDEX))
-        idle = _never_asked_for(library, run.result(CENSUS), run.result(INDEX))
+        changed = _Changed(library, run.result(INDEX))
+        idle = _never_asked_for(library, run.result(INDEX))
         always = Always(run.signatures)
         for rap in library.raps.values():
             if rap.monitor_state is not None and rap.monitor_time is None:
@@ -187,7 +186,7 @@ ANALYZER = Analyzer(
     name="standing",
     doc="Finds tasks that never end where they should, and monitors of what never is.",
     run=_run,
-    needs=(CENSUS, INDEX),
+    needs=(INDEX,),
     rules=(ENDLESS, UNHEARD, UNREADY, FAILING),
 )
 
@@ -233,19 +232,17 @@ _MOST, _OF = 3, 4
 class _Changed:
     """The names of all facts that anything in the library brings or takes away."""
 
-    def __init__(self, library: Library, census: Census, index: Index) -> None:
-        self._others = {*library.functions, *(name for name, _ in _told(index))}
-        self._census = census
+    def __init__(self, library: Library, index: Index) -> None:
+        self._names = {*library.functions, *(name for name, _ in _told(index))}
 
     def __contains__(self, name: str) -> bool:
-        return name in self._others or self._census.is_changed(name)
+        return name in self._names
 
 
 def _told(index: Index) -> Iterator[tuple[str, Form]]:
-    """Yield the facts that forms other than RAPs bring or take away."""
+    """Yield the facts that forms bring or take away."""
     for one in index.uses():
-        is_rap = type(one.owner) is nodes.DefineRap
-        if one.use in ("asserted", "erased") and not is_rap:
+        if one.use in ("asserted", "erased"):
             yield one.name, one.owner
 
 
@@ -306,12 +303,13 @@ def _failing(
         return
 
 
-def _never_asked_for(
-    library: Library, census: Census, index: Index
-) -> Mapping[str, str]:
+def _never_asked_for(library: Library, index: Index) -> Mapping[str, str]:
     """Return what only primitives do that no RAP asks for: by fact, the primitive."""
     primitives = library.primitives
-    wanted = {name for name in primitives if census.is_requested(name)}
+    raps = (form for form in library.forms if isinstance(form, nodes.DefineRap))
+    bodies = (method.body for rap in raps for method in rap.methods)
+    requested = {b.request.name for b in bodies if isinstance(b, nodes.Primitive)}
+    wanted = requested & primitives.keys()
     idle = [form for name, form in primitives.items() if name not in wanted]
     found: dict[str, str] = {}
     for form in idle:
@@ -329,7 +327,7 @@ def _never_asked_for(
     for name, owner in _told(index) if found else ():
         if id(owner) not in own:
             found.pop(name, None)
-    return {name: by for name, by in found.items() if not census.is_changed(name)}
+    return found
 
 
 def _unheard(

@@ -15,8 +15,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations, islice
 
 from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.census import CENSUS, Census
-from rapc.analysis.file_census import MOST_PLACES, form_key
+from rapc.analysis.census import CENSUS, MOST_PLACES, Census
 from rapc.analysis.index import INDEX, Form, NameUse
 from rapc.analysis.passes.kinds import ANALYZER as KINDS
 from rapc.analysis.places import PLACES, SPACES, Place, Places
@@ -67,9 +66,6 @@ _MOST_ARGUMENTS = 6
 _PLAIN = ("unknown", "true", "false", "nil", "t")
 """Constants that stand anywhere."""
 
-_NO_FORM = ("", 0)
-"""The key of no form at all."""
-
 _Pair = tuple[Place, Place]
 
 
@@ -86,7 +82,7 @@ class _Links:
 
     def alike(self, one: Place, other: Place) -> bool:
         """Whether one variable stands at both places: what fits one fits the other."""
-        return self._census.together_elsewhere(one, other, _NO_FORM) > 0
+        return self._census.together_elsewhere(one, other) > 0
 
     def elsewhere(
         self, form: Form, term: nodes.Term, pair: _Pair, place: Place
@@ -96,15 +92,14 @@ class _Links:
         That is the term itself, if it is a constant; of a variable, each of its places
         in the form but the pair that is held against each other.
         """
-        key = form_key(form)
         if type(term) is nodes.Var:
             for point in islice(self._places.of(form, term.name), MOST_PLACES):
                 if point not in pair:
-                    yield self._census.together_elsewhere(point, place, key)
+                    yield self._census.together_elsewhere(point, place, form)
         elif type(term) is nodes.Const:
             word = term.value
             if isinstance(word, str) and word not in _PLAIN:
-                yield self._census.beside_elsewhere(word, place, key)
+                yield self._census.beside_elsewhere(word, place, form)
 
 
 def _run(run: Pass) -> None:
