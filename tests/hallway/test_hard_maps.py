@@ -13,7 +13,14 @@ from rapc.worlds.hallway.map_text import read_map
 from rapc.worlds.hallway.state import HallwaySettings
 from rapc.worlds.skills.catalogue import SkillRequest
 from tests.effort import first
-from tests.hallway.driver import EAST, STILL, Driver, to_landmark
+from tests.hallway.driver import (
+    EAST,
+    FOLLOW_HALL,
+    STILL,
+    WEST,
+    Driver,
+    to_landmark,
+)
 from tests.hallway.sent import travel
 
 MAPS = Path(__file__).parent / "maps"
@@ -130,3 +137,19 @@ def test_landmark_is_reached_whether_its_tags_are_far_apart_or_near(
     journey = travel(4, read_map(text), {"map": Text(text)})
     assert (journey.goal, journey.arrived) == ("m", True), journey
     assert journey.away < 0.3
+
+
+@pytest.mark.parametrize("seed", first(1, [9022, 9008, 9047, 9054, 9060]))
+def test_wall_of_a_room_is_no_end_of_the_hall_beside_it(seed: int) -> None:
+    """The robot swerves around somebody into an open doorway."""
+    map = corridors(seed, (1.0, 1.3))
+    driver = Driver(seed, HallwaySettings(doors=120, people=9, lift=0, usage=0), map)
+    _, _, length, width = map.space[0].box
+    east = seed % 2 == 0
+    driver.place(1.2 if east else length - 1.2, width / 2, EAST if east else WEST)
+    events = ("end-o-hall", "hall-blocked", "stuck")
+    outcome = driver.until(*FOLLOW_HALL, events=events, within=400)
+    body = driver.sim.state.robot
+    there = (length - body.x if east else body.x) < 1.6
+    assert outcome.event in {"hall-blocked", "end-o-hall"}
+    assert (outcome.event == "end-o-hall") is there

@@ -92,6 +92,8 @@ class Hall(msgspec.Struct, frozen=True):
     offset: float
     #: Whether a wall closes the hallway right ahead.
     ends: bool
+    #: Seconds for which the robot has been beside the hallway, as in a room.
+    outside: float = 0.0
 
 
 class Gap(msgspec.Struct, frozen=True):

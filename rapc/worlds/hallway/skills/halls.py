@@ -16,6 +16,7 @@ from rapc.worlds.hallway.channels import (
     SONAR,
     TRAJECTORY,
     Hall,
+    Pose,
     Trajectory,
 )
 from rapc.worlds.hallway.skills.sonar import (
@@ -43,8 +44,20 @@ END = 1.0
 SURE = 4
 """Ticks for which the end has to be seen."""
 
+FIRST = 20
+"""Ticks after which the walls are where they were measured."""
+
+ELSEWHERE = 0.4
+"""The middle between other walls is so far away at least, in metres."""
+
 BLOCKED = 6.0
 """Seconds without moving after which a hallway is blocked."""
+
+BODY = 0.15
+"""Nearer to the wall than this the robot's middle is in a doorway, in metres."""
+
+OUTSIDE = 20.0
+"""Seconds outside of the hallway after which it is blocked: there is no way back."""
 
 
 class EndOfHall(Event):
@@ -66,8 +79,9 @@ class HallBlocked(Event):
 
     def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
         """Whether the robot does not get on, and not for the hallway's end."""
-        stuck = ports[PROGRESS].stalled >= BLOCKED
-        return () if stuck and not ports[HALL].ends else None
+        hall = ports[HALL]
+        stuck = ports[PROGRESS].stalled >= BLOCKED or hall.outside >= OUTSIDE
+        return () if stuck and not hall.ends else None
 
 
 class Tracking(msgspec.Struct):
@@ -78,6 +92,15 @@ class Tracking(msgspec.Struct):
     heading: float | None = None
     left: float = 1.0
     right: float = 1.0
+    #: The middle of the hallway beside the robot; None before the first tick.
+    x: float | None = None
+    y: float = 0.0
+    #: From there to the walls.
+    half: float = 1.0
+    #: How often the walls have been measured.
+    looks: int = 0
+    #: When the robot was last between the walls of the hallway.
+    within: float | None = None
     #: For how many ticks an end has been seen.
     ends: int = 0
 
@@ -105,9 +128,13 @@ class TrackHallway(Skill):
         bearing = bearing_of(state.heading, pose)
         echoes = turned(echo_points(ranges), bearing)
         self._measure(echoes)
-        state.ends = state.ends + 1 if self._ends(echoes) else 0
-        offset, width = (state.right - state.left) / 2, state.left + state.right
-        ports[HALL] = Hall(bearing, width, offset, state.ends >= SURE)
+        offset, width = self._offset(pose, state.heading), state.left + state.right
+        if state.within is None or abs(offset) < state.half - BODY:
+            state.within = now
+        outside = now - state.within
+        state.ends = state.ends + 1 if not outside and self._ends(echoes) else 0
+        ends = state.ends >= SURE
+        ports[HALL] = Hall(bearing, width, offset, ends, outside)
         aside = math.atan2(offset, 1.0) if width < WIDEST else 0.0
         ahead = math.remainder(bearing - aside, 2 * math.pi)
         ports[TRAJECTORY] = Trajectory(ahead, SPEED)
@@ -121,6 +148,26 @@ class TrackHallway(Skill):
             self.state.left = median(left)
         if len(right) > 1:
             self.state.right = median(right)
+
+    def _offset(self, pose: Pose, heading: float) -> float:
+        """Return how far the robot is to the left of the middle of the hallway.
+
+        By the walls on both sides; by dead reckoning while these lie elsewhere than
+        before, as in a room into which the robot swerved.
+        """
+        state = self.state
+        offset, width = (state.right - state.left) / 2, state.left + state.right
+        cos, sin = math.cos(heading), math.sin(heading)
+        state.looks += 1
+        if state.x is not None and state.looks > FIRST:
+            reckoned = (pose.y - state.y) * cos - (pose.x - state.x) * sin
+            wider = abs(width - 2 * state.half)
+            if max(abs(offset - reckoned), wider) > ELSEWHERE:
+                offset = reckoned
+        else:
+            state.half = width / 2
+        state.x, state.y = pose.x + offset * sin, pose.y - offset * cos
+        return offset
 
     def _ends(self, echoes: Sequence[Point]) -> bool:
         """Whether there is wall ahead on both sides of the middle, equally far."""
