@@ -10,7 +10,7 @@ from pathlib import Path
 import msgspec
 
 from rapc.base.source import SourceFile
-from rapc.events import Event
+from rapc.events import Event, RunStarted
 from rapc.testing.discover import find
 from rapc.testing.run import Case, run_case
 
@@ -84,7 +84,9 @@ def _trace(case: Case, place: str, before: list[str] | None = None) -> list[str]
 
 def _done(event: Event) -> Event:
     """Return an event without its reasons, and what tells of the library's text."""
-    kept = {name: "" for name in ("digest", "at") if hasattr(event, name)}
+    other: dict[str, object] = {"at": ""} if hasattr(event, "at") else {}
+    if isinstance(event, RunStarted):
+        other["spec"] = msgspec.structs.replace(event.spec, digest="")
     if getattr(event, "because", None) is not None:
-        return msgspec.structs.replace(event, because=None, **kept)
-    return msgspec.structs.replace(event, **kept) if kept else event
+        other["because"] = None
+    return msgspec.structs.replace(event, **other) if other else event
