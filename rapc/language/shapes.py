@@ -36,6 +36,8 @@ class Production(msgspec.Struct, frozen=True):
     wrong: str = ""
     #: The advice that goes with the message.
     help: str = ""
+    #: Not empty if the message is about an operand that is no list, too.
+    whole: str = ""
     #: The rule as an operand in tables and messages.
     short: str = ""
     #: A remark of a page that has a table and no text of its own.

@@ -14,7 +14,9 @@ import msgspec
 from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix, Label
 from rapc.base.names import nearest
 from rapc.base.source import SourceFile, Span
+from rapc.language.grammar import GRAMMAR
 from rapc.language.heads import ARROW, SLIPS
+from rapc.language.spelling import spelling
 from rapc.parser.syntax import (
     Arrow,
     Datum,
@@ -160,6 +162,18 @@ class Context:
             self.diagnostics.append(
                 Diagnostic(rule, message, place, labels=shown, help=help, fix=fix)
             )
+
+    def wrong(self, rule: str, datum: Datum) -> None:
+        """Report a datum that does not fit a rule of the grammar."""
+        said, name = GRAMMAR[rule], head_of(datum)
+        kind = kind_of(datum)
+        if isinstance(datum, List) and name is None:
+            kind = "a list without a name" if datum.items else "an empty list"
+        message = said.wrong.format(kind=kind)
+        if not message:
+            takes = f"takes {said.takes}" if said.takes else ""
+            message = f"`{name}` {takes or f'is written `{spelling(rule)}`'}"
+        self.report(said.breaks, message, datum, help=said.help)
 
     def replace(self, datum: Datum, content: str, *, sure: bool = True) -> Fix:
         """The fix that writes `content` in place of a datum."""

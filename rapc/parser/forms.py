@@ -21,14 +21,13 @@ from rapc.ir.schema import declared, parts, unsaid
 from rapc.language.heads import METHOD_CLAUSES, RAP_CLAUSES, heads, often, rules_by_head
 from rapc.language.shapes import is_word, leaves
 from rapc.parser.context import Context, Read, head_of, kind_of
-from rapc.parser.generic import wrong
 from rapc.parser.syntax import Datum, Keyword, List, String, Symbol, Variable
 
 
 def arguments(ctx: Context, datum: Datum) -> tuple[nodes.Argument, ...]:
     """`(?variable ...)`, each of them with its kind if wanted: `(?size number)`."""
     if not isinstance(datum, List):
-        wrong(ctx, "arguments", datum)
+        ctx.wrong("arguments", datum)
         return ()
     return parameters(ctx, datum.items, {})
 
@@ -37,7 +36,7 @@ def valued(ctx: Context, datum: Datum) -> tuple[nodes.Argument, ...]:
     """The arguments of a property, the last of which is its value."""
     made = arguments(ctx, datum)
     if isinstance(datum, List) and not datum.items:
-        wrong(ctx, "valued", datum)
+        ctx.wrong("valued", datum)
     return made
 
 
@@ -58,7 +57,7 @@ def _argument(
         return nodes.Argument(variable, None, span=variable.span) if variable else None
     kind = symbol(ctx, datum.items[1], "a kind") if len(datum.items) == 2 else None
     if len(datum.items) != 2:
-        wrong(ctx, "argument", datum)
+        ctx.wrong("argument", datum)
     variable = parameter(ctx, datum.items[0], seen)
     return nodes.Argument(variable, kind, span=ctx.span(datum)) if variable else None
 

@@ -20,6 +20,7 @@ from functools import cached_property
 from typing import Any
 
 import msgspec
+from msgspec.structs import replace
 
 from rapc.base.source import Span
 from rapc.base.values import Number
@@ -27,26 +28,14 @@ from rapc.ir import nodes
 from rapc.language.grammar import GRAMMAR, RULES, TERMINALS
 from rapc.language.heads import heads, rules_by_head, words_of_shape
 from rapc.language.shapes import Shape, is_list, is_rule, is_terminal, is_word, leaves
-from rapc.language.spelling import spelling
 from rapc.parser.context import Context, OptionReader, Read, head_of, kind_of
 from rapc.parser.syntax import Datum, Keyword, List, Numeral, String, Symbol, Variable
 from rapc.parser.terms import NAMED, REFUSED, term, with_arguments
 
 
-def finding(rule: str) -> str:
-    """Return the rule of the checker that a fault in data of a rule breaks."""
+def _breaks(rule: str) -> str:
+    """The rule of the checker that a fault in data of a rule or terminal breaks."""
     return GRAMMAR[rule].breaks if rule in GRAMMAR else "malformed-clause"
-
-
-def wrong(ctx: Context, rule: str, datum: Datum) -> None:
-    """Report a list whose operands are too few, too many or of the wrong kinds."""
-    said, name = GRAMMAR[rule], head_of(datum)
-    message = said.wrong.format(kind=kind_of(datum))
-    if not message and said.takes:
-        message = f"`{name}` takes {said.takes}"
-    elif not message:
-        message = f"`{name}` is written `{spelling(rule)}`"
-    ctx.report(said.breaks, message, datum, help=said.help)
 
 
 Fits = Callable[[Datum], bool]
@@ -304,7 +293,7 @@ class GrammarReaders(dict[str, Read]):
                 found = "one list" if flat else kind_of(datum)
                 message = f"`{heads(rule)[0]}` wants {what}, not {found}"
                 fix = ctx.wrap(datum, datum, "(", sure=False)
-                ctx.report(finding(rule), message, datum, fix=fix)
+                ctx.report(_breaks(rule), message, datum, fix=fix)
                 return ()
             return made(one(ctx, item) for item in items)
 
@@ -321,7 +310,7 @@ class GrammarReaders(dict[str, Read]):
                 message = f"{what} is wanted here, not {kind_of(datum)}"
                 plural = what.split(" ", 1)[1] + "s"
                 help = f"{plural} begin with " + ", ".join(f"`{n}`" for n in readers)
-                ctx.report(finding(rule), message, datum, help=help)
+                ctx.report(_breaks(rule), message, datum, help=help)
                 return None
             if name in readers:
                 return readers[name](ctx, datum)
@@ -341,20 +330,15 @@ class GrammarReaders(dict[str, Read]):
 
     def _list(self, rule: str, shape: Shape) -> Read:
         """The reader of a list with a head, with several to choose from, or none."""
-        if not heads(rule):
-            operands = [self._operand(one) for one in shape[1:]]
-            return _headless(rule, operands, self.makers.get(rule) or _named_like(rule))
-        operands = [self._operand(one) for one in shape[2:]]
-        make = self.makers.get(rule) or _named_like(rule)
-        if all(one.least == one.most == 1 for one in operands):
-            return _fixed(rule, [one.part for one in operands], make)
-        return _varied(rule, operands, make)
+        told = bool(GRAMMAR[rule].whole)
+        operands = [self._operand(one, told) for one in shape[1 + bool(heads(rule)) :]]
+        return _varied(rule, operands, self.makers.get(rule) or _named_like(rule))
 
-    def _operand(self, shape: Shape) -> Operand:
-        if isinstance(shape, tuple) and shape[0] in _COUNTS:
-            least, most = _COUNTS[shape[0]]
-            return Operand(least, most, self.part(shape[1]))
-        return Operand(1, 1, self.part(shape))
+    def _operand(self, shape: Shape, told: bool) -> Operand:
+        """Return what reads some operands; `told` if their list tells of them."""
+        least, most = _COUNTS.get(str(shape[0]), (1, 1))
+        part = self.part(shape if least == most else shape[1])
+        return Operand(least, most, replace(part, strict=part.strict or told))
 
 
 _PLAIN = [rule for rule in RULES if all(map(is_terminal, leaves(RULES[rule])))]
@@ -385,32 +369,6 @@ def _own_word(rule: str) -> str:
     return known[0] if len(known) == 1 else ""
 
 
-def _fixed(rule: str, parts: Sequence[OperandWanted], make: Maker) -> Read:
-    """The reader of a list with a fixed number of operands."""
-    count = len(parts) + 1
-    reads = [(at, part.read) for at, part in enumerate(parts, 1)]
-    told = bool(GRAMMAR[rule].wrong) and rule in ("enabled", "disabled")
-    strict = [(at, p.fits) for at, p in enumerate(parts, 1) if p.strict or told]
-    own = _own_word(rule)
-
-    def read(ctx: Context, datum: List) -> Any:
-        items = datum.items
-        fitting = len(items) == count
-        for at, fits in strict:
-            fitting = fitting and fits(items[at])
-        if not fitting:
-            wrong(ctx, rule, datum)
-            return None
-        values = [one(ctx, items[at]) for at, one in reads]
-        for value in values:
-            if value is None:
-                return None
-        head = own or items[0].name  # type: ignore[union-attr]  # it has been looked at
-        return make(head, values, Span(ctx.file, datum.start, datum.end))
-
-    return read
-
-
 def _mended(mend: Mend, read: Read) -> Read:
     """The reader of a list that is mended before it is read."""
 
@@ -421,29 +379,16 @@ def _mended(mend: Mend, read: Read) -> Read:
     return mended
 
 
-def _headless(rule: str, operands: Sequence[Operand], make: Maker) -> Read:
-    """The reader of a list that no word heads."""
-    read = _varied(rule, operands, make, headed=0)
+def _varied(rule: str, operands: Sequence[Operand], make: Maker) -> Read:
+    """The reader of a list with operands, some of which may be missing or repeated."""
+    own, headed = _own_word(rule), bool(heads(rule))
 
-    def checked(ctx: Context, datum: Datum) -> Any:
+    def read(ctx: Context, datum: Datum) -> Any:
+        rows = None
         if type(datum) is List:
-            return read(ctx, datum)
-        wrong(ctx, rule, datum)
-        return None
-
-    return checked
-
-
-def _varied(
-    rule: str, operands: Sequence[Operand], make: Maker, headed: int = 1
-) -> Read:
-    """The reader of a list with operands that may be left out or repeated."""
-    own = _own_word(rule)
-
-    def read(ctx: Context, datum: List) -> Any:
-        rows = _shared_out(datum.items[headed:], operands)
+            rows = _shared_out(datum.items[headed:], operands)
         if rows is None:
-            wrong(ctx, rule, datum)
+            ctx.wrong(rule, datum)
             return None
         values: list[Any] = []
         for one, row in zip(operands, rows, strict=True):
@@ -487,7 +432,7 @@ def _truth(rule: str) -> Read:
     def read(ctx: Context, datum: Datum) -> bool | None:
         if isinstance(datum, Symbol) and datum.name in _TRUTHS:
             return datum.name == "true"
-        ctx.report(finding(rule), "`true` or `false` is wanted here", datum)
+        ctx.report(_breaks(rule), "`true` or `false` is wanted here", datum)
         return None
 
     return read
@@ -507,10 +452,10 @@ def _wanted(rule: str, shape: Shape, part: OperandWanted) -> Read:
         if part.fits(datum):
             return part.read(ctx, datum)
         if rule in GRAMMAR and GRAMMAR[rule].wrong:
-            wrong(ctx, rule, datum)
+            ctx.wrong(rule, datum)
             return None
         message = f"{what} is wanted here, not {kind_of(datum)}"
-        ctx.report(finding(rule), message, datum)
+        ctx.report(_breaks(rule), message, datum)
         return None
 
     return read

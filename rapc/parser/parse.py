@@ -6,7 +6,7 @@ Linking what several files define is for `rapc.library.library`.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import cast
+from typing import Any, cast
 
 import msgspec
 
@@ -18,6 +18,7 @@ from rapc.ir import nodes
 from rapc.ir.nodes import DefineTest
 from rapc.ir.schema import NodeMap
 from rapc.ir.walk import subformulas
+from rapc.parser import reader
 from rapc.parser.context import (
     ANY_CLAUSE,
     PARENTHESES,
@@ -27,7 +28,6 @@ from rapc.parser.context import (
     kind_of,
 )
 from rapc.parser.lexicon import MAX_FINDINGS
-from rapc.parser.reader import read
 from rapc.parser.special.formulas import formula
 from rapc.parser.special.table import readers
 from rapc.parser.syntax import Comment, Datum, Keyword, List, Numeral, Symbol
@@ -51,7 +51,7 @@ GOAL_OPTIONS = (":priority", ":deadline", ":at", ":background")
 
 def parse(source: SourceFile) -> SourceUnit:
     """Read a file and make IR of it; never raises."""
-    reading = read(source)
+    reading = reader.read(source)
     known = readers()
     known_forms = known.group("_form")
     forms: list[nodes.TopForm] = []
@@ -151,12 +151,7 @@ def parse_pattern(text: str) -> nodes.Proposition:
     Raises:
         TextError: if the text is anything else.
     """
-    ctx, data = _small(text)
-    made = proposition(ctx, data[0])
-    _complain(ctx)
-    if made is None or len(data) > 1:
-        raise TextError(f"one proposition is wanted, not more: {text.strip()}")
-    return made
+    return cast(nodes.Proposition, _only(text, proposition, "proposition"))
 
 
 def parse_signal(text: str) -> Fact:
@@ -165,12 +160,7 @@ def parse_signal(text: str) -> Fact:
     Raises:
         TextError: if the text is anything else.
     """
-    ctx, data = _small(text)
-    made = signal(ctx, data[0])
-    _complain(ctx)
-    if made is None or len(data) > 1:
-        raise TextError(f"one signal is wanted, not more: {text.strip()}")
-    return _ground(made, "a signal", text)
+    return _ground(_only(text, signal, "signal"), "a signal", text)
 
 
 def parse_formula(text: str) -> nodes.Formula:
@@ -179,13 +169,19 @@ def parse_formula(text: str) -> nodes.Formula:
     Raises:
         TextError: if the text is anything else.
     """
-    ctx, data = _small(text)
-    made = formula(ctx, data[0])
-    _complain(ctx)
-    if made is None or len(data) > 1:
-        raise TextError(f"one formula is wanted, not more: {text.strip()}")
+    made: nodes.Formula = _only(text, formula, "formula")
     if any(isinstance(part, nodes.Otherwise) for part in subformulas(made)):
         raise TextError(f"`otherwise` is asked by methods alone: {text.strip()}")
+    return made
+
+
+def _only(text: str, read: Read, what: str) -> Any:
+    """Return what is read of a text that holds one datum."""
+    ctx, data = _small(text)
+    made = read(ctx, data[0])
+    _complain(ctx)
+    if made is None or len(data) > 1:
+        raise TextError(f"one {what} is wanted, not more: {text.strip()}")
     return made
 
 
@@ -234,7 +230,7 @@ def _option(name: str, value: Datum | None) -> Atom:
 def _small(text: str) -> tuple[Context, tuple[Datum, ...]]:
     """The data of a small text, at least one. Raises TextError."""
     source = SourceFile("", text)
-    reading = read(source)
+    reading = reader.read(source)
     for found in reading.diagnostics:
         raise TextError(f"{found.message}: {text.strip()}")
     if not reading.forms:

@@ -10,7 +10,7 @@ from rapc.base.values import Atom, Text
 from rapc.ir import nodes
 from rapc.language.grammar import GRAMMAR, RULES
 from rapc.language.heads import ARROW, CALLS, QUERIES, rules_by_head
-from rapc.parser.context import Context, Read, head_of, kind_of
+from rapc.parser.context import Context, Read, head_of
 from rapc.parser.syntax import (
     Arrow,
     Datum,
@@ -114,12 +114,7 @@ def pattern(ctx: Context, datum: Datum, kind: type[P]) -> P | None:
     """A plain proposition: a name and its arguments."""
     name = head_of(datum)
     if name is None or type(datum) is not List:
-        ctx.report(
-            "malformed-proposition",
-            f"a proposition is wanted here, not {_what(datum)}",
-            datum,
-            help="write a name and its arguments in parentheses",
-        )
+        ctx.wrong("proposition", datum)
         return None
     if name in _NO_PROPOSITIONS:
         ctx.report(
@@ -141,11 +136,6 @@ def proposition(ctx: Context, datum: Datum) -> nodes.Proposition | None:
     return pattern(ctx, datum, nodes.Proposition)
 
 
-def propositions(ctx: Context, data: Sequence[Datum]) -> tuple[nodes.Proposition, ...]:
-    """Propositions in a row; what is none has been reported and is left out."""
-    return tuple(filter(None, [proposition(ctx, datum) for datum in data]))
-
-
 def thing(ctx: Context, datum: Datum) -> nodes.Thing | None:
     """Return what is used or claimed: a symbol, or a name with its arguments."""
     if type(datum) is Symbol:
@@ -153,18 +143,8 @@ def thing(ctx: Context, datum: Datum) -> nodes.Thing | None:
     name = head_of(datum)
     if type(datum) is List and name is not None:
         return nodes.Thing(name, terms(ctx, datum.items[1:]), span=ctx.span(datum))
-    ctx.report(
-        "malformed-proposition",
-        f"a thing is wanted here, not {_what(datum)}",
-        datum,
-        help="write a symbol, or a name and its arguments in parentheses",
-    )
+    ctx.wrong("thing", datum)
     return None
-
-
-def things(ctx: Context, data: Sequence[Datum]) -> tuple[nodes.Thing, ...]:
-    """Things in a row; what is none has been reported and is left out."""
-    return tuple(filter(None, [thing(ctx, datum) for datum in data]))
 
 
 def signal(ctx: Context, datum: Datum) -> nodes.Signal | None:
@@ -186,12 +166,7 @@ def colon(ctx: Context, datum: Datum, kind: type[S]) -> S | None:
         if isinstance(first, Symbol | Keyword):
             name = first.name if first.name.startswith(":") else f":{first.name}"
             return kind(name, terms(ctx, datum.items[1:]), span=ctx.span(datum))
-    ctx.report(
-        "malformed-proposition",
-        f"a signal or skill is wanted here, not {_what(datum)}",
-        datum,
-        help="write `(:name args...)`",
-    )
+    ctx.wrong("signal", datum)
     return None
 
 
@@ -199,12 +174,7 @@ def goal(ctx: Context, datum: Datum) -> nodes.Goal | None:
     """Return what a step or a task asks for: `(rap args... [=> outs...])`."""
     name = head_of(datum)
     if name is None or type(datum) is not List:
-        ctx.report(
-            "malformed-goal",
-            f"a goal is wanted here, not {_what(datum)}",
-            datum,
-            help="write the name of a RAP and its arguments in parentheses",
-        )
+        ctx.wrong("goal", datum)
         return None
     inputs, outputs = split_arrow(ctx, datum)
     made = terms(ctx, inputs)
@@ -239,12 +209,6 @@ def _plain(ctx: Context, out: nodes.Term, datum: Datum) -> bool:
         return True
     ctx.report("malformed-goal", "an output is a variable or a constant", datum)
     return False
-
-
-def _what(datum: Datum) -> str:
-    if isinstance(datum, List):
-        return "a list without a name" if datum.items else "an empty list"
-    return kind_of(datum)
 
 
 def _asked(ctx: Context, datum: Datum) -> nodes.Goal | None:

@@ -9,16 +9,15 @@ from rapc.base.values import Atom
 from rapc.ir import nodes
 from rapc.parser.context import Context, head_of, kind_of
 from rapc.parser.forms import explained, name_of, parameters, symbol
-from rapc.parser.generic import wrong
 from rapc.parser.special.formulas import formula
-from rapc.parser.syntax import Datum, List, Numeral, String, Symbol
+from rapc.parser.syntax import Datum, List, Numeral, Symbol
 from rapc.parser.terms import constant, proposition
 
 
 def results(ctx: Context, datum: Datum) -> tuple[str, ...] | None:
     """The results of a primitive, `okay` among them."""
     if not isinstance(datum, List):
-        wrong(ctx, "results", datum)
+        ctx.wrong("results", datum)
         return ()
     named = [symbol(ctx, one, "a name") for one in datum.items]
     found = tuple([name for name in named if name is not None])
@@ -49,7 +48,7 @@ def excludes(ctx: Context, option: List) -> nodes.Exclusion | None:
 def kind_values(ctx: Context, datum: Datum) -> tuple[Atom, ...] | None:
     """The values that a closed kind lists."""
     if not isinstance(datum, List):
-        wrong(ctx, "kind_values", datum)
+        ctx.wrong("kind_values", datum)
         return None
     values: list[Atom] = []
     for one in datum.items:
@@ -118,7 +117,7 @@ def datum_effects(
     given = option.items[1]
     if isinstance(given, List):
         return effects(ctx, given.items)
-    wrong(ctx, "datum_effects", given)
+    ctx.wrong("datum_effects", given)
     return None
 
 
@@ -127,7 +126,7 @@ def result_effects(ctx: Context, option: List) -> nodes.ResultEffects | None:
     datum = option.items[1]
     first = datum.items[0] if isinstance(datum, List) and datum.items else None
     if not isinstance(first, Symbol) or not isinstance(datum, List):
-        wrong(ctx, "result_effects", first or datum)
+        ctx.wrong("result_effects", first or datum)
         return None
     found = effects(ctx, datum.items[1:])
     return nodes.ResultEffects(first.name, found, span=ctx.span(datum))
@@ -148,7 +147,7 @@ def comparator(ctx: Context, form: List) -> nodes.DeclareComparator | None:
     rows = [d for d in operands if isinstance(d, List)]
     words = [d for d in operands if not isinstance(d, List)]
     if not operands or len(words) > (1 if rows else 2):
-        wrong(ctx, "declare_class_comparator", form)
+        ctx.wrong("declare_class_comparator", form)
         return None
     names = [name for name in (symbol(ctx, d, "a name") for d in words) if name]
     called = names.pop() if names and not rows else None
@@ -160,7 +159,7 @@ def comparator(ctx: Context, form: List) -> nodes.DeclareComparator | None:
 def _row(ctx: Context, form: List) -> nodes.ComparatorRow | None:
     treatment, operands = head_of(form), form.items[1:]
     if treatment not in ("veto", "ignore", "score") or not operands:
-        wrong(ctx, "row", form)
+        ctx.wrong("row", form)
         return None
     name = symbol(ctx, operands[0], "a property")
     weight = operands[1] if len(operands) > 1 else None
@@ -181,20 +180,16 @@ def query(ctx: Context, form: List) -> nodes.DefineQuery | None:
     head = form.items[1] if len(form.items) > 1 else None
     name = head.items[0] if isinstance(head, List) and head.items else None
     if not isinstance(head, List) or not isinstance(name, Symbol):
-        wrong(ctx, "define_query", name or head or form)
+        ctx.wrong("define_query", name or head or form)
         return None
-    docs = [one for one in form.items[2:] if isinstance(one, String)]
-    asked = [one for one in form.items[2:] if not isinstance(one, String)]
-    if len(asked) != 1 or len(docs) > 1:
-        extra = (*asked[1:], *docs[1:], form)[0]
+    doc, asked = explained(ctx, form, form.items[2:])
+    if len(asked) != 1:
         message = f"the query `{name.name}` has one formula"
-        message += ", and one text that explains it" if len(docs) > 1 else ""
-        ctx.report("malformed-form", message, extra)
+        ctx.report("malformed-form", message, (*asked[1:], form)[0])
     made = formula(ctx, asked[0]) if asked else None
     args = parameters(ctx, head.items[1:], {})
     if made is None:
         return None
-    doc = docs[0].value if docs else ""
     return nodes.DefineQuery(
         name.name, args, made, doc, ctx.span(name), span=ctx.span(form)
     )

@@ -9,7 +9,7 @@ from rapc.ir import nodes
 from rapc.language.heads import ARROW, rules_by_head
 from rapc.parser.context import Context, head_of
 from rapc.parser.forms import options
-from rapc.parser.generic import made, wrong
+from rapc.parser.generic import made
 from rapc.parser.special.formulas import lone_formula
 from rapc.parser.syntax import Arrow, Datum, Keyword, List, Numeral, Symbol
 from rapc.parser.terms import term
@@ -32,7 +32,7 @@ def method_chosen(ctx: Context, datum: List) -> nodes.MethodChosen | None:
         del operands[-1]
     rap, name = operands[:2] if len(operands) in (2, 3) else (datum, datum)
     if not isinstance(rap, Symbol) or not isinstance(name, Symbol | Numeral):
-        wrong(ctx, "method_chosen", datum)
+        ctx.wrong("method_chosen", datum)
         return None
     times = _times(ctx, operands[2]) if operands[2:] else None
     word = name.name if isinstance(name, Symbol) else str(name.value)
@@ -55,7 +55,7 @@ def event_pattern(ctx: Context, datum: Datum) -> nodes.EventPattern | None:
     """`(event-name :key value...)`."""
     name = head_of(datum)
     if name is None or not isinstance(datum, List):
-        wrong(ctx, "event_pattern", datum)
+        ctx.wrong("event_pattern", datum)
         return None
     rest = _joined(ctx, datum.items[1:])
     words = {word.name: 1 for word in rest if isinstance(word, Keyword)}

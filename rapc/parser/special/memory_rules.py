@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal, cast
+from typing import Any, Literal, cast
 
 from rapc.ir import nodes
-from rapc.language.heads import ALONE
+from rapc.language.heads import ALONE, heads
 from rapc.parser.context import Context, head_of, kind_of
-from rapc.parser.generic import made, wrong
+from rapc.parser.generic import made
 from rapc.parser.special.formulas import formula
 from rapc.parser.syntax import Datum, Keyword, List, Symbol, Variable
 from rapc.parser.terms import goal, signal, terms
 
-_ACTIONS = ("mem-add", "mem-del")
+_ACTIONS = heads("action")
 
 
 def memory_rule(ctx: Context, form: List) -> nodes.MemoryRule | None:
@@ -23,10 +23,10 @@ def memory_rule(ctx: Context, form: List) -> nodes.MemoryRule | None:
     when = operands[1] if len(operands) > 1 else None
     body = operands[2] if len(operands) == 3 else None
     if not isinstance(when, Keyword) or when.name not in (":finish", ":event"):
-        wrong(ctx, "define_memory_rule", when or form)
+        ctx.wrong("define_memory_rule", when or form)
         return None
     if not isinstance(body, List) or head_of(body) != "match-result":
-        wrong(ctx, "match_result", body or form)
+        ctx.wrong("match_result", body or form)
         return None
     if index is None:
         return None
@@ -38,7 +38,7 @@ def memory_rule(ctx: Context, form: List) -> nodes.MemoryRule | None:
 def _case(ctx: Context, datum: Datum) -> nodes.ResultCase | None:
     """`(pattern (rule ...)...)`."""
     if not isinstance(datum, List) or not datum.items:
-        wrong(ctx, "case", datum)
+        ctx.wrong("case", datum)
         return None
     first = datum.items[0]
     result: nodes.Const | nodes.Var | nodes.Signal | None = None
@@ -51,7 +51,7 @@ def _case(ctx: Context, datum: Datum) -> nodes.ResultCase | None:
     else:
         message = f"a result is a symbol, a variable or a signal, not {kind_of(first)}"
         ctx.report("malformed-rule", message, first)
-    found = _rules(ctx, datum.items[1:])
+    found = _headed(ctx, "rule", datum.items[1:])
     return nodes.ResultCase(result, found, span=ctx.span(datum)) if result else None
 
 
@@ -71,7 +71,7 @@ def event_rule(ctx: Context, form: List) -> nodes.EventRule | None:
         ctx.report("malformed-rule", "an event rule names a signal", form)
         return None
     awaited = signal(ctx, operands[0])
-    found = _rules(ctx, operands[1:])
+    found = _headed(ctx, "rule", operands[1:])
     if awaited is None:
         return None
     if len(operands) == 1:
@@ -84,16 +84,13 @@ def event_rule(ctx: Context, form: List) -> nodes.EventRule | None:
     return nodes.EventRule(awaited.name, awaited.args, found, span=ctx.span(form))
 
 
-def _rules(ctx: Context, data: Sequence[Datum]) -> tuple[nodes.Rule, ...]:
-    return made(_rule(ctx, one) for one in data)
-
-
-def _rule(ctx: Context, datum: Datum) -> nodes.Rule | None:
-    if head_of(datum) == "rule":
-        rule: nodes.Rule | None = ctx.readers["rule"](ctx, datum)
-        return rule
-    wrong(ctx, "rule", datum)
-    return None
+def _headed(ctx: Context, rule: str, data: Sequence[Datum]) -> tuple[Any, ...]:
+    """What is read of data that must be lists of a rule; others are reported."""
+    words, read = heads(rule), ctx.readers[rule]
+    for one in data:
+        if head_of(one) not in words:
+            ctx.wrong(rule, one)
+    return made(read(ctx, one) for one in data if head_of(one) in words)
 
 
 def whole_rule(ctx: Context, datum: List) -> List:
@@ -115,19 +112,11 @@ def alternative(ctx: Context, datum: Datum) -> nodes.Alternative | None:
     """`(query action...)`, or actions alone, which run always."""
     named = head_of(datum) not in (None, *ALONE)
     if not isinstance(datum, List) or not datum.items or named:
-        wrong(ctx, "alternative", datum)
+        ctx.wrong("alternative", datum)
         return None
     query: nodes.Formula | None = nodes.Truth(True, span=ctx.span(datum))
     actions = datum.items
     if head_of(datum.items[0]) not in _ACTIONS:
         query, actions = formula(ctx, datum.items[0]), datum.items[1:]
-    read = made(_action(ctx, one) for one in actions)
+    read = _headed(ctx, "action", actions)
     return nodes.Alternative(query, read, span=ctx.span(datum)) if query else None
-
-
-def _action(ctx: Context, datum: Datum) -> nodes.RuleAction | None:
-    if head_of(datum) in _ACTIONS:
-        action: nodes.RuleAction | None = ctx.readers["action"](ctx, datum)
-        return action
-    wrong(ctx, "action", datum)
-    return None

@@ -9,9 +9,8 @@ from rapc.ir import nodes
 from rapc.language.heads import METHOD_CLAUSES, heads
 from rapc.parser.context import Context, head_of, kind_of
 from rapc.parser.forms import clauses, read_clauses, single, slots
-from rapc.parser.special.steps import wait_for
 from rapc.parser.syntax import Datum, List, Numeral, Symbol
-from rapc.parser.terms import colon, pattern
+from rapc.parser.terms import pattern
 
 
 def method(ctx: Context, datum: List, position: int) -> nodes.Method:
@@ -100,29 +99,22 @@ def primitive(ctx: Context, clause: Datum) -> nodes.Primitive | nodes.Skills | N
     return nodes.Primitive(request, span=ctx.span(clause)) if request else None
 
 
-_SKILL_PARTS = ("enable", "wait-for", "disable")
+_SKILL_PARTS = {"enable": "enable", "wait-for": "await", "disable": "disable"}
+"""What a primitive of skills holds, by the word that heads it."""
 
 
 def _skills(ctx: Context, clause: List, operands: Sequence[Datum]) -> nodes.Skills:
     """`(primitive (enable (:skill args...)...) (wait-for ...)... (disable ...))`."""
-    enable: list[nodes.Skill] = []
-    disable: list[nodes.Skill] = []
-    waits: list[nodes.WaitFor] = []
+    found: dict[str, list[Any]] = {word: [] for word in _SKILL_PARTS}
     for datum in operands:
         name = head_of(datum)
-        if not isinstance(datum, List) or name not in _SKILL_PARTS:
+        if name in found:
+            read = ctx.readers[_SKILL_PARTS[name]](ctx, datum)
+            found[name] += read if isinstance(read, tuple) else [read] * bool(read)
+        else:
             ctx.report(
                 "malformed-clause",
                 "a primitive of skills enables, waits and disables, nothing else",
                 datum,
             )
-        elif name == "wait-for":
-            wait = wait_for(ctx, datum, ("succeed", "fail"))
-            waits.extend([wait] if wait else [])
-        else:
-            made = [colon(ctx, one, nodes.Skill) for one in datum.items[1:]]
-            named = enable if name == "enable" else disable
-            named.extend(one for one in made if one)
-    return nodes.Skills(
-        tuple(enable), tuple(waits), tuple(disable), span=ctx.span(clause)
-    )
+    return nodes.Skills(*map(tuple, found.values()), span=ctx.span(clause))

@@ -21,7 +21,7 @@ from rapc.parser.forms import (
     single,
     slots,
 )
-from rapc.parser.generic import made, wrong
+from rapc.parser.generic import made
 from rapc.parser.special.method import method
 from rapc.parser.syntax import Datum, List, Symbol, Variable
 from rapc.parser.terms import split_arrow, term
@@ -198,7 +198,7 @@ def _resource(
     """`(set ?name [set])` or `(counter ?name [number-or-counter])` (T 4.8.1)."""
     kind = head_of(datum)
     if kind not in ("set", "counter") or not isinstance(datum, List):
-        wrong(ctx, "resource", datum)
+        ctx.wrong("resource", datum)
         return None
     operands = datum.items[1:]
     if not 1 <= len(operands) <= 2:

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal, cast
+from typing import cast
 
 from rapc.base.names import nearest
 from rapc.ir import nodes
 from rapc.language.heads import ANNOTATIONS, CALLS, METHOD_CLAUSES, SLIPS
 from rapc.parser.context import Context, head_of
-from rapc.parser.generic import wrong
 from rapc.parser.special.formulas import formula
-from rapc.parser.syntax import Datum, Keyword, List, Numeral, Symbol, Variable
-from rapc.parser.terms import goal, signal
-
-_MODES = ("proceed", "succeed", "fail")
+from rapc.parser.syntax import Datum, List, Numeral, Symbol, Variable
+from rapc.parser.terms import goal
 
 GROUPS = ("sequence", "parallel")
 """Words that group steps in other languages."""
@@ -82,7 +79,7 @@ def _step(ctx: Context, datum: Datum) -> nodes.Step | None:
     """`(tag [priority] goal annotation...)`."""
     tag = head_of(datum)
     if tag is None or type(datum) is not List:
-        wrong(ctx, "step", datum)
+        ctx.wrong("step", datum)
         return None
     items = datum.items[1:]
     if tag in GROUPS and _holds_steps(items):
@@ -155,7 +152,7 @@ def _is_for(datum: Datum) -> bool:
 
 def _annotation(ctx: Context, datum: Datum) -> nodes.Annotation | None:
     if type(datum) is not List or not datum.items:
-        wrong(ctx, "annotation", datum)
+        ctx.wrong("annotation", datum)
         return None
     read = ctx.readers.group("annotation").get(head_of(datum) or "")
     if read is not None:
@@ -211,35 +208,3 @@ def _unknown(ctx: Context, datum: List) -> nodes.Annotation | None:
         "unknown-annotation", f"`{first.name}` is no annotation", first, help=help
     )
     return None
-
-
-def wait_for(
-    ctx: Context, datum: Datum, modes: Sequence[str] = _MODES
-) -> nodes.WaitFor | None:
-    """`(wait-for (:signal args...) [:proceed|:succeed|:fail])`.
-
-    Where `:proceed` is among the modes it is assumed.
-    """
-    assert type(datum) is List
-    operands = datum.items[1:]
-    if not operands:
-        message = "`wait-for` does not name a signal"
-        ctx.report("malformed-annotation", message, datum)
-        return None
-    awaited = signal(ctx, operands[0])
-    words = [f"`:{mode}`" for mode in modes]
-    said = operands[1] if len(operands) > 1 else None
-    mode = said.name[1:] if isinstance(said, Keyword) else None
-    if said is None and modes is _MODES:
-        mode = "proceed"
-    if mode not in modes or len(operands) > 2:
-        ctx.report(
-            "malformed-annotation",
-            f"behind its signal `wait-for` takes {' or '.join(words)}",
-            operands[2] if len(operands) > 2 else said or datum,
-        )
-        return None
-    if awaited is None:
-        return None
-    chosen = cast(Literal["proceed", "succeed", "fail"], mode)
-    return nodes.WaitFor(awaited.name, awaited.args, chosen, span=ctx.span(datum))

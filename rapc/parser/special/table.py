@@ -48,7 +48,6 @@ SPECIAL: Mapping[str, Read] = {
     "effects": declarations.rap_effects,
     "task_net": steps.task_net,
     "primitive": method.primitive,
-    "wait_for": steps.wait_for,
     # formulas, terms and lists with arguments
     "formula": formulas.formula,
     "and": formulas.joined(nodes.And),
@@ -63,8 +62,6 @@ SPECIAL: Mapping[str, Read] = {
     "agenda_task": tests.given("_once_agenda_option"),
     "at": tests.at,
     "script_row": tests.row,
-    "moved": tests.pair("moved", "a value or a variable", (nodes.Const, nodes.Var)),
-    "placed": tests.pair("placed", "a value", (nodes.Const,)),
     "memory": expectations.memory,
     "method_chosen": expectations.method_chosen,
     "event_pattern": expectations.event_pattern,
@@ -72,6 +69,16 @@ SPECIAL: Mapping[str, Read] = {
 """Readers by rule; all other rules are read as the grammar has them."""
 
 MAKERS: Mapping[str, Maker] = {
+    **dict.fromkeys(
+        ("wait_for", "await"),
+        lambda head, values, span: nodes.WaitFor(
+            values[0].name, values[0].args, values[1] or "proceed", span=span
+        ),
+    ),
+    **dict.fromkeys(
+        ("moved", "placed"),
+        lambda head, values, span: nodes.Moved(*values, span=span),
+    ),
     "skills": lambda head, values, span: values[0],
     "order": lambda head, values, span: nodes.For(None, values[0], span=span),
     **dict.fromkeys(

@@ -14,9 +14,8 @@ from rapc.ir import nodes
 from rapc.language.heads import TEST_CLAUSES, heads, often
 from rapc.parser.context import Context, Read, head_of
 from rapc.parser.forms import clauses, filled, read_clauses, read_options, single, slots
-from rapc.parser.generic import made, terminal, wrong
+from rapc.parser.generic import made, terminal
 from rapc.parser.syntax import Datum, List, String, Symbol
-from rapc.parser.terms import term
 
 
 def define_test(ctx: Context, form: List) -> nodes.DefineTest | None:
@@ -136,7 +135,7 @@ ACTIONS = heads("_action")
 def row(ctx: Context, datum: Datum) -> nodes.ScriptRow | None:
     """`((request) [result] option...)`."""
     if not isinstance(datum, List) or not datum.items:
-        wrong(ctx, "script_row", datum)
+        ctx.wrong("script_row", datum)
         return None
     first, *rest = datum.items
     word = head_of(first)
@@ -175,23 +174,3 @@ def _with_pauses(
         else:
             pause += one
     return tuple(found), tuple(pauses) if any(pauses) else ()
-
-
-def pair(rule: str, wanted: str, kinds: tuple[type[nodes.Term], ...]) -> Read:
-    """Return what reads `(item place)`, two terms of some kinds."""
-
-    def read(ctx: Context, datum: Datum) -> nodes.Moved | None:
-        if not isinstance(datum, List) or len(datum.items) != 2:
-            wrong(ctx, rule, datum)
-            return None
-        item, place = (term(ctx, part) for part in datum.items)
-        if item is None or place is None:
-            return None
-        for one in (item, place):
-            if not isinstance(one, kinds):
-                spot = Symbol("", one.span.start, one.span.end)
-                ctx.report("malformed-clause", f"{wanted} is wanted here", spot)
-                return None
-        return nodes.Moved(item, place, span=ctx.span(datum))
-
-    return read
