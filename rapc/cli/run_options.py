@@ -110,11 +110,12 @@ def read_spec(  # the options of `run_options`, and of `run`
     readers: tuple[tuple[str, Sequence[str], Callable[[str], object]], ...] = (
         ("--task", tasks, read_task_request),
         ("--fact", facts, parse_fact),
-        ("--fault", faults, fault_texts.read_fault),
     )
     for option, texts, read in readers:
         for text in texts:
             read_option(option, read, text)
+    for text in faults:
+        read_option("--fault", fault_texts.read_fault, text)
     world = scripted.ScriptedWorld if world_name is None else find_world(world_name)
     named = dict(read_option("--set", registry.split_setting, text) for text in values)
     if world_name is None and any(not key.startswith("rapc.") for key in named):
