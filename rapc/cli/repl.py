@@ -130,7 +130,8 @@ def _recorded(path: Path, world_name: str | None) -> Shell:
         return Shell(Tape(recording), commands(), recording=str(recording))
     if begun.digest != digest(found.library):
         _tell("the library is not the one that was recorded: its text is another")
-    session = _session(prepared(found, begun, world_name or begun.world))
+    named = world_name or (None if begun.world == ScriptedWorld.name else begun.world)
+    session = _session(prepared(found, begun, named))
     Replay(session, recording)
     return Shell(session, commands(), [begun.library], str(recording))
 
@@ -155,10 +156,14 @@ def _at_hand(begun: RunSpec, world_name: str | None, path: Path) -> Program | st
             f"`--world {begun.world_class}`"
         )
     try:
-        find_world(world_name or begun.world)
-        return load(begun.library).program
+        if begun.world != ScriptedWorld.name:
+            find_world(world_name or begun.world)
+        program = load(begun.library).program
     except Error as error:
         return error.message
+    if begun.world == ScriptedWorld.name and _asks_a_world(program.library):
+        return "the world was a script, which a recording does not have"
+    return program
 
 
 def _session(ready: PreparedRun) -> Session:

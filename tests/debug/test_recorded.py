@@ -241,6 +241,22 @@ def test_world_of_a_module_is_imported_only_if_the_user_names_it(lamps: Path) ->
     assert "room-3" in done.stdout
 
 
+@pytest.mark.parametrize("declared", ["", "(declare-primitive shine () (okay))\n"])
+def test_recorded_run_without_a_world_is_run_again(
+    declared: str, tmp_path: Path
+) -> None:
+    library, trace = tmp_path / "signs.rap", tmp_path / "signs.jsonl"
+    text = "(declare-memory-proposition lit (?lamp))\n"
+    text += "(define-rap (wait ?lamp) (succeed (lit ?lamp)))\n"
+    library.write_text(text)
+    run = ("repl", str(library), "--task", "(wait hall)", "--fact", "(lit hall)")
+    rapc(*run, "-c", ":run", "-c", f":record {trace}")
+    library.write_text(text + declared)
+    done = rapc("repl", str(trace), "-c", ":goto end", "-c", "(lit ?x)")
+    assert ("only to look at: the world was a script" in done.stderr) == bool(declared)
+    assert ("hall" in done.stdout) != bool(declared)
+
+
 def test_recorded_run_of_a_module_becomes_a_test(lamps: Path) -> None:
     again = ("repl", "l.jsonl", "--world", "lamps:LampWorld", "-c", ":goto end")
     done = rapc(*again, "-c", ":export-test x.test.rap", cwd=lamps)
