@@ -105,16 +105,12 @@ def symbol(ctx: Context, datum: Datum, what: str) -> str | None:
 
 
 class Slots(msgspec.Struct, frozen=True):
-    """The fields of a node that clauses and options fill, in the order of the node."""
+    """The fields of a node that clauses and options fill."""
 
-    #: The names of the fields.
-    names: tuple[str, ...]
-    #: What the fields hold where nothing is said.
-    unsaid: tuple[Any, ...]
-    #: The places of fields that hold one thing, by the words of their clauses.
-    single: Mapping[str, int]
-    #: The places of fields that hold a tuple of them.
-    rows: Mapping[str, int]
+    #: The fields in the order of the node, with their values where nothing is said.
+    unsaid: Mapping[str, Any]
+    #: The field of each word, and whether the field holds a tuple.
+    fields: Mapping[str, tuple[str, bool]]
 
 
 @cache
@@ -122,38 +118,29 @@ def slots(rule: str, kind: type[nodes.Node]) -> Slots:
     """Return the fields that the clauses and options of a rule fill in its node."""
     known = [part for part in parts(rule, kind) if part.field]
     empty = {p.field: unsaid(str(p.shape), kind, p.field) for p in known}
-    names = tuple([name for name in kind.__struct_fields__ if name in empty])
-    single: dict[str, int] = {}
-    rows: dict[str, int] = {}
-    for part in known:
-        many = declared(kind, part.field).startswith("tuple[")
-        word = heads(str(part.shape))[0]
-        (rows if many else single)[word] = names.index(part.field)
-    return Slots(names, tuple([empty[name] for name in names]), single, rows)
+    fields = {
+        heads(str(p.shape))[0]: (p.field, declared(kind, p.field).startswith("tuple["))
+        for p in known
+    }
+    return Slots({f: empty[f] for f in kind.__struct_fields__ if f in empty}, fields)
 
 
-def filled(into: Slots, read: Mapping[str, Sequence[Any]]) -> list[Any]:
-    """Return what the fields hold, of what was read of options by their words."""
-    fields = list(into.unsaid)
-    for word, values in read.items():
-        put(fields, into, word, values)
-    return fields
-
-
-def put(fields: list[Any], into: Slots, word: str, values: Sequence[Any]) -> None:
-    """Put what was read of the clauses or options of a word where it belongs.
+def filled(into: Slots, read: Mapping[str, Sequence[Any]]) -> dict[str, Any]:
+    """Return what the fields hold, of what was read of clauses or options by word.
 
     What could not be read is None. Of several things for a field that holds one the
     first counts; rows are joined.
     """
-    at = into.single.get(word)
-    if at is None:
-        at = into.rows[word]
-        rows = [_row(value, into.names[at]) for value in values if value is not None]
-        if rows:
-            fields[at] = (*(fields[at] or ()), *chain.from_iterable(rows))
-    elif values[0] is not None:
-        fields[at] = values[0]
+    fields = dict(into.unsaid)
+    for word, values in read.items():
+        field, many = into.fields[word]
+        if many:
+            rows = [_row(value, field) for value in values if value is not None]
+            if rows:
+                fields[field] = (*(fields[field] or ()), *chain.from_iterable(rows))
+        elif values[0] is not None:
+            fields[field] = values[0]
+    return fields
 
 
 def _row(value: Any, field: str) -> Iterable[Any]:
@@ -295,19 +282,15 @@ def single(
 
 def read_clauses(
     ctx: Context, kept: Mapping[str, Sequence[List]], group: str, into: Slots
-) -> list[Any]:
+) -> dict[str, Any]:
     """Return the fields that clauses fill, read by the readers of a group."""
-    fields = list(into.unsaid)
-    if not kept:
-        return fields
-    readers = ctx.readers.group(group)
-    outer = ctx.clause
+    readers, outer = ctx.readers.group(group) if kept else {}, ctx.clause
+    read: dict[str, list[Any]] = {}
     for name, rows in kept.items():
-        read = readers[name]
         ctx.clause = name
-        put(fields, into, name, [read(ctx, row) for row in rows])
+        read[name] = [readers[name](ctx, row) for row in rows]
     ctx.clause = outer
-    return fields
+    return filled(into, read)
 
 
 class DeclaredOperand(msgspec.Struct, frozen=True):
@@ -336,8 +319,6 @@ class Declaration(msgspec.Struct, frozen=True):
     #: The options that may stand more than once.
     many: frozenset[str]
     slots: Slots
-    #: What the fields of its options hold where nothing is said.
-    unsaid: Mapping[str, Any]
 
 
 @cache
@@ -361,7 +342,6 @@ def _told(rule: str, kind: type[nodes.Node]) -> Declaration:
         )
         for at, (name, shape) in enumerate(rows, start=1)
     ]
-    filled_by = slots(rule, kind)
     return Declaration(
         kind=kind,
         colon=wanted[0] in ("SKILL", "SIGNAL"),
@@ -369,8 +349,7 @@ def _told(rule: str, kind: type[nodes.Node]) -> Declaration:
         operands=tuple(operands),
         options={heads(str(p.shape))[0]: str(p.shape) for p in known if p.field},
         many=often(rule),
-        slots=filled_by,
-        unsaid=dict(zip(filled_by.names, filled_by.unsaid, strict=True)),
+        slots=slots(rule, kind),
     )
 
 
@@ -383,10 +362,9 @@ def declaration(rule: str, kind: Any) -> Read:
         if name is None:
             return None
         data: Sequence[Datum] = form.items[2:]
-        given: dict[str, Any] = dict(told.unsaid)
+        given = dict(told.slots.unsaid)
         if Keyword in map(type, data):
-            data, options = _options(ctx, form, data, told)
-            given.update(options)
+            data, given = _options(ctx, form, data, told)
         doc, operands = explained(ctx, form, data)
         _add_operands(ctx, form, name, operands, told, given)
         if told.explained:
@@ -405,8 +383,7 @@ def _options(
     owner = f"`{head_of(form)}`"
     others, options = split(ctx, data, owner, counts, told.many, "malformed-form", True)
     found = {w: [known[w].read(ctx, o) for o in row] for w, row in options.items()}
-    fields = filled(told.slots, found)
-    return others, dict(zip(told.slots.names, fields, strict=True))
+    return others, filled(told.slots, found)
 
 
 def name_of(ctx: Context, form: List, *, colon: bool) -> str | None:

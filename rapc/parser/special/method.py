@@ -28,14 +28,11 @@ def method(ctx: Context, datum: List, position: int) -> nodes.Method:
         found["task-net"] = found.pop("task-net")  # the last one read counts
     fields = read_clauses(ctx, found, "method", _SLOTS)
     _check_body(ctx, datum, found)
-    if fields[_BODY] is None:
-        fields[_BODY] = nodes.TaskNet((), span=ctx.span(datum))
-    values: list[Any] = [name, position, *fields]
-    return nodes.Method(*values, span=ctx.span(datum))
+    fields["body"] = fields["body"] or nodes.TaskNet((), span=ctx.span(datum))
+    return nodes.Method(name, position, span=ctx.span(datum), **fields)
 
 
 _SLOTS = slots("method", nodes.Method)
-_BODY = _SLOTS.names.index("body")
 
 
 def _name(ctx: Context, datum: Datum) -> str | int | None:

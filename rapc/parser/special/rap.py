@@ -6,7 +6,7 @@ Methods are read by `rapc.parser.special.method`.
 from __future__ import annotations
 
 from collections.abc import Container, Iterable, Sequence
-from typing import Any, Literal, cast
+from typing import Literal, cast
 
 from rapc.base.diagnostics import Fix
 from rapc.base.names import nearest
@@ -134,16 +134,16 @@ def _rap(
     rows = found.pop("method", ())
     fields = read_clauses(ctx, found, "_rap_clause", _SLOTS)
     if rows:
-        fields[_METHODS] = _methods(ctx, rows)
-    values: list[Any] = [
+        fields["methods"] = _methods(ctx, rows)
+    return nodes.DefineRap(
         name.name,
         tuple([one.variable for one in inputs]),
-        tuple([one.variable for one in outputs]) if outputs else (),
+        tuple([one.variable for one in outputs]),
         _kinds(inputs + outputs),
-        *fields,
-        ctx.span(name),
-    ]
-    return nodes.DefineRap(*values, span=ctx.span(datum))
+        name_span=ctx.span(name),
+        span=ctx.span(datum),
+        **fields,
+    )
 
 
 def _kinds(given: Iterable[nodes.Argument]) -> tuple[nodes.VariableKind, ...]:
@@ -167,7 +167,6 @@ def _methods(ctx: Context, rows: Sequence[List]) -> tuple[nodes.Method, ...]:
 
 
 _SLOTS = slots("define_rap", nodes.DefineRap)
-_METHODS = _SLOTS.names.index("methods")
 _OFTEN = often("define_rap")
 
 

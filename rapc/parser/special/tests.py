@@ -7,7 +7,7 @@ docs/testing.md.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, cast
+from typing import cast
 
 from rapc.base.values import Number
 from rapc.ir import nodes
@@ -52,17 +52,21 @@ def _test(
     found = clauses(ctx, data, owner, TEST_CLAUSES)
     kept = single(ctx, found, often("define_test"))
     into = slots("define_test", nodes.DefineTest)
-    end = into.names.index("until")
     ends = [
-        read_clauses(ctx, {word: kept.pop(word)}, "_test_clause", into)[end]
+        read_clauses(ctx, {word: kept.pop(word)}, "_test_clause", into)["until"]
         for word in ("until", "cycles")
         if word in kept
     ]
     fields = read_clauses(ctx, kept, "_test_clause", into)
-    fields[end] = _until(made(ends))
+    fields["until"] = _until(made(ends))
     place = ctx.span(name or form.items[0])
-    values: list[Any] = ["" if name is None else name.name, doc, *fields, place]
-    return nodes.DefineTest(*values, span=ctx.span(form))
+    return nodes.DefineTest(
+        "" if name is None else name.name,
+        doc,
+        name_span=place,
+        span=ctx.span(form),
+        **fields,
+    )
 
 
 def _until(found: Sequence[nodes.Until]) -> nodes.Until | None:
@@ -106,7 +110,7 @@ def given(group: str) -> Read:
         if asked is None:
             return None
         options = filled(slots("agenda_task", nodes.GivenTask), read)
-        return nodes.GivenTask(asked, *options, span=ctx.span(clause))
+        return nodes.GivenTask(asked, span=ctx.span(clause), **options)
 
     return read
 
@@ -146,8 +150,7 @@ def row(ctx: Context, datum: Datum) -> nodes.ScriptRow | None:
     read = read_options(ctx, rest, "a row", "_once_row_option")
     if asked is None:
         return None
-    known = slots("script_row", nodes.ScriptRow)
-    fields = dict(zip(known.names, filled(known, read), strict=True))
+    fields = filled(slots("script_row", nodes.ScriptRow), read)
     fields["signals"], fields["pauses"] = _with_pauses(fields["signals"])
     kind = cast(nodes.RowKind, word if word in _ASKED else "request")
     return nodes.ScriptRow(
