@@ -4,15 +4,15 @@ A `World` has a clock, takes requests, returns results and sensor data, may send
 unasked, and may end the run. Its `Kit` says what libraries find there: primitives and
 data, options, and the Python code that belongs to the world, such as the handlers that
 turn results and data into changes of memory through `HandlerMemory` [T 3.3]. What only
-some worlds can do stands in protocols of its own: `Drawable`, `Savable`, `Skilled`,
-`Timed`. The interpreter cannot see into a world, nor a world into the interpreter.
+some worlds can do stands in protocols of its own, `OPTIONAL`. The interpreter cannot
+see into a world, nor a world into the interpreter.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 import msgspec
 
@@ -305,3 +305,100 @@ class Adjustable(Protocol):
         Raises:
             ValueError: for a value that it cannot have.
         """
+
+
+OPTIONAL: tuple[type, ...] = (
+    Skilled,
+    Timed,
+    Drawable,
+    Truthful,
+    Savable,
+    Adjustable,
+)
+"""The protocols that a world may have or not."""
+
+
+def methods_of(protocol: type) -> list[str]:
+    """Return the names of the methods of `World`, or of an optional protocol."""
+    return [
+        name
+        for name, value in vars(protocol).items()
+        if callable(value) and not name.startswith("_")
+    ]
+
+
+class Wrapper(World):
+    """A world round another one; every call goes on to the world behind.
+
+    The optional protocols are there if the world behind has them. A subclass changes a
+    method of `World` by a method of the same name. It changes a method of an optional
+    protocol, such as `save`, by a method with an underscore before the name: `_save`.
+
+    Args:
+        world: the world behind.
+    """
+
+    def __init__(self, world: World) -> None:
+        self.enclose(world)
+
+    def enclose(self, world: World) -> None:
+        """Put another world behind this one."""
+        self.name = world.name
+        self.kit = world.kit
+        #: The world behind; of any type, for it has the protocols that it has.
+        self.behind: Any = world
+        for protocol in OPTIONAL:
+            for name in methods_of(protocol) if isinstance(world, protocol) else ():
+                passed_on = getattr(self, f"_{name}", None) or getattr(world, name)
+                setattr(self, name, passed_on)
+
+    @property
+    def __wrapped__(self) -> World:
+        """The world behind, as Python's own wrappers have it."""
+        behind: World = self.behind
+        return behind
+
+    def facts(self) -> Iterable[Fact]:
+        """Return what the robot knows at first."""
+        facts: Iterable[Fact] = self.behind.facts()
+        return facts
+
+    def now(self) -> Time:
+        """Return the time of the clock."""
+        now: Time = self.behind.now()
+        return now
+
+    def perform(self, ticket: int, request: Fact) -> Reply | Refused | None:
+        """Carry out a request."""
+        answer: Reply | Refused | None = self.behind.perform(ticket, request)
+        return answer
+
+    def cancel(self, ticket: int) -> None:
+        """Stop what was asked under `ticket`."""
+        self.behind.cancel(ticket)
+
+    def next_time(self) -> Time | None:
+        """Return when the world will next send something."""
+        due: Time | None = self.behind.next_time()
+        return due
+
+    def advance(self, to: Time) -> None:
+        """Move the clock on."""
+        self.behind.advance(to)
+
+    def messages(self) -> Sequence[Message]:
+        """Return what the world has sent."""
+        sent: Sequence[Message] = self.behind.messages()
+        return sent
+
+    def ended(self) -> str | None:
+        """Return why the world has ended the run, or None."""
+        reason: str | None = self.behind.ended()
+        return reason
+
+
+def innermost(world: World) -> World:
+    """Return the world behind all those that wrap it."""
+    while (behind := getattr(world, "__wrapped__", None)) is not None:
+        world = behind
+    return world

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
@@ -24,12 +23,12 @@ from rapc.cli.run_options import prepared, read_spec, run_options
 from rapc.errors import reason
 from rapc.events import Deadlock, Event, TaskResult
 from rapc.library.library import Library
-from rapc.runtime.authors import picture_of
 from rapc.runtime.events.report import RunReport
 from rapc.runtime.events.trace import JsonTrace, TextTrace
+from rapc.runtime.held_world import HeldWorld
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.task_request import TaskRequest
-from rapc.world import Drawable, Time, World
+from rapc.world import Drawable, Picture, Time, World
 
 if TYPE_CHECKING:
     import shutil
@@ -109,7 +108,7 @@ def run(
     ready = prepared(library, spec, world_name)
     _tell_what_ends_it(ready.tasks, library.library, end)
     interpreter, world = ready.interpreter, ready.world
-    drawn = _drawable(world, world_name) if show else None
+    drawn = _drawable(interpreter.machine.world, world_name) if show else None
     report = RunReport()
     with ExitStack() as stack, _ended_by_interrupts(interpreter):
         with interrupts_held():
@@ -222,20 +221,25 @@ def _opened(trace: str, files: Iterable[str], world: World) -> TextIO:
         fail(f"cannot write `{trace}`: {reason(error)}")
 
 
-def _drawable(world: World, world_name: str) -> World:
-    """Return a world that can be drawn; any other ends the command."""
+def _drawable(world: HeldWorld, world_name: str) -> Callable[[], Picture]:
+    """Return what draws a world; one that cannot be drawn ends the command."""
     if not isinstance(world, Drawable):
         fail(f"the world `{world_name}` has no picture of itself to --show")
-    picture_of(world)
-    return world
+    world.picture()
+    return world.picture
 
 
-def _show(stack: ExitStack, interpreter: Interpreter, world: World, every: int) -> None:
+def _show(
+    stack: ExitStack,
+    interpreter: Interpreter,
+    picture: Callable[[], Picture],
+    every: int,
+) -> None:
     """Draw the run while it goes on."""
     known = (80, 24) if sys.stdout.isatty() else (PIPED_WIDTH, 0)
     view = live.LiveView(
         interpreter,
-        partial(picture_of, world),
+        picture,
         sys.stdout,
         lambda: shutil.get_terminal_size(known),
         color=settings().colored(),

@@ -75,7 +75,7 @@ class Course(Stepped):
         self.branch = Branch("main", Saves())
         self.branches = [self.branch]
         self._setup = Setup.of(run)
-        self._world = run.machine.world
+        self._world = run.machine.world.behind
         self._done = 0
         self._saved = 0
         self._save()
@@ -175,7 +175,7 @@ class Course(Stepped):
             raise StateError("there is no saved state before that moment")
         at, state = found
         self.run = self.branch.setup_after(at.acts, self._setup).made(self.run)
-        self.run.machine.world = self.branch.world_after(at.acts, self._world)
+        self.run.machine.world.enclose(self.branch.world_after(at.acts, self._world))
         self.run.restore(state)
         self._done = at.acts
         if self.log.elsewhere is None:
@@ -212,13 +212,13 @@ class Course(Stepped):
         """
         self._look_back()
         run, here, done, saved = self.run, self.run.save(), self._done, self._saved
-        world = run.machine.world
+        world = run.machine.world.behind
         before, self.log.elsewhere = self.log.elsewhere, _nobody
         try:
             yield
         finally:
             self.run = run
-            run.machine.world = world
+            run.machine.world.enclose(world)
             run.restore(here)
             self._done, self._saved = done, saved
             self.log.elsewhere = before

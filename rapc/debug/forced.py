@@ -13,8 +13,8 @@ from rapc.debug.acts import Act
 from rapc.errors import ArgumentError
 from rapc.library.signatures import Signatures
 from rapc.runtime.interpreter import Interpreter
-from rapc.world import Refused, Reply, Savable, Skilled, Time, Timed, World
-from rapc.worlds.faults import FaultyWorld, InjectedFault, problem
+from rapc.world import Refused, Reply, Savable, Skilled, World, Wrapper
+from rapc.worlds.faults import InjectedFault, problem, usual_time
 
 
 class Forced(msgspec.Struct):
@@ -30,7 +30,7 @@ class _Saved(msgspec.Struct, frozen=True):
     forced: list[Forced]
 
 
-class ForcedWorld(FaultyWorld):
+class ForcedWorld(Wrapper):
     """A world some of whose next requests end as the user wants.
 
     A request that is forced never reaches the world behind. It takes as long as such a
@@ -38,7 +38,7 @@ class ForcedWorld(FaultyWorld):
     """
 
     def __init__(self, world: World) -> None:
-        super().__init__(world, (), 0)
+        super().__init__(world)
         #: What is still forced, in the order in which it was asked for.
         self.forced: list[Forced] = []
 
@@ -48,16 +48,12 @@ class ForcedWorld(FaultyWorld):
             if match_pattern(one.pattern, request) is not None:
                 one.left -= 1
                 self.forced = [other for other in self.forced if other.left > 0]
-                self.advance(number(self.now() + self._usual(request)))
+                self.advance(number(self.now() + usual_time(self.behind, request)))
                 return Reply(one.result)
         return super().perform(ticket, request)
 
-    def _usual(self, request: Fact) -> Time:
-        behind = self._world
-        return behind.usual_time(request) if isinstance(behind, Timed) else 0
-
     def _save(self) -> bytes:
-        state = self._behind.save()
+        state: bytes = self.behind.save()
         if not isinstance(state, bytes):
             return state  # the interpreter says so
         return msgspec.json.encode(_Saved(state, self.forced))
@@ -67,7 +63,7 @@ class ForcedWorld(FaultyWorld):
             saved = msgspec.json.decode(state, type=_Saved)
         except ValueError as error:
             raise ValueError(f"no state of a world with results: {error}") from error
-        self._behind.restore(saved.world)
+        self.behind.restore(saved.world)
         self.forced = saved.forced
 
 
@@ -86,8 +82,8 @@ class ForceResult(Act, frozen=True):
             ArgumentError: for a request or a result that the world does not offer, and
                 for a world of skills or one that cannot be saved.
         """
-        machine = run.machine
-        world = machine.world
+        held = run.machine.world
+        world: World = held.behind
         wrong = problem(
             InjectedFault(self.pattern, self.result),
             Signatures.offered(world.kit.offer),
@@ -100,7 +96,7 @@ class ForceResult(Act, frozen=True):
                     f"the world `{world.name}` lets no result be forced: "
                     "it has skills, or cannot be saved"
                 )
-            world = machine.world = ForcedWorld(world)
+            held.enclose(world := ForcedWorld(world))
         world.forced.append(Forced(self.pattern, self.result, self.times))
         return run
 

@@ -14,12 +14,12 @@ from msgspec.structs import replace
 from rapc.base.names import hint
 from rapc.base.values import Atom, Text, typed
 from rapc.debug.acts import Act, Setup
-from rapc.errors import ArgumentError, PortError
-from rapc.runtime.authors import laid_at
+from rapc.errors import ArgumentError
+from rapc.runtime.held_world import HeldWorld
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.saving.format import decode_run
 from rapc.runtime.settings import Settings, read_settings
-from rapc.world import Adjustable, World
+from rapc.world import Adjustable, innermost
 from rapc.worlds.registry import read_options
 
 OWN = "rapc"
@@ -79,12 +79,9 @@ class AdjustWorld(Act, frozen=True):
                 f"the world `{world.name}` lets no option be changed while it runs"
             )
         try:
-            with laid_at(world, "adjust"):
-                text = isinstance(self.value, Text)
-                world.adjust(self.name, typed(self.value) if text else self.value)
-        except PortError as error:
-            if not isinstance(said := error.__cause__, ValueError):
-                raise
+            text = isinstance(self.value, Text)
+            world.adjust(self.name, typed(self.value) if text else self.value)
+        except ValueError as said:
             raise ArgumentError(f"the world `{world.name}` refuses: {said}") from said
         return run
 
@@ -101,16 +98,13 @@ def changeable_options(run: Interpreter) -> Iterator[GivenOption]:
         yield GivenOption(world.name, name, value)
 
 
-def _adjustable(world: World) -> Mapping[str, Atom | bool]:
+def _adjustable(world: HeldWorld) -> Mapping[str, Atom | bool]:
     """Return the options of a world that can be changed now; none if it lets none be.
 
     Raises:
         PortError: if the world breaks, or returns no mapping.
     """
-    if not isinstance(world, Adjustable):
-        return {}
-    with laid_at(world, "adjustable"):
-        return dict(world.adjustable())
+    return world.adjustable() if isinstance(world, Adjustable) else {}
 
 
 def change_option(run: Interpreter, owner: str, name: str, text: str) -> Act:
@@ -134,15 +128,8 @@ def change_option(run: Interpreter, owner: str, name: str, text: str) -> Act:
         return ChangeSetting(name, replace(run.settings, **{field: value}))
     if owner != world.name:
         raise ArgumentError(f"`{owner}` is neither `{OWN}` nor `{world.name}`")
-    read = read_options(type(_innermost(world)), {name: text})
+    read = read_options(type(innermost(world)), {name: text})
     if isinstance(world, Adjustable) and name not in (known := _adjustable(world)):
         said = f"`{owner}.{name}` counts at the beginning of a run alone"
         raise ArgumentError(said + hint(name, known))
     return AdjustWorld(owner, name, read[name])
-
-
-def _innermost(world: World) -> World:
-    """Return the world behind those that answer for it."""
-    while (behind := getattr(world, "__wrapped__", None)) is not None:
-        world = behind
-    return world

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Container, Iterable, Mapping
+from typing import Any
 
 import msgspec
 
 from rapc import events
 from rapc.base.values import is_number
-from rapc.runtime.authors import laid_at
+from rapc.runtime.held_world import HeldWorld
 from rapc.world import OKAY, Offer, Time, Truthful, World
 
 LABELS: Mapping[str, str] = {
@@ -174,10 +175,8 @@ def figures_of(world: World) -> dict[str, float]:
     Raises:
         PortError: if the world breaks, or returns no mapping.
     """
-    if not isinstance(world, Truthful):
-        return {}
-    with laid_at(world, "figures"):
-        told = dict(msgspec.to_builtins(world.figures()))
+    held = HeldWorld(world)
+    told: Any = held.figures() if isinstance(held, Truthful) else {}
     return {n.replace("_", "-"): v for n, v in told.items() if is_number(v)}
 
 

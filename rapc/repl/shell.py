@@ -37,6 +37,7 @@ from rapc.repl.answer import ShownAnswer, failure, say, table
 from rapc.repl.arguments import Arguments, is_balanced, read_pattern, split
 from rapc.runtime.events.trace import TextTrace
 from rapc.runtime.task_request import read_task_request
+from rapc.world import innermost
 
 _WATCHED = 3
 """How many answers to a query that is watched are shown."""
@@ -141,7 +142,7 @@ class Shell:
                 library or of the world.
         """
         machine = self.session.run.machine
-        world = getattr(machine.world, "__wrapped__", machine.world)
+        world = innermost(machine.world)
         module = getattr(sys.modules.get(type(world).__module__), "__file__", None)
         read = (*self.paths, *machine.library.library.files, module)
         check_output(path, output, (read, "is a file of the library or of the world"))

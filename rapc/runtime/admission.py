@@ -16,14 +16,9 @@ from rapc.ir import nodes
 from rapc.library.library import Library
 from rapc.library.signature import CONSTANT_DEFAULTS
 from rapc.library.signatures import Signatures, Use
-from rapc.runtime.authors import (
-    PORT,
-    SKILLED,
-    Named,
-    first_facts,
-    wrong_arities,
-)
-from rapc.world import Skilled, World
+from rapc.runtime.authors import Named, wrong_arities
+from rapc.runtime.held_world import HeldWorld
+from rapc.world import Skilled, World, innermost, methods_of
 
 _Offered = (
     nodes.DeclarePrimitive
@@ -84,7 +79,7 @@ def _offers(library: Library) -> tuple[tuple[Use, Mapping[str, _Offered]], ...]:
 
 def refusals(
     program: Program,
-    world: World,
+    world: HeldWorld,
     functions: Mapping[str, object],
     comparators: Mapping[str, object],
 ) -> list[str]:
@@ -92,7 +87,7 @@ def refusals(
     library = program.library
     return [
         *_lacking(library, world),
-        *_untellable(library, program.signatures, world, first_facts(world)),
+        *_untellable(library, program.signatures, world, world.facts()),
         *_unregistered(library, functions),
         *_uncompared(library, comparators),
         *_unskilled(library, world),
@@ -101,13 +96,16 @@ def refusals(
 
 def misfitting(program: Program, world: World, code: Mapping[str, Named]) -> list[str]:
     """Return a line for each part of an author's code that takes other arguments."""
-    methods = {**PORT, **(SKILLED if isinstance(world, Skilled) else {})}
-    port = {name: getattr(world, name) for name in methods}
+    own = innermost(world)
     found = [
         line
-        for name, given in methods.items()
+        for protocol in (World, Skilled)
+        if isinstance(own, protocol)
+        for name in methods_of(protocol)
         for line in wrong_arities(
-            f"the world `{world.name}`:", {name: port[name]}, given
+            f"the world `{world.name}`:",
+            {name: getattr(own, name)},
+            getattr(protocol, name).__code__.co_argcount - 1,
         )
     ]
     counts = (

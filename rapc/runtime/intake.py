@@ -10,12 +10,11 @@ from collections.abc import Iterable
 
 from rapc.events import DataReceived
 from rapc.runtime.acts.primitives import handle, take_reply, with_memory_names
-from rapc.runtime.authors import breach, wrong_type
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.activations import Activation
 from rapc.runtime.tasks.finish import end_method
 from rapc.runtime.tasks.signals import signal
-from rapc.world import Datum, Finished, Message, Reply, Signal
+from rapc.world import Datum, Finished, Message, Signal
 
 
 def take_in(machine: Machine, messages: Iterable[Message]) -> None:
@@ -26,15 +25,12 @@ def take_in(machine: Machine, messages: Iterable[Message]) -> None:
     """
     others: list[Message] = []
     gone = tuple(machine.state.activations.off)
-    if not isinstance(messages, tuple | list):
-        raise wrong_type(machine.world, "messages", "what `messages` returns", messages)
     for message in messages:
         if isinstance(message, Finished):
-            finish(machine, message.ticket, message.reply)
+            finish(machine, message)
         else:
             others.append(message)
     for message in others:
-        machine.port.check_message(message)
         if isinstance(message, Datum):
             with machine.access.batch():
                 fact = handle(machine, message.content)
@@ -49,16 +45,14 @@ def take_in(machine: Machine, messages: Iterable[Message]) -> None:
         machine.state.activations.forget(gone)
 
 
-def finish(machine: Machine, ticket: int, reply: Reply) -> None:
-    """End the primitive with the number `ticket`: run handlers, end its method.
+def finish(machine: Machine, ended: Finished) -> None:
+    """End a primitive: run its handlers, end its method.
 
     Raises:
         PortError: for a ticket that is not under way, or a datum nobody handles.
     """
-    if type(ticket) is not int or ticket not in machine.state.pending:
-        said = f"ended a request that is not under way: {ticket!r}"
-        raise breach(machine.world, "messages", said)
-    machine.port.check_end(machine.state.pending[ticket][1], reply)
+    machine.world.check_end(ended, machine.state.pending)
+    ticket, reply = ended.ticket, ended.reply
     task, asked = machine.state.pending.pop(ticket)
     if task is not None:
         over = Activation(ticket, task.number, task, None, ())

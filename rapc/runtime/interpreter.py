@@ -33,14 +33,14 @@ from rapc.runtime.arguments import (
     need_time,
     need_world,
 )
-from rapc.runtime.authors import blame, first_facts
+from rapc.runtime.authors import code_of_authors
 from rapc.runtime.begin_and_end import end_run, tell_start
 from rapc.runtime.events.recorder import Listener, Recording
 from rapc.runtime.host_query import HostQuery
 from rapc.runtime.loop import Loop
 from rapc.runtime.machine import ContextListener, Machine
 from rapc.runtime.memory.view import MemoryView
-from rapc.runtime.put_together import code_of_authors, put_together
+from rapc.runtime.put_together import put_together
 from rapc.runtime.saving.on_demand import restore, save
 from rapc.runtime.settings import Settings
 from rapc.runtime.snapshot import AgendaEntry
@@ -93,11 +93,11 @@ class Interpreter:
         self.seed = seed
         self._registered = (functions, solvers, comparators)
         self._world = world
-        self._code = code_of_authors(world.kit, functions, solvers, comparators)
         if settings is None:
             settings = Settings()
         need_settings(settings)
-        self._machine = put_together(library, world, seed, settings, self._code, fast)
+        code = code_of_authors(world.kit, functions, solvers, comparators)
+        self._machine = put_together(library, world, seed, settings, code, fast)
         self._loop = Loop(self._machine)
 
     # --- before and while it runs -------------------------------------------------
@@ -197,7 +197,7 @@ class Interpreter:
             FactError: if no event is called so, or it has other arguments.
         """
         need_fact(content, "the signal")
-        self._machine.port.check_signal(content)
+        self._machine.world.check_signal(content)
         signal(self._machine, self._machine.memory.canonical(content))
 
     def call_at(self, time: Time, action: Callable[[], None]) -> None:
@@ -359,11 +359,11 @@ class Interpreter:
         """Raise what broke the run off; what is a world's author's also ends it.
 
         Raises:
-            PortError: see `blame`.
+            PortError: see `HeldWorld.blame`.
         """
         self._machine.turning, self._machine.broken = False, True
         try:
-            blame(error, self._world, self._code)
+            self._machine.world.blame(error)
         except PortError as told:
             self.end("broken", told.message)
             raise
@@ -383,10 +383,10 @@ class Interpreter:
         machine.state.started = True
         tell_start(machine, spec or RunSpec(seed=self.seed))
         try:
-            for fact in first_facts(machine.world):
+            for fact in machine.world.facts():
                 self.assert_fact(*fact)
         except BaseException as error:
-            blame(error, self._world, self._code)
+            machine.world.blame(error)
 
     # --- saving ---------------------------------------------------------------------
 
@@ -430,7 +430,7 @@ class Interpreter:
             StateError: as `save`.
         """
         saved, machine = self.save(), self._machine
-        made = copy.deepcopy(machine.world) if world is None else world
+        made = copy.deepcopy(machine.world.behind) if world is None else world
         other = self._made_with(machine.library, machine.settings, made)
         other.restore(saved)
         return other
@@ -444,7 +444,7 @@ class Interpreter:
         Raises:
             RefusedError: if the library cannot be run in the world.
         """
-        other = self._made_with(library, settings, self._machine.world)
+        other = self._made_with(library, settings, self._machine.world.behind)
         other._machine.recorder.take_over(self._machine.recorder)
         if self._machine.context_asked is not None:
             other.watch_contexts(self._machine.context_asked)

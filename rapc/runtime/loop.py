@@ -11,14 +11,12 @@ from __future__ import annotations
 import heapq
 
 from rapc.base.values import number
-from rapc.runtime.authors import is_time, wrong_type
 from rapc.runtime.intake import take_in
 from rapc.runtime.machine import Machine
-from rapc.runtime.port import next_in_the_past, no_time_passed, stopped_for_nothing
 from rapc.runtime.tasks.cycle import run_cycle
 from rapc.runtime.tasks.hold_things import resume_skills
 from rapc.runtime.tasks.start import create_top, release_at_start_time
-from rapc.world import NOT_KNOWN, Time, World
+from rapc.world import NOT_KNOWN, Time
 
 
 class Loop:
@@ -33,7 +31,7 @@ class Loop:
         self._machine = machine
         self._cost = machine.settings.cycle_cost
         # A world that may end the run by itself is asked in each turn.
-        may_end = type(machine.world).ended is not World.ended
+        may_end = machine.world.may_end
         self._patience = -1 if may_end else machine.settings.idle_cycles
         #: What stays the same object for the life of the machine; see where they are.
         self._parts = (
@@ -56,7 +54,7 @@ class Loop:
         state, world, patience = machine.state, machine.world, self._patience
         recorder, agenda, monitors, to_test, timers, unsettled, changed = self._parts
         gone, cycle, cost = state.activations.off, recorder.cycle, self._cost
-        clock, receive = world.now, world.messages
+        clock, receive = world.clock, world.receive
         last = -1 if most is None else cycle + most
         # The last cycle that the clock may stand still; it moved `patience` before.
         limit = cycle - state.idle + patience
@@ -72,7 +70,7 @@ class Loop:
                 machine.access.recognise()
             messages = receive()
             if messages or gone or messages is None:
-                take_in(machine, messages)
+                take_in(machine, world.listed(messages))
             look = monitors.next_look
             if to_test or changed or (look is not None and recorder.time >= look):
                 self._wake()
@@ -107,10 +105,7 @@ class Loop:
         machine, state = self._machine, self._machine.state
         if state.past_until:
             return "until"
-        ended = machine.world.ended()
-        if ended is not None:
-            if not isinstance(ended, str):
-                raise wrong_type(machine.world, "ended", "the end", ended)
+        if machine.world.ended() is not None:
             return "world"
         if not (state.foreground or state.expected or machine.host_timers):
             return "done"
@@ -187,11 +182,10 @@ class Loop:
         machine, world = self._machine, self._machine.world
         machine.sync_clock()
         messages = world.messages()
-        if messages or messages is None:
+        if messages:
             take_in(machine, messages)
         elif world.ended() is None:
-            if machine.recorder.time < end:
-                raise stopped_for_nothing(world, machine.recorder.time, end)
+            world.check_stop(machine.recorder.time, end)
             return "stuck"
         return None
 
@@ -203,13 +197,10 @@ class Loop:
         """
         machine, world = self._machine, self._machine.world
         messages = world.messages()
-        if messages or messages is None:
+        if messages:
             take_in(machine, messages)
-            return
-        due = world.next_time()
-        announced = due is not None and due <= machine.recorder.time
-        if world.ended() is None and (announced or target > machine.recorder.time):
-            raise no_time_passed(world, target, announced)
+        else:
+            world.check_wait(machine.recorder.time, target)
 
     def _coming_times(self) -> list[Time]:
         """Return the times at which something is known to come.
@@ -218,11 +209,8 @@ class Loop:
             PortError: for a world whose next time is no time, or has been.
         """
         machine = self._machine
-        times = [machine.monitors.next_time(), machine.world.next_time()]
-        if times[1] not in (None, NOT_KNOWN) and not is_time(times[1]):
-            raise wrong_type(machine.world, "next_time", "the next time", times[1])
-        if times[1] is not None and times[1] < machine.recorder.time:
-            raise next_in_the_past(machine.world, times[1], machine.recorder.time)
+        due = machine.world.next_time(machine.recorder.time)
+        times = [machine.monitors.next_time(), due]
         if machine.state.scheduled:
             times.append(machine.state.scheduled[0][0])
         if machine.host_timers:

@@ -13,19 +13,18 @@ from collections import Counter
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from rapc.base.values import Atom, format_atom, number
+from rapc.base.values import Atom, number
 from rapc.compiler.program import Program
-from rapc.runtime.authors import breach, is_time, wrong_type
 from rapc.runtime.events.recorder import Recorder
+from rapc.runtime.held_world import HeldWorld
 from rapc.runtime.memory.build import assemble
 from rapc.runtime.monitors.monitors import Monitors
-from rapc.runtime.port import Port
 from rapc.runtime.query_context import NotingContext, QueryContext
 from rapc.runtime.settings import Settings
 from rapc.runtime.state.agenda import Agenda, SortingAgenda
 from rapc.runtime.state.run_state import RunState
 from rapc.runtime.state.things import Things
-from rapc.world import ResultHandler, Time, World
+from rapc.world import ResultHandler, Time
 
 ContextListener = Callable[[str, str, bool], None]
 """Told of a RAP's method whose context was asked, and whether it held."""
@@ -50,7 +49,7 @@ class Machine:
     def __init__(
         self,
         library: Program,
-        world: World,
+        world: HeldWorld,
         rng: random.Random,
         settings: Settings,
         functions: Mapping[str, Callable[..., Any]],
@@ -102,15 +101,13 @@ class Machine:
         #: Whether any RAP can come up among its own subtasks: a solver may bring it
         #: in. Without solvers only those whose plans are `recursive` can.
         self.all_may_recur = bool(solvers)
-        #: Holds the world to what it offers and the library declares.
-        self.port = Port(library.library, library.signatures, world, settings.strict)
         self.handlers = world.kit.handlers
         self.result_handlers: dict[Atom, ResultHandler] = {}
         self.result_handlers.update(self.handlers.results)
 
     def sync_clock(self) -> None:
         """Take the time from the world; for the run it stops at `until`."""
-        now = self.world.now()
+        now = self.world.clock()
         if now != self.recorder.time or self.state.until is not None:
             self.set_clock(now)
 
@@ -121,21 +118,11 @@ class Machine:
             PortError: for what is no time, or before the time it was.
         """
         before, until = self.recorder.time, self.state.until
-        if type(now) is not int:
-            now = self._in_one_form(now)
-        if now < before:
-            times = f"from {format_atom(before)} to {format_atom(now)}"
-            raise breach(self.world, "now", f"sets its clock back, {times}")
+        now = self.world.time(now, before)
         self.monitors.listeners.changes += now != before
         self.state.past_until = until is not None and now > until
         self.recorder.time = now if until is None else min(now, until)
         return self.state.past_until
-
-    def _in_one_form(self, now: object) -> Time:
-        """Return a time as the trace has it: a whole one as an integer."""
-        if isinstance(now, float) and is_time(now):
-            return number(now)
-        raise wrong_type(self.world, "now", "the time", now)
 
     def waited_in_vain(self) -> bool:
         """Whether the run has waited as often in a row as it may without a cycle."""

@@ -14,37 +14,18 @@ from rapc.base.later import later
 from rapc.compiler.program import Program
 from rapc.errors import RefusedError
 from rapc.runtime.admission import misfitting, refusals, refuse_other_world
-from rapc.runtime.authors import Named, blame, is_time, wrong_type
+from rapc.runtime.authors import Named
+from rapc.runtime.held_world import HeldWorld
 from rapc.runtime.host_query import HandlerQuestions
 from rapc.runtime.machine import Machine
 from rapc.runtime.settings import Settings
 from rapc.runtime.tasks.rename_items import rename
-from rapc.world import Kit, World
+from rapc.world import World
 
 if TYPE_CHECKING:
     from rapc.runtime import strict
 else:
     strict = later("rapc.runtime.strict")
-
-
-def code_of_authors(
-    kit: Kit,
-    functions: Named | None,
-    solvers: Named | None,
-    comparators: Named | None,
-) -> dict[str, Named]:
-    """Return all Python code of authors by what messages call it, then by name.
-
-    The last three are the host's; one of them stands for that of the world which has
-    the same name.
-    """
-    return {
-        "the handler of": kit.handlers.results,
-        "the handler of the datum": kit.handlers.data,
-        "the function": {**kit.functions, **(functions or {})},
-        "the solver of": {**kit.solvers, **(solvers or {})},
-        "the comparator": {**kit.comparators, **(comparators or {})},
-    }
 
 
 def put_together(
@@ -74,12 +55,11 @@ def put_together(
         raise RefusedError(found)
     refuse_other_world(library, world)
     functions, comparators = code["the function"], code["the comparator"]
+    held = HeldWorld(world, library, code, settings.strict)
     try:
-        if not is_time(now := world.now()):
-            raise wrong_type(world, "now", "the time", now)
         machine = Machine(
             library,
-            world,
+            held,
             random.Random(f"{seed}:interpreter"),
             settings,
             functions,
@@ -91,9 +71,9 @@ def put_together(
         machine.access.answers = HandlerQuestions(machine).ask
         if settings.strict:
             strict.hold_handlers(machine)
-        found = refusals(library, world, functions, comparators)
+        found = refusals(library, held, functions, comparators)
     except BaseException as error:
-        blame(error, world, code)
+        held.blame(error)
     if found:
         raise RefusedError(found)
     return machine

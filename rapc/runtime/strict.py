@@ -148,7 +148,7 @@ class _Held:
         if handler is not None:
             other = handler(noting, request, result)
         if handler is not None and other is not None:
-            result = other = self._machine.port.result_told(request, other, handler)
+            result = other = self._machine.world.result_told(request, other, handler)
         self._hold(told, handler, noting, request, result)
         return other
 

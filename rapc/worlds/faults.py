@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Container, Iterable, Sequence
+from collections.abc import Container, Sequence
 
 import msgspec
 
@@ -20,16 +20,13 @@ from rapc.base.values import Fact, format_list, is_variable, match_pattern, numb
 from rapc.errors import PortError
 from rapc.library.signatures import Signatures
 from rapc.world import (
-    Adjustable,
-    Drawable,
     Message,
     Refused,
     Reply,
-    Savable,
-    Skilled,
     Time,
     Timed,
     World,
+    Wrapper,
 )
 from rapc.worlds.signal_faults import HOW, SPURIOUS, Held, SignalFaults, Struck
 
@@ -101,8 +98,14 @@ class _Saved(msgspec.Struct, frozen=True):
     held: tuple[Held, ...] = ()
 
 
-def _usual_time(world: Timed, request: Fact) -> Time:
-    """Return how long a request usually takes. Raises PortError for what is no time."""
+def usual_time(world: World, request: Fact) -> Time:
+    """Return how long a request usually takes; 0 if the world is not `Timed`.
+
+    Raises:
+        PortError: for what is no time.
+    """
+    if not isinstance(world, Timed):
+        return 0
     takes = world.usual_time(request)
     if type(takes) not in (int, float) or not 0 <= takes < math.inf:
         place = place_of(world.usual_time)
@@ -111,10 +114,8 @@ def _usual_time(world: Timed, request: Fact) -> Time:
     return takes
 
 
-class FaultyWorld(World):
+class FaultyWorld(Wrapper):
     """A world some of whose requests fail.
-
-    The optional parts of the port are there if the world behind has them.
 
     Args:
         world: the world behind.
@@ -126,69 +127,35 @@ class FaultyWorld(World):
     def __init__(
         self, world: World, faults: Sequence[InjectedFault], seed: int
     ) -> None:
-        self.name = world.name
-        self.kit = world.kit
-        self._world = world
-        #: The world whose author answers for it, as Python's own wrappers have it.
-        self.__wrapped__ = world
+        super().__init__(world)
         self._faults = tuple(faults)
         self._rng = random.Random(f"{seed}:faults")
         self._signals = SignalFaults(self._strike)
-        if isinstance(world, Drawable):
-            self.picture = world.picture
-        if isinstance(world, Timed):
-            self.usual_time = world.usual_time
-        if isinstance(world, Adjustable):
-            self.adjustable, self.adjust = world.adjustable, world.adjust
-        if isinstance(world, Skilled):
-            self._skilled = world
-            self.activate, self.deactivate = self._activate, self._deactivate
-        if isinstance(world, Savable):
-            self._behind = world
-            self.save, self.restore = self._save, self._restore
-
-    def facts(self) -> Iterable[Fact]:
-        """Return what the robot knows at first."""
-        return self._world.facts()
-
-    def now(self) -> Time:
-        """Return the time of the clock."""
-        return self._world.now()
 
     def perform(self, ticket: int, request: Fact) -> Reply | Refused | None:
         """Fail as a fault says, or hand the request on."""
-        now = self._world.now()
+        now = self.now()
         for fault in self._faults:
             if fault.concerns(request, now) and self._hits(fault):
-                behind = self._world
-                takes = _usual_time(behind, request) if isinstance(behind, Timed) else 0
-                if takes:
-                    behind.advance(number(now + takes))
+                if takes := usual_time(self.behind, request):
+                    self.advance(number(now + takes))
                 return Reply(fault.result)
-        return self._world.perform(ticket, request)
-
-    def cancel(self, ticket: int) -> None:
-        """Have the world behind stop what it does for a request."""
-        self._world.cancel(ticket)
+        return super().perform(ticket, request)
 
     def _hits(self, fault: InjectedFault) -> bool:
         return fault.p >= 1 or self._rng.random() < fault.p
 
     def next_time(self) -> Time | None:
         """Return when the world behind, or a signal held back, will send something."""
-        times = (self._world.next_time(), self._signals.next_time())
+        times = (super().next_time(), self._signals.next_time())
         return min((time for time in times if time is not None), default=None)
-
-    def advance(self, to: Time) -> None:
-        """Move the clock on."""
-        self._world.advance(to)
 
     def messages(self) -> Sequence[Message]:
         """Return the messages of the world behind, as faults of signals change them."""
-        sent = self._world.messages()
+        sent = super().messages()
         if not (sent or self._signals.held) or not isinstance(sent, tuple | list):
             return sent
-        return self._signals.pass_on(sent, self._world.now())
+        return self._signals.pass_on(sent, self.now())
 
     def _strike(self, signal: Fact, now: Time) -> Struck | None:
         for fault in self._faults:
@@ -201,8 +168,8 @@ class FaultyWorld(World):
         self, ticket: int, skills: Sequence[Fact], events: Sequence[str]
     ) -> Refused | None:
         """Have the world behind switch skills on; draw what will be told falsely."""
-        refused = self._skilled.activate(ticket, skills, events)
-        now = self._world.now()
+        refused: Refused | None = self.behind.activate(ticket, skills, events)
+        now = self.now()
         for fault in self._faults if refused is None else ():
             told = fault.result == SPURIOUS and fault.request[0] in events
             if told and fault.concerns(fault.request, now) and self._hits(fault):
@@ -211,15 +178,11 @@ class FaultyWorld(World):
         return refused
 
     def _deactivate(self, ticket: int) -> None:
-        self._skilled.deactivate(ticket)
+        self.behind.deactivate(ticket)
         self._signals.deactivate(ticket)
 
-    def ended(self) -> str | None:
-        """Return why the world behind has ended the run, or None."""
-        return self._world.ended()
-
     def _save(self) -> bytes:
-        state = self._behind.save()
+        state: bytes = self.behind.save()
         if not isinstance(state, bytes):
             return state  # the interpreter says so
         held = tuple(self._signals.held)
@@ -231,6 +194,6 @@ class FaultyWorld(World):
             rng = stream_in(saved.rng)
         except ValueError as error:
             raise ValueError(f"no state of a world with faults: {error}") from error
-        self._behind.restore(saved.world)
+        self.behind.restore(saved.world)
         self._rng = rng
         self._signals.held = list(saved.held)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rapc import events
-from rapc.debug.forced import ForceResult
+from rapc.debug.forced import ForcedWorld, ForceResult
 from rapc.debug.session import Session
 from rapc.errors import ArgumentError
 from tests.debug.sessions import truck
@@ -42,7 +42,7 @@ def test_what_is_forced_is_taken_back_and_done_again() -> None:
     results = _grasps(session)
     for cycle in (21, 60, 90, max(states)):
         session.goto(5)
-        assert not hasattr(session.run.machine.world, "forced")
+        assert not isinstance(session.run.machine.world.behind, ForcedWorld)
         session.goto(cycle)
         assert session.run.save() == states[cycle]
         session.goto(cycle - 1)

@@ -11,7 +11,7 @@ import rapc
 from rapc.debug.options import AdjustWorld, changeable_options
 from rapc.debug.session import Session
 from rapc.experiments.measures import figures_of
-from rapc.runtime.authors import picture_of
+from rapc.runtime.held_world import HeldWorld
 from rapc.world import Option, Picture, Text
 from rapc.worlds.faults import FaultyWorld
 from tests.worlds.broken_worlds import (
@@ -127,6 +127,7 @@ PICTURES = {
 @pytest.mark.parametrize("case", PICTURES)
 def test_world_without_a_true_picture_is_blamed(case: str) -> None:
     code, said = PICTURES[case]
+    world: Any = HeldWorld(with_(picture=code)(None, {}))  # type: ignore[call-arg]
     with pytest.raises(rapc.PortError, match=said) as caught:
-        picture_of(with_(picture=code)(None, {}))  # type: ignore[call-arg]
+        world.picture()
     assert f"{HERE}:" in caught.value.message

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 import rapc
-from rapc.runtime import authors
+from rapc.runtime import held_world
 from rapc.world import (
     Fact,
     Offer,
@@ -146,7 +146,7 @@ def test_handler_that_stores_an_odd_symbol_is_blamed(call: str) -> None:
 def test_world_without_end_of_first_facts_is_blamed(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(authors, "MOST_FACTS", 1000)
+    monkeypatch.setattr(held_world, "MOST_FACTS", 1000)
     endless = with_(facts=lambda world: itertools.repeat(("seen", "mouse")))
     with pytest.raises(rapc.PortError, match=r"more than 1000 first facts.*`facts`"):
         run(endless)

@@ -85,7 +85,7 @@ def forgets_the_unknown(self: Any, ticket: int) -> None:
 
 BROKEN: dict[str, tuple[dict[str, Any], str]] = {
     "never off": ({"deactivate": goes_on}, "for an activation that is not on; see"),
-    "no answer": ({"activate": says_yes}, "the answer to skills .* is `True`"),
+    "no answer": ({"activate": says_yes}, "the answer to an activation .* is `True`"),
     "a refusal": (
         {"activate": refuses_beside_none},
         "beside an activation that is not",

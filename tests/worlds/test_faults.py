@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Sequence
+from typing import Any
 
 import pytest
 
@@ -26,7 +27,7 @@ SCAN = ("eye-scan", "external")
 FAULTS = (InjectedFault(("eye-scan", "?"), "eye-cant-find", 0.5),)
 
 
-def _truck() -> FaultyWorld:
+def _truck() -> Any:
     return FaultyWorld(TruckWorld(random.Random("0:world"), {}), FAULTS, 0)
 
 
@@ -95,6 +96,6 @@ def test_the_random_stream_is_saved() -> None:
     replies = [world.perform(n, SCAN) for n in range(10)]
     results = {reply.result for reply in replies if isinstance(reply, Reply)}
     assert results == {"okay", "eye-cant-find"}
-    other = FaultyWorld(TruckWorld(random.Random("1:world"), {}), FAULTS, 1)
+    other: Any = FaultyWorld(TruckWorld(random.Random("1:world"), {}), FAULTS, 1)
     other.restore(state)
     assert [other.perform(n, SCAN) for n in range(10)] == replies

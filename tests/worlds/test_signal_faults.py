@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import pytest
 
@@ -30,7 +31,7 @@ def heard(
 ) -> list[tuple[Time, Fact, tuple[int, ...]]]:
     """All signals with their times, of a world whose one skill comes on at 0."""
     read = [read_fault(fault) for fault in faults]
-    world = FaultyWorld(ScriptedWorld(ROWS), read, seed)
+    world: Any = FaultyWorld(ScriptedWorld(ROWS), read, seed)
     assert world.activate(7, (ROLL,), (":seen", ":done")) is None
     found = []
     while (time := world.next_time()) is not None and time <= until:
@@ -79,7 +80,7 @@ def test_a_chance_is_drawn_for_each_signal_from_the_seed() -> None:
 
 
 def test_what_is_held_back_is_saved() -> None:
-    worlds = [
+    worlds: list[Any] = [
         FaultyWorld(ScriptedWorld(ROWS), [read_fault("(:seen ?) late by=9")], 0)
         for _ in range(2)
     ]
@@ -102,7 +103,7 @@ class Continuous(ScriptedWorld):
 
 
 def test_a_signal_held_back_has_a_time_where_the_world_knows_none() -> None:
-    world = FaultyWorld(Continuous(ROWS), [read_fault("(:done) spurious by=4")], 0)
+    world: Any = FaultyWorld(Continuous(ROWS), [read_fault("(:done) spurious by=4")], 0)
     assert world.next_time() == NOT_KNOWN
     world.activate(1, (ROLL,), (":done",))
     assert world.next_time() == 4

@@ -14,7 +14,6 @@ from rapc.parser.parse import parse_formula, parse_pattern
 from rapc.repl.answer import Cell, ShownAnswer, table
 from rapc.repl.arguments import Arguments
 from rapc.repl.shell import Shell, command
-from rapc.runtime.authors import picture_of
 from rapc.runtime.events.report import cause_lines
 from rapc.world import Drawable, Thing
 
@@ -216,7 +215,7 @@ def _world(shell: Shell, args: Arguments) -> ShownAnswer:
     world = shell.session.run.machine.world
     if not isinstance(world, Drawable):
         raise ArgumentError(f"the world `{world.name}` has no picture of itself")
-    picture = picture_of(world)
+    picture = world.picture()
     rows = [
         (
             ("* " if spot.name == picture.here else "") + spot.name,

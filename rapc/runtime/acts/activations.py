@@ -12,7 +12,6 @@ from rapc.compiler.compiler import RequestPlan
 from rapc.compiler.rap_plan import ActivationPlan
 from rapc.events import RequestRefused, SkillDisabled, SkillEnabled
 from rapc.runtime.acts.primitives import cancel, filled_in, ground, sensed
-from rapc.runtime.authors import is_refusal, wrong_type
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.activations import Activation
 from rapc.runtime.state.states import INTERFERENCE
@@ -54,12 +53,9 @@ def activate(
 
 
 def _refused(
-    machine: Machine, task: Task, skills: list[Fact], sent: list[Fact], answer: object
+    machine: Machine, task: Task, skills: list[Fact], sent: list[Fact], answer: Refused
 ) -> Refused:
     """Tell that the world has refused an activation; return what it said."""
-    if not is_refusal(answer):
-        what = "the answer to an activation"
-        raise wrong_type(machine.world, "activate", what, answer)
     if machine.recorder.on:
         for skill, named in zip(skills, sent, strict=True):
             machine.recorder.emit(

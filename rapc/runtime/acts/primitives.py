@@ -16,7 +16,6 @@ from rapc.events import (
     PrimitiveRequested,
     RequestRefused,
 )
-from rapc.runtime.authors import is_refusal
 from rapc.runtime.machine import Machine
 from rapc.runtime.memory.items import Items
 from rapc.runtime.state.activations import Activation
@@ -99,14 +98,15 @@ def request(
         )
     world, state = machine.world, machine.state
     state.tickets = run.ticket = ticket = state.tickets + 1
-    answer = world.perform(ticket, sent)
+    answer = world.ask(ticket, sent)
     if type(answer) is Reply and answer == _DONE:
         reply: Reply | None = answer
-    elif is_refusal(answer):
-        return _refused(machine, task, asked, sent, answer)
     else:
-        reply = machine.port.checked(sent, answer)
-    now = world.now()
+        held = world.answer(sent, answer)
+        if isinstance(held, Refused):
+            return _refused(machine, task, asked, sent, held)
+        reply = held
+    now = world.clock()
     if now != machine.recorder.time:
         machine.set_clock(now)
     if reply is None or state.past_until:
@@ -188,7 +188,7 @@ def take_reply(
             if handler is not None:
                 told = handler(machine.access, canonical(asked), result)
                 if told is not None:
-                    result = machine.port.result_told(asked, told, handler)
+                    result = machine.world.result_told(asked, told, handler)
             for content in reply.data:
                 handle(machine, content)
         asked = canonical(asked)

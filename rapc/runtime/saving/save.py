@@ -14,7 +14,7 @@ from rapc.base.code_places import place_of
 from rapc.base.values import Fact, format_atom
 from rapc.errors import StateError
 from rapc.library.library import digest
-from rapc.runtime.authors import laid_at, saved_state
+from rapc.runtime.held_world import OF_THE_BYTES
 from rapc.runtime.machine import Machine
 from rapc.runtime.memory import saving as memory_saving
 from rapc.runtime.saving.capture import capture
@@ -23,9 +23,6 @@ from rapc.runtime.saving.rebuild import Rebuilt, WrongRecordError
 from rapc.runtime.saving.records import RunRecord
 from rapc.runtime.state.task import MethodRun
 from rapc.world import Savable, World
-
-_OF_THE_BYTES = (LookupError, TypeError, ValueError, AttributeError)
-"""What memory and a world raise where the bytes hold what no run leaves."""
 
 
 def save(machine: Machine, seed: int) -> bytes:
@@ -41,8 +38,7 @@ def save(machine: Machine, seed: int) -> bytes:
     if machine.broken:
         raise StateError("the run broke off in the middle of a cycle")
     _look_for_callbacks(machine, "saved")
-    _savable(machine.world)
-    world = saved_state(machine.world)
+    world = _savable(machine.world).save()
     library = digest(machine.library.library)
     return encode_run(capture(machine, seed, library, world))
 
@@ -74,10 +70,9 @@ def restore(machine: Machine, saved: bytes) -> int:
         memory_saving.restore_memory(machine.parts, before)
         for run, facts in noted:
             run.notations = machine.memory.notations.of(facts)
-        if isinstance(error, _OF_THE_BYTES):
+        if isinstance(error, OF_THE_BYTES):
             raise not_a_run(error) from error
-        with laid_at(machine.world, "restore"):
-            raise
+        raise
     rebuilt.install()
     machine.broken = False
     return record.seed

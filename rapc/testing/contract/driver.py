@@ -15,7 +15,7 @@ from rapc.compiler.program import Program
 from rapc.ir import nodes
 from rapc.library.kinds import Kinds
 from rapc.runtime.acts.primitives import take_reply
-from rapc.runtime.authors import breach, first_facts, is_refusal, is_time, wrong_type
+from rapc.runtime.held_world import HeldWorld
 from rapc.runtime.host_query import HandlerQuestions
 from rapc.runtime.intake import take_in
 from rapc.runtime.machine import Machine
@@ -61,9 +61,8 @@ class Driver:
         requests: Sequence[Fact] = (),
     ) -> None:
         kit = world.kit
-        if not is_time(now := world.now()):
-            raise wrong_type(world, "now", "the time", now)
-        self.world = world
+        #: The world, held to what the library declares.
+        self.world = HeldWorld(world, program, strict=True)
         self.history: History = []
         #: Each primitive with each result that a request for it had.
         self.seen: set[tuple[str, str]] = set()
@@ -72,7 +71,7 @@ class Driver:
         self._first = list(requests)
         self._machine = Machine(
             program,
-            world,
+            self.world,
             random.Random(f"{seed}:interpreter"),
             Settings(strict=True),
             kit.functions,
@@ -86,7 +85,7 @@ class Driver:
         else:
             self._machine.handlers = Handlers({}, dict.fromkeys(kit.offer.data, _hear))
             self._machine.result_handlers.clear()
-        for fact in first_facts(world):
+        for fact in self.world.facts():
             self._note([fact])
             if handled:
                 self._machine.access.assert_fact(*fact)
@@ -115,18 +114,17 @@ class Driver:
         ticket = machine.state.tickets
         answer = world.perform(ticket, request)
         self._tell(request, answer)
-        if is_refusal(answer):
+        if isinstance(answer, Refused):
             self._check_refusal(request, answer)
             return
-        reply = machine.port.checked(request, answer)
         machine.sync_clock()
         name_of = machine.memory.items.name_of
         args = [name_of(p) if isinstance(p, str) else p for p in request[1:]]
         asked = (request[0], *args)
-        if reply is not None:
-            self.seen.add((str(request[0]), reply.result))
-            self._note(reply.data)
-            take_reply(machine, None, asked, reply)
+        if answer is not None:
+            self.seen.add((str(request[0]), answer.result))
+            self._note(answer.data)
+            take_reply(machine, None, asked, answer)
         else:
             machine.state.pending[ticket] = None, asked
             if self._rng.random() < _CANCELLED:
@@ -141,7 +139,7 @@ class Driver:
             if ticket not in self._machine.state.pending:
                 said = f"refuses {format_list(request)} beside the request {ticket}"
                 said += ", which is not under way"
-                raise breach(self.world, "perform", said)
+                raise self.world.breach("perform", said)
 
     def _wait_for(self, ticket: int) -> None:
         """Move time on until a request has ended.
@@ -164,7 +162,7 @@ class Driver:
         if ticket in machine.state.pending and world.ended() is None:
             asked = format_list(machine.state.pending[ticket][1])
             said = f"has begun {asked}, and nothing more comes: it never ends"
-            raise breach(world, "next_time", said)
+            raise world.breach("next_time", said)
 
     def _listen(self) -> int:
         """Digest what the world has sent; return how many messages it was."""
@@ -213,7 +211,7 @@ class Driver:
         Of a world that is all skills arguments are as declared, or now and then not,
         and events are those that the skills may tell; else both are what is on offer.
         """
-        offer, made = self.world.kit.offer, self.world
+        offer, made = self.world.kit.offer, self.world.behind
         names = self._rng.sample(
             list(offer.skills), min(self._rng.randint(1, 2), len(offer.skills))
         )
@@ -241,16 +239,15 @@ class Driver:
         return number(self._rng.choice([low, high, self._rng.uniform(low, high)]))
 
     def hold(self, sent: Iterable[Message], on: Collection[int]) -> None:
-        """See that what was sent are signals on offer, of activations that are on.
+        """See that signals that were sent are of activations that are on.
 
         Raises:
             PortError: if not.
         """
         for message in sent:
-            self._machine.port.check_message(message)
             if isinstance(message, Signal) and not set(message.tickets) <= set(on):
                 said = f"sent {format_list(message.content)} for an activation that is"
-                raise breach(self.world, "messages", f"{said} not on")
+                raise self.world.breach("messages", f"{said} not on")
 
     def _value(self, arg: nodes.Argument | None) -> Atom:
         """Return a value for an argument, of its kind where that is known."""

@@ -6,7 +6,6 @@ What is wrong is told in lines, by the author's file and row where a call shows 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Any
 
 import msgspec
 from msgspec.structs import replace
@@ -16,19 +15,12 @@ from rapc.base.values import Fact, format_atom
 from rapc.compiler.program import Program
 from rapc.errors import FactError, PortError
 from rapc.runtime.admission import misfitting, refusals
-from rapc.runtime.authors import (
-    blame,
-    breach,
-    first_facts,
-    is_time,
-    picture_of,
-    saved_state,
-    wrong_type,
-)
+from rapc.runtime.authors import code_of_authors
+from rapc.runtime.held_world import HeldWorld
 from rapc.testing.contract.declarations import declaring
 from rapc.testing.contract.driver import Driver
 from rapc.testing.contract.skills import try_skills
-from rapc.world import NOT_KNOWN, Drawable, Kit, Savable, Text, Time, Timed, World
+from rapc.world import NOT_KNOWN, Drawable, Savable, Text, Timed, World
 
 REQUESTS = 150
 """How many requests a world is tried with under one seed, if nobody says."""
@@ -74,6 +66,10 @@ class _Tried(msgspec.Struct, frozen=True):
     #: How many requests are made under each seed.
     count: int
     drivers: list[Driver]
+
+    def held(self, seed: int) -> HeldWorld:
+        """Return a new world, held to what it offers."""
+        return HeldWorld(self.make(seed), self.offered)
 
     def driver(self, seed: int, library: Program | None = None) -> Driver:
         """Return a robot in a new world; its handlers run with a library of theirs."""
@@ -144,20 +140,9 @@ def _try(tried: _Tried, part: str, check: Callable[[_Tried], Iterator[str]]) -> 
         raise
     except BaseException as error:  # whatever a world's code may raise
         try:
-            blame(error, world, _code_of(world.kit))
+            HeldWorld(world).blame(error)
         except PortError as told:
             return Trial(part, (told.message,))
-
-
-def _code_of(kit: Kit) -> Mapping[str, Mapping[str, Callable[..., Any]]]:
-    """Return the code of a kit by name, under what a message calls its kind."""
-    return {
-        "the handler of": kit.handlers.results,
-        "the handler of the datum": kit.handlers.data,
-        "the function": kit.functions,
-        "the solver of": kit.solvers,
-        "the comparator": kit.comparators,
-    }
 
 
 def _left_out(part: str, world: World, handled: bool) -> str:
@@ -211,20 +196,22 @@ def _code(tried: _Tried) -> Iterator[str]:
     world = tried.make(0)
     kit = world.kit
     library = tried.library or tried.offered
-    yield from misfitting(library, world, _code_of(kit))
+    yield from misfitting(library, world, code_of_authors(kit))
     if tried.library is not None:
-        yield from refusals(tried.library, world, kit.functions, kit.comparators)
+        yield from refusals(
+            tried.library, tried.held(0), kit.functions, kit.comparators
+        )
 
 
 def _start(tried: _Tried) -> Iterator[str]:
     """Hold a new world to a clock at 0, to silence, and to facts that are facts."""
-    world = tried.make(0)
-    if _now(world) != 0:
-        yield f"its clock begins at {format_atom(_now(world))}, not at 0"
+    world = tried.held(0)
+    if world.now() != 0:
+        yield f"its clock begins at {format_atom(world.now())}, not at 0"
     ended = world.ended()
     if ended is not None:
-        yield f"{breach(world, 'ended', f'ends the run before it begins: {ended!a}')}"
-    first_facts(world)
+        yield f"{world.breach('ended', f'ends the run before it begins: {ended!a}')}"
+    world.facts()
 
 
 def _requests(tried: _Tried) -> Iterator[str]:
@@ -252,74 +239,56 @@ def _short(happened: tuple[object, ...]) -> str:
 def _time(tried: _Tried) -> Iterator[str]:
     """Time goes where it is told, never back, and what is announced comes."""
     for seed in SEEDS:
-        world = tried.make(seed)
-        _sent(world)
+        world = tried.held(seed)
+        world.messages()
         for _ in range(20):
-            now, due = _now(world), world.next_time()
-            if due not in (None, NOT_KNOWN) and not is_time(due):
-                raise wrong_type(world, "next_time", "the next time", due)
+            now, due = world.now(), world.next_time()
             target = now + 10 if due in (None, NOT_KNOWN) else due
             assert target is not None
             world.advance(target)
-            sent = _sent(world)
+            sent = world.messages()
             if world.ended() is not None:
                 break
-            if _now(world) < target and due != NOT_KNOWN:
+            if world.now() < target and due != NOT_KNOWN:
                 said = f"did not move its clock on to {format_atom(target)}"
-                raise breach(world, "advance", said)
+                raise world.breach("advance", said)
             if due not in (None, NOT_KNOWN) and not sent:
                 said = (
                     f"announced something for {format_atom(target)}, and sent nothing"
                 )
-                raise breach(world, "next_time", said)
-        before = _now(world)
+                raise world.breach("next_time", said)
+        before = world.now()
         world.advance(0)
-        if _now(world) < before:
-            yield f"{breach(world, 'advance', 'sets its clock back to a time gone')}"
+        if world.now() < before:
+            yield f"{world.breach('advance', 'sets its clock back to a time gone')}"
         world.cancel(10**6)
-
-
-def _sent(world: World) -> Sequence[object]:
-    """Return the messages of a world. Raises PortError for what are none."""
-    messages = world.messages()
-    if not isinstance(messages, tuple | list):
-        raise wrong_type(world, "messages", "what `messages` returns", messages)
-    return list(messages)
-
-
-def _now(world: World) -> Time:
-    """Return the time of a world. Raises PortError for what is none."""
-    now = world.now()
-    if not is_time(now):
-        raise wrong_type(world, "now", "the time", now)
-    return now
 
 
 def _saving(tried: _Tried) -> Iterator[str]:
     """Hold a world to going on from a saved state as if nothing had been."""
     for seed in SEEDS:
-        driver, copy = tried.driver(seed), tried.make(seed)
+        driver, copy = tried.driver(seed), tried.held(seed)
         world = driver.world
         assert isinstance(world, Savable)
         assert isinstance(copy, Savable)
         driver.drive(tried.count // 2)
-        state = saved_state(world)
+        state = world.save()
         if world.save() != state:
-            yield f"{breach(driver.world, 'save', 'is another once it is saved')}"
+            yield f"{driver.world.breach('save', 'is another once it is saved')}"
             return
         copy.restore(state)
         if copy.save() != state:
-            yield f"{breach(driver.world, 'restore', 'does not take up all of it')}"
+            yield f"{driver.world.breach('restore', 'does not take up all of it')}"
             return
         yield from _apart(driver, copy, tried.count // 2)
         try:
             copy.restore(b"no state")
         except ValueError:
             continue
-        yield f"{breach(driver.world, 'restore', 'takes up what is no state')}"
+        yield f"{driver.world.breach('restore', 'takes up what is no state')}"
 
 
-def _apart(driver: Driver, copy: World, requests: int) -> Iterator[str]:
+def _apart(driver: Driver, copy: HeldWorld, requests: int) -> Iterator[str]:
     """Yield where a world and one that was put in its state do not go the same way."""
     world = driver.world
     for ticket in range(10**6, 10**6 + requests):
@@ -331,9 +300,11 @@ def _apart(driver: Driver, copy: World, requests: int) -> Iterator[str]:
             due = one.next_time()
             if answers[0] is None and due not in (None, NOT_KNOWN):
                 one.advance(due or 0)
-        seen = [(_now(one), one.next_time(), _sent(one)) for one in (world, copy)]
+        seen = [
+            (one.now(), one.next_time(), list(one.messages())) for one in (world, copy)
+        ]
         if answers[0] != answers[1] or seen[0] != seen[1]:
-            yield f"{breach(world, 'restore', 'goes on otherwise than it was saved')}"
+            yield f"{world.breach('restore', 'goes on otherwise than it was saved')}"
             return
 
 
@@ -343,7 +314,7 @@ def _picture(tried: _Tried) -> Iterator[str]:
     world = one.world
     assert isinstance(world, Drawable)
     for _ in range(10):
-        picture = picture_of(world)
+        picture = world.picture()
         names = [spot.name for spot in picture.spots]
         if len(set(names)) < len(names):
             yield "two spots of its picture have one name"
@@ -353,7 +324,7 @@ def _picture(tried: _Tried) -> Iterator[str]:
         one.drive(5)
         other.drive(5)
     if one.history != other.history:
-        yield f"{breach(one.world, 'picture', 'is another world once it is drawn')}"
+        yield f"{one.world.breach('picture', 'is another world once it is drawn')}"
 
 
 def _usual_times(tried: _Tried) -> Iterator[str]:
@@ -363,18 +334,18 @@ def _usual_times(tried: _Tried) -> Iterator[str]:
     assert isinstance(world, Timed)
     for _ in range(tried.count):
         request = driver.request()
-        now = _now(driver.world)
-        if request is not None and not is_time(takes := world.usual_time(request)):
-            raise wrong_type(driver.world, "usual_time", "a usual time", takes)
-        if _now(driver.world) != now:
-            yield f"{breach(driver.world, 'usual_time', 'moves its clock on')}"
+        now = driver.world.now()
+        if request is not None:
+            world.usual_time(request)
+        if driver.world.now() != now:
+            yield f"{driver.world.breach('usual_time', 'moves its clock on')}"
             return
 
 
 def _skills(tried: _Tried) -> Iterator[str]:
     """Skills come on or are refused, and what is off tells nothing."""
     for seed in SEEDS:
-        yield from try_skills(tried.driver(seed), tried.make(seed))
+        yield from try_skills(tried.driver(seed), tried.held(seed))
 
 
 def _handlers(tried: _Tried) -> Iterator[str]:

@@ -1,0 +1,564 @@
+"""A world held to its word: what it answers and sends is what was offered and declared.
+
+The interpreter calls the world through a `HeldWorld` and checks nothing itself. What
+does not keep to the port is told at once, as a `PortError` that names the world, the
+call and where its author wrote it; the run does not go on in silence.
+
+A world's methods, its handlers, and functions, solvers and comparators are code of
+their authors. What such code raises is a `PortError`, too, with file and line. What a
+listener raises is the host's own and goes through untouched; anything else is a fault
+of rapc.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+from typing import NoReturn, TypeGuard
+
+import msgspec
+
+from rapc.base.code_places import code_of, frames, place_of, place_of_error, said_by
+from rapc.base.names import hint, nearest
+from rapc.base.values import Atom, Fact, format_atom, format_list, number
+from rapc.compiler.program import Program
+from rapc.errors import FactError, PortError
+from rapc.language.atoms import is_atom
+from rapc.library.kinds import misfits, said_of
+from rapc.library.signature import Signature
+from rapc.library.signatures import Signatures, Use
+from rapc.runtime.authors import Named, code_of_authors
+from rapc.world import (
+    NOT_KNOWN,
+    Datum,
+    Finished,
+    Message,
+    Picture,
+    Refused,
+    Reply,
+    ResultHandler,
+    Signal,
+    Time,
+    World,
+    Wrapper,
+    innermost,
+)
+
+MOST_FACTS = 1_000_000
+"""How many first facts a world may have."""
+
+LATEST = 10**15
+"""The latest time of a clock: up to it a `float` still has eighths of a time unit."""
+
+OF_THE_BYTES = (LookupError, TypeError, ValueError, AttributeError)
+"""What `restore` raises where the bytes hold what no world leaves."""
+
+_A_FACT = (
+    "a tuple of a name and its arguments: symbols as programs write them, numbers, "
+    "`Text` for any other text"
+)
+_A_REPLY = f"a `Reply` whose data are each {_A_FACT}"
+_WANTED = {
+    "now": "a number from 0 to 10^15",
+    "save": "bytes",
+    "picture": "a `Picture`",
+    "usual_time": "a number from 0 to 10^15",
+    "next_time": "a number from 0 to 10^15, `None` or `NOT_KNOWN`",
+    "ended": "a text or `None`",
+    "perform": f"{_A_REPLY}, `None` or `Refused`",
+    "activate": "`None` or a `Refused` that has tickets",
+    "facts": "a list of facts",
+    "a first fact": _A_FACT,
+    "messages": "a list of messages",
+    "a message": f"a `Datum` or `Signal` that holds {_A_FACT}, or a `Finished`",
+    "the end of a request": _A_REPLY,
+}
+"""What should have come, by the method of the world or, first, by what it is called."""
+
+_MOST_SHOWN = 60
+
+
+class HeldWorld(Wrapper):
+    """Holds one world to what it offers and to what one library declares.
+
+    Three calls of each turn also go to the world directly, for speed: what `clock`,
+    `receive` and `ask` return goes through `time`, `listed` and `answer`, unless it is
+    the time that it was, no message, or `okay` without data.
+
+    Args:
+        world: the world.
+        program: the library that runs; without one the offer of the world counts.
+        code: the Python code of authors; without it that of the world.
+        strict: whether data must be among those that `:tells` names.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        program: Program | None = None,
+        code: Mapping[str, Named] | None = None,
+        strict: bool = False,
+    ) -> None:
+        super().__init__(world)
+        self._code = code_of_authors(world.kit) if code is None else code
+        offered = Signatures.offered(world.kit.offer)
+        signatures = offered if program is None else program.signatures
+        primitives = {} if program is None else program.library.primitives
+        self._kinds = signatures.kinds
+        #: What the library declares counts; what it says nothing of, as offered.
+        self._data = {**offered.data, **signatures.data}
+        self._events = {**offered.events, **signatures.events}
+        self._results = {
+            name: frozenset(signature.results)
+            for name, signature in signatures.primitives.items()
+        }
+        self._atomic = frozenset(
+            name for name, form in primitives.items() if form.atomic
+        )
+        #: The data that may come with a primitive; nothing where nothing is said.
+        self._tells = {
+            name: frozenset(form.tells)
+            for name, form in primitives.items()
+            if strict and form.tells
+        }
+
+    def enclose(self, world: World) -> None:
+        """Put another world behind this one, of the same kit."""
+        super().enclose(world)
+        self.clock, self.receive, self.ask = world.now, world.messages, world.perform
+        #: Whether the world may end the run by itself.
+        self.may_end = type(innermost(world)).ended is not World.ended
+
+    # --- the clock ----------------------------------------------------------------
+
+    def now(self) -> Time:
+        """Return the time of the clock. Raises PortError for what is no time."""
+        now = self.clock()
+        if not is_time(now):
+            raise self.wrong_type("now", "the time", now)
+        return now
+
+    def time(self, now: object, before: Time) -> Time:
+        """Return what `clock` has returned as the trace has it: whole ones as integers.
+
+        Raises:
+            PortError: for what is no time, or before the time it was.
+        """
+        if type(now) is not int:
+            if not (isinstance(now, float) and is_time(now)):
+                raise self.wrong_type("now", "the time", now)
+            now = number(now)
+        if now < before:
+            times = f"from {format_atom(before)} to {format_atom(now)}"
+            raise self.breach("now", f"sets its clock back, {times}")
+        return now
+
+    def next_time(self, now: Time = 0) -> Time | None:
+        """Return when the world will next send something; it is `now`.
+
+        Raises:
+            PortError: for what is no time, or a time gone.
+        """
+        due = super().next_time()
+        if due is None or due == NOT_KNOWN:
+            return due
+        if not is_time(due):
+            raise self.wrong_type("next_time", "the next time", due)
+        if due < now:
+            said = f"says that it will next send something at {format_atom(due)}"
+            said += f", and it is {format_atom(now)} by now"
+            raise self.breach("next_time", said)
+        return due
+
+    def check_stop(self, now: Time, target: Time) -> None:
+        """See that a world that has sent nothing let time pass until `target`.
+
+        Raises:
+            PortError: if not.
+        """
+        if now < target:
+            said = f"stopped its clock at {format_atom(now)} on the way to "
+            said += f"{format_atom(target)}, and sent nothing"
+            raise self.breach("advance", said)
+
+    def check_wait(self, now: Time, target: Time) -> None:
+        """See that a clock that stood still, with nothing sent, might do so.
+
+        Args:
+            now: the time.
+            target: the time that was waited for.
+
+        Raises:
+            PortError: if the clock should have moved, or something have come.
+        """
+        due = super().next_time()
+        announced = due is not None and due <= now
+        if self.ended() is not None or not (announced or target > now):
+            return
+        at = format_atom(target)
+        if announced:
+            said = f"said that it would send something at {at}, and sent nothing"
+            raise self.breach("next_time", said)
+        raise self.breach("advance", f"did not move its clock on to {at}")
+
+    def ended(self) -> str | None:
+        """Return why the world has ended the run. Raises PortError for no text."""
+        ended: object = self.behind.ended()
+        if ended is None or isinstance(ended, str):
+            return ended
+        raise self.wrong_type("ended", "the end", ended)
+
+    # --- requests and what is sent --------------------------------------------------
+
+    def facts(self) -> list[Fact]:
+        """Return what a robot knows at first.
+
+        Raises:
+            PortError: for what is no list of facts, and if `facts` breaks or has no
+                end.
+        """
+        found: list[Fact] = []
+        with self._laid("facts"):
+            facts = super().facts()
+            if not isinstance(facts, Iterable):
+                raise self.wrong_type("facts", "what the robot knows at first", facts)
+            for fact in facts:
+                if not is_fact(fact):
+                    raise self.wrong_type("facts", "a first fact", fact)
+                if len(found) == MOST_FACTS:
+                    said = f"has more than {MOST_FACTS} first facts"
+                    raise self.breach("facts", said)
+                found.append(fact)
+        return found
+
+    def perform(self, ticket: int, request: Fact) -> Reply | Refused | None:
+        """Carry out a request. Raises PortError as `answer`."""
+        return self.answer(request, self.ask(ticket, request))
+
+    def answer(self, sent: Fact, answer: object) -> Reply | Refused | None:
+        """Return `answer`, once it is seen that the request `sent` may have it.
+
+        Raises:
+            PortError: if not.
+        """
+        if is_refusal(answer):
+            return answer
+        if answer is None:
+            if sent[0] in self._atomic:
+                none = "did not answer it, and it is declared atomic"
+                said = f"was asked {format_list(sent)} and {none}"
+                raise self.breach("perform", said)
+            return None
+        if not is_reply(answer):
+            what = f"the reply to {format_list(sent)}"
+            raise self.wrong_type("perform", what, answer)
+        self._check_content("perform", sent, answer)
+        return answer
+
+    def check_end(
+        self, ended: Finished, asked: Mapping[int, tuple[object, Fact]]
+    ) -> None:
+        """See that a late end is one of a request under way, with a fitting reply.
+
+        Args:
+            ended: the message.
+            asked: what is under way, by ticket.
+
+        Raises:
+            PortError: if not.
+        """
+        ticket = ended.ticket
+        if type(ticket) is not int or ticket not in asked:
+            said = f"ended a request that is not under way: {ticket!r}"
+            raise self.breach("messages", said)
+        if not is_reply(ended.reply):
+            raise self.wrong_type("messages", "the end of a request", ended.reply)
+        self._check_content("messages", asked[ticket][1], ended.reply)
+
+    def messages(self) -> Sequence[Message]:
+        """Return what the world has sent. Raises PortError as `listed`."""
+        return self.listed(self.receive())
+
+    def listed(self, sent: object) -> Sequence[Message]:
+        """Return `sent`, once it is seen that it is a list of messages.
+
+        They have arguments as offered and declared. Ends of requests are for
+        `check_end`.
+
+        Raises:
+            PortError: if not.
+        """
+        if not isinstance(sent, tuple | list):
+            raise self.wrong_type("messages", "what `messages` returns", sent)
+        for message in sent:
+            if isinstance(message, Datum) and is_fact(message.content):
+                self._check_datum(message.content, "messages")
+            elif isinstance(message, Signal) and is_signal(message):
+                self._check_fact("event", message.content, "messages")
+            elif not isinstance(message, Finished):
+                raise self.wrong_type("messages", "a message", message)
+        return sent
+
+    def result_told(self, asked: Fact, told: object, handler: ResultHandler) -> str:
+        """Return the result that a handler has put in place of the world's.
+
+        Raises:
+            PortError: for what is no declared result of the primitive asked.
+        """
+        name = str(asked[0])
+        known = self._results.get(name, frozenset())
+        if isinstance(told, str) and told in known:
+            return told
+        what = self._undeclared(name, told)
+        raise PortError(f"the handler of `{name}`{place_of(handler)} returned {what}")
+
+    def check_signal(self, content: Fact) -> None:
+        """See that a host may send the signal `content`.
+
+        Raises:
+            FactError: if no event is called so, or it has other arguments.
+        """
+        fault = self._fault(self._events, content)
+        if fault is not None:
+            meant = hint(str(content[0]), self._events)
+            fault = fault or f"no event is called `{content[0]}`{meant}"
+            raise FactError(f"{format_list(content)}: {fault}")
+
+    def _check_content(self, call: str, asked: Fact, reply: Reply) -> None:
+        """See that result and data of a reply are declared. Raises PortError."""
+        known = self._results.get(str(asked[0]))
+        if known is not None and reply.result not in known:
+            told = self._undeclared(str(asked[0]), reply.result)
+            raise self.breach(call, f"answered {format_list(asked)} with {told}")
+        tells = self._tells.get(str(asked[0]))
+        for content in reply.data:
+            self._check_datum(content, call)
+            if tells is not None and content[0] not in tells:
+                told = f"sent {format_list(content)} with {format_list(asked)}"
+                raise self.breach(call, f"{told}, which `:tells` does not say")
+
+    def _check_datum(self, content: Fact, call: str) -> None:
+        """See that a datum has a handler, and the arguments it is to have."""
+        if content[0] not in self.kit.handlers.data:
+            raise self.breach(call, f"has no handler for its datum {content[0]}")
+        self._check_fact("datum", content, call)
+
+    def _fault(self, table: Mapping[str, Signature], content: Fact) -> str | None:
+        """Return what is wrong with a datum or signal; nothing is said of no such."""
+        known = table.get(str(content[0]))
+        if known is None:
+            return ""
+        fault = known.miscount(len(content) - 1)
+        if fault is None and known.args:
+            for arg, value in misfits(self._kinds, known.args, content[1:]):
+                return said_of(arg, value)
+        return fault
+
+    def _check_fact(self, use: Use, content: Fact, call: str) -> None:
+        table = self._data if use == "datum" else self._events
+        fault = self._fault(table, content)
+        if fault is not None:
+            near = nearest(str(content[0]), table)
+            meant = f"; did it mean `{near}`?" if near else ""
+            fault = fault or f"which it does not offer{meant}"
+            kind = "datum" if use == "datum" else "signal"
+            raise self.breach(call, f"sent the {kind} {format_list(content)}: {fault}")
+
+    def _undeclared(self, name: str, result: object) -> str:
+        known = ", ".join(sorted(self._results.get(name, ())))
+        what = f"`{result}`, which is no result of `{name}`"
+        return f"{what} (those are {known})" if known else what
+
+    # --- optional protocols: there if the world has them ----------------------------
+
+    def _activate(
+        self, ticket: int, skills: Sequence[Fact], events: Sequence[str]
+    ) -> Refused | None:
+        """Switch skills on. Raises PortError for an answer of another type."""
+        answer: object = self.behind.activate(ticket, skills, events)
+        if answer is None or is_refusal(answer):
+            return answer
+        raise self.wrong_type("activate", "the answer to an activation", answer)
+
+    def _deactivate(self, ticket: int) -> None:
+        self.behind.deactivate(ticket)
+
+    def _usual_time(self, request: Fact) -> Time:
+        """Return how long a request usually takes. Raises PortError for no time."""
+        with self._laid("usual_time"):
+            takes: Time = self.behind.usual_time(request)
+        if not is_time(takes):
+            raise self.wrong_type("usual_time", "a usual time", takes)
+        return takes
+
+    def _picture(self) -> Picture:
+        """Return the picture of the world, with tuples in it.
+
+        Raises:
+            PortError: if `picture` breaks, or returns what cannot be drawn.
+        """
+        with self._laid("picture"):
+            picture = self.behind.picture()
+            if not isinstance(picture, Picture):
+                raise self.wrong_type("picture", "the picture", picture)
+            try:
+                return msgspec.convert(msgspec.to_builtins(picture), Picture)
+            except (TypeError, ValueError, RecursionError) as error:
+                said = f"returns a picture that cannot be drawn: {error}"
+                raise self.breach("picture", said) from error
+
+    def _figures(self) -> dict[str, Atom]:
+        """Return what was true so far. Raises PortError for what is no mapping."""
+        with self._laid("figures"):
+            return dict(msgspec.to_builtins(self.behind.figures()))
+
+    def _save(self) -> bytes:
+        """Return the state. Raises PortError if `save` breaks, or for no bytes."""
+        with self._laid("save"):
+            state = self.behind.save()
+        if not isinstance(state, bytes):
+            raise self.wrong_type("save", "the saved state", state)
+        return state
+
+    def _restore(self, state: bytes) -> None:
+        """Go back to a saved state. Raises `OF_THE_BYTES`, or PortError."""
+        with self._laid("restore", *OF_THE_BYTES):
+            self.behind.restore(state)
+
+    def _adjustable(self) -> dict[str, Atom | bool]:
+        """Return the options that can be changed. Raises PortError for no mapping."""
+        with self._laid("adjustable"):
+            return dict(self.behind.adjustable())
+
+    def _adjust(self, name: str, value: Atom | bool) -> None:
+        """Give an option another value. Raises ValueError, or PortError."""
+        with self._laid("adjust", ValueError):
+            self.behind.adjust(name, value)
+
+    # --- whose fault it is ----------------------------------------------------------
+
+    def breach(self, call: str, said: str) -> PortError:
+        """Return what to raise for a world that does not keep to the port.
+
+        Args:
+            call: the method of the world that showed it.
+            said: says what the world did: `sent nothing`.
+        """
+        return PortError(f"the world `{self.name}` {said}; see {self._method(call)}")
+
+    def wrong_type(self, call: str, what: str, value: object) -> PortError:
+        """Return what to raise for a `value` of the wrong type from an author's code.
+
+        Args:
+            call: the method of the world that returned it.
+            what: says what the value should have been: `the reply to (look)`.
+            value: the value.
+        """
+        shown = ascii(value)
+        shown = shown if len(shown) <= _MOST_SHOWN else f"{shown[:_MOST_SHOWN]}..."
+        said = f"{what} of the world `{self.name}` is `{shown}`"
+        wanted = _WANTED[what if what in _WANTED else call]
+        return PortError(f"{said}, not {wanted}; see {self._method(call)}")
+
+    def _method(self, call: str) -> str:
+        """Return the method of a world, and where its author wrote it."""
+        return f"`{call}`{place_of(getattr(innermost(self), call))}"
+
+    @contextmanager
+    def _laid(self, call: str, *allowed: type[Exception]) -> Iterator[None]:
+        """Raise what the block raises as a failure of a method of the world.
+
+        It is for blocks in which no code of others runs.
+
+        Args:
+            call: the method.
+            allowed: what the method may raise.
+
+        Raises:
+            PortError: for whatever else the block raises, Ctrl-C left out.
+        """
+        try:
+            yield
+        except (KeyboardInterrupt, PortError):
+            raise
+        except BaseException as error:  # whatever the world's code may raise
+            if isinstance(error, allowed):
+                raise
+            place = place_of_error(error).strip(" ()")
+            where = f" at {place}" if place else f" in {self._method(call)}"
+            said = f"the world `{self.name}` failed{where}: {said_by(error)}"
+            raise PortError(said) from error
+
+    def blame(self, error: BaseException) -> NoReturn:
+        """Raise what `error`, which came out of a run, is to a host.
+
+        Raises:
+            PortError: if an author's code raised `error`, though it be `SystemExit`.
+            BaseException: `error` itself if not.
+        """
+        if isinstance(error, KeyboardInterrupt | PortError):
+            raise error
+        passed = [one for one in frames(error) if _package(one[0]) != "rapc"]
+        named = {
+            found: f"{what} `{name}`"
+            for what, table in self._code.items()
+            for name, call in table.items()
+            if (found := code_of(call)) is not None
+        }
+        whose = f"the world `{self.name}`"
+        for at, (frame, _) in enumerate(passed):
+            if frame.f_code in named or _is_of_world(frame):
+                whose = named.get(frame.f_code, whose)
+                own = [f for f in passed[at:] if _package(f[0]) == _package(frame)]
+                inner, row = own[-1]
+                place = f"{Path(inner.f_code.co_filename).name}:{row}"
+                raise PortError(
+                    f"{whose} failed at {place}: {said_by(error)}"
+                ) from error
+        raise error
+
+
+def _package(frame: FrameType) -> str:
+    return str(frame.f_globals.get("__name__")).partition(".")[0]
+
+
+def _is_of_world(frame: FrameType) -> bool:
+    """Whether a frame is that of a method of a world."""
+    first = frame.f_locals.get(next(iter(frame.f_code.co_varnames), ""))
+    if isinstance(first, tuple) and first:  # of a method with `*args` alone
+        first = first[0]
+    return isinstance(first, World)
+
+
+def is_fact(value: object) -> bool:
+    """Whether `value` is a fact: a tuple of atoms, the first of them a name."""
+    if type(value) is not tuple or not value or type(value[0]) is not str:
+        return False
+    return all(map(is_atom, value))
+
+
+def is_reply(value: object) -> TypeGuard[Reply]:
+    """Whether `value` is a reply with a result and data that are facts."""
+    if type(value) is not Reply or type(value.result) is not str:
+        return False
+    return isinstance(value.data, tuple | list) and all(map(is_fact, value.data))
+
+
+def is_refusal(value: object) -> TypeGuard[Refused]:
+    """Whether `value` is a refusal that names requests by their tickets."""
+    if type(value) is not Refused or not isinstance(value.conflicts, tuple | list):
+        return False
+    return all(type(ticket) is int for ticket in value.conflicts)
+
+
+def is_signal(value: Signal) -> bool:
+    """Whether a signal is a fact with the tickets under which it arose."""
+    whole = is_fact(value.content) and isinstance(value.tickets, tuple | list)
+    return whole and all(type(ticket) is int for ticket in value.tickets)
+
+
+def is_time(value: object) -> bool:
+    """Whether `value` is a time: a number from 0 to `LATEST`."""
+    return type(value) in (int, float) and 0 <= value <= LATEST  # type: ignore[operator]
