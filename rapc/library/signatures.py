@@ -12,7 +12,7 @@ share a table, for a formula does not say which it means.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Literal
 
 import msgspec
@@ -118,7 +118,14 @@ class Signatures:
         self.data = data
         self.skills = skills
         self.events = events
-        self._tables = {use: table(self) for use, table in _TABLES.items()}
+        self._tables: Mapping[Use, Mapping[str, Signature]] = {
+            **dict.fromkeys(_OF_PREDICATES, predicates),
+            "goal": raps,
+            "primitive": primitives,
+            "datum": data,
+            "skill": skills,
+            "event": events,
+        }
         self._near: dict[str, Suggestions] = {}
 
     @classmethod
@@ -252,17 +259,21 @@ class Signatures:
         space = _SPACES.get(use, "predicate")
         near = self._near.get(use)
         if near is None:
-            near = Suggestions((*self._meant(use), *_BUILT_IN.get(use, ())))
+            built_in = QUERIES if use in _OF_PREDICATES else ()
+            built_in = CALLS if use == "computed" else built_in
+            near = Suggestions((*self._meant(use), *built_in))
             self._near[use] = near
-        message = _MESSAGES[space].format(name)
+        message = f"no {space} is called `{name}`"
+        if space == "predicate":
+            message = f"`{name}` is not declared"
         advice = self._meant_elsewhere(use, name)
         if advice:
             return Fault("unknown", message, advice)
         meant = near.near(name)
         if meant == within and not is_slip(name, within):
-            return Fault("unknown", message, _ADVICE[space])
+            return Fault("unknown", message, _advice(space))
         declared = self.table(use).get(meant or "")
-        help_ = near.did_you_mean(name, _ADVICE[space])
+        help_ = near.did_you_mean(name, _advice(space))
         return Fault("unknown", message, help_, near=declared, name=name, meant=meant)
 
     def _meant_elsewhere(self, use: Use, name: str) -> str:
@@ -289,27 +300,8 @@ class Signatures:
 
 _QUESTION = "did you mean"
 
-_TABLES: Mapping[Use, Callable[[Signatures], Mapping[str, Signature]]] = {
-    "goal": lambda all_: all_.raps,
-    "test": lambda all_: all_.predicates,
-    "believed": lambda all_: all_.predicates,
-    "asserted": lambda all_: all_.predicates,
-    "erased": lambda all_: all_.predicates,
-    "computed": lambda all_: all_.predicates,
-    "primitive": lambda all_: all_.primitives,
-    "datum": lambda all_: all_.data,
-    "skill": lambda all_: all_.skills,
-    "event": lambda all_: all_.events,
-}
-
-_BUILT_IN: Mapping[Use, Iterable[str]] = {
-    "test": QUERIES,
-    "believed": QUERIES,
-    "asserted": QUERIES,
-    "erased": QUERIES,
-    "computed": CALLS,
-}
-"""Names of the language that may be meant by an unknown one."""
+_OF_PREDICATES: Sequence[Use] = ("test", "believed", "asserted", "erased", "computed")
+"""The uses of propositions, properties, functions and queries."""
 
 _SPACES: Mapping[Use, str] = {
     "goal": "RAP",
@@ -321,21 +313,22 @@ _SPACES: Mapping[Use, str] = {
 }
 """For each use the word for what is unknown; all others ask for a predicate."""
 
-_MESSAGES: Mapping[str, str] = {
-    **{space: f"no {space} is called `{{}}`" for space in _SPACES.values()},
-    "predicate": "`{}` is not declared",
+_FORMS: Mapping[str, str] = {
+    "RAP": "define it",
+    "predicate": "declare it",
+    "primitive": "declare it with `declare-primitive`",
+    "sensor datum": "declare it with `declare-sensor-datum`",
+    "skill": "declare it with `declare-skill`",
+    "event": "declare it with `declare-event`",
 }
+"""What to do about an unknown name, besides requiring its file."""
 
-_ADVICE: Mapping[str, str] = {
-    "RAP": "define it, or `require` the file that does",
-    "predicate": "declare it, or `require` the file that does",
-    "function": "declare it with `declare-memory-function`",
-    "primitive": "declare it with `declare-primitive`, or `require` the file that does",
-    "sensor datum": "declare it with `declare-sensor-datum`, or `require` the file "
-    "that does",
-    "skill": "declare it with `declare-skill`, or `require` the file that does",
-    "event": "declare it with `declare-event`, or `require` the file that does",
-}
+
+def _advice(space: str) -> str:
+    if space == "function":
+        return "declare it with `declare-memory-function`"
+    return f"{_FORMS[space]}, or `require` the file that does"
+
 
 _OPERATORS: Mapping[str, str] = {"!=": "n=", "<>": "n=", "/=": "n=", "==": "="}
 """What other languages call a comparison, and what it is called here."""

@@ -64,18 +64,11 @@ def kind_values(ctx: Context, datum: Datum) -> tuple[Atom, ...] | None:
 # --- effects --------------------------------------------------------------------------
 
 
-def effects(ctx: Context, data: Iterable[Datum]) -> tuple[nodes.DeclaredEffect, ...]:
+def effects(
+    ctx: Context, data: Iterable[Datum], wrappers: Sequence[str] = ("not", "may")
+) -> tuple[nodes.DeclaredEffect, ...]:
     """Facts, each by itself, taken away by `not`, or possible by `may`."""
-    return tuple([one for datum in data for one in _effect(ctx, datum, _WRAPPERS)])
-
-
-def rap_effects(ctx: Context, clause: List) -> tuple[nodes.DeclaredEffect, ...]:
-    """`(effects fact... (not fact)...)`."""
-    data = clause.items[1:]
-    return tuple([one for datum in data for one in _effect(ctx, datum, ("not",))])
-
-
-_WRAPPERS = ("not", "may")
+    return tuple([one for datum in data for one in _effect(ctx, datum, wrappers)])
 
 
 def _effect(

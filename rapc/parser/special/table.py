@@ -45,7 +45,7 @@ SPECIAL: Mapping[str, Read] = {
     # clauses
     **{clause.field: formulas.lone_formula for clause in (*RAP, *METHOD)},
     "resources": rap.resources,
-    "effects": declarations.rap_effects,
+    "effects": lambda ctx, clause: declarations.effects(ctx, clause.items[1:], ["not"]),
     "task_net": steps.task_net,
     "primitive": method.primitive,
     # formulas, terms and lists with arguments
