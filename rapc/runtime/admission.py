@@ -16,7 +16,7 @@ from rapc.ir import nodes
 from rapc.library.library import Library
 from rapc.library.signature import CONSTANT_DEFAULTS
 from rapc.library.signatures import Signatures, Use
-from rapc.runtime.authors import Named, wrong_arities
+from rapc.runtime.authors import wrong_arities
 from rapc.runtime.held_world import HeldWorld
 from rapc.world import Skilled, World, innermost, methods_of
 
@@ -77,26 +77,21 @@ def _offers(library: Library) -> tuple[tuple[Use, Mapping[str, _Offered]], ...]:
     )
 
 
-def refusals(
-    program: Program,
-    world: HeldWorld,
-    functions: Mapping[str, object],
-    comparators: Mapping[str, object],
-) -> list[str]:
+def refusals(program: Program, world: HeldWorld) -> list[str]:
     """Return why a library cannot be run in a world at all, one line per reason."""
     library = program.library
     return [
         *_lacking(library, world),
         *_untellable(library, program.signatures, world, world.facts()),
-        *_unregistered(library, functions),
-        *_uncompared(library, comparators),
+        *_unregistered(library, world.code["the function"]),
+        *_uncompared(library, world.code["the comparator"]),
         *_unskilled(library, world),
     ]
 
 
-def misfitting(program: Program, world: World, code: Mapping[str, Named]) -> list[str]:
+def misfitting(program: Program, world: HeldWorld) -> list[str]:
     """Return a line for each part of an author's code that takes other arguments."""
-    own = innermost(world)
+    code, own = world.code, innermost(world)
     found = [
         line
         for protocol in (World, Skilled)

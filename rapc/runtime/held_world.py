@@ -102,7 +102,8 @@ class HeldWorld(Wrapper):
         strict: bool = False,
     ) -> None:
         super().__init__(world)
-        self._code = code_of_authors(world.kit) if code is None else code
+        #: The Python code of authors, by what messages call it, then by name.
+        self.code = code_of_authors(world.kit) if code is None else code
         offered = Signatures.offered(world.kit.offer)
         signatures = offered if program is None else program.signatures
         primitives = {} if program is None else program.library.primitives
@@ -503,7 +504,7 @@ class HeldWorld(Wrapper):
         passed = [one for one in frames(error) if _package(one[0]) != "rapc"]
         named = {
             found: f"{what} `{name}`"
-            for what, table in self._code.items()
+            for what, table in self.code.items()
             for name, call in table.items()
             if (found := code_of(call)) is not None
         }

@@ -50,30 +50,37 @@ def put_together(
         RefusedError: if the library cannot run in this world.
         PortError: if an author's code breaks meanwhile.
     """
-    found = misfitting(library, world, code)
+    held = HeldWorld(world, library, code, settings.strict)
+    found = misfitting(library, held)
     if found:
         raise RefusedError(found)
     refuse_other_world(library, world)
-    functions, comparators = code["the function"], code["the comparator"]
-    held = HeldWorld(world, library, code, settings.strict)
     try:
-        machine = Machine(
-            library,
-            held,
-            random.Random(f"{seed}:interpreter"),
-            settings,
-            functions,
-            code["the solver of"],
-            comparators,
-            fast,
-        )
-        machine.recognizer.renamed = partial(rename, machine)
-        machine.access.answers = HandlerQuestions(machine).ask
-        if settings.strict:
-            strict.hold_handlers(machine)
-        found = refusals(library, held, functions, comparators)
+        machine = wired(library, held, seed, settings, fast)
+        found = refusals(library, held)
     except BaseException as error:
         held.blame(error)
     if found:
         raise RefusedError(found)
+    return machine
+
+
+def wired(
+    library: Program, world: HeldWorld, seed: int, settings: Settings, fast: bool = True
+) -> Machine:
+    """Return a machine whose handlers can ask memory, and are held if so wanted."""
+    machine = Machine(
+        library,
+        world,
+        random.Random(f"{seed}:interpreter"),
+        settings,
+        world.code["the function"],
+        world.code["the solver of"],
+        world.code["the comparator"],
+        fast,
+    )
+    machine.recognizer.renamed = partial(rename, machine)
+    machine.access.answers = HandlerQuestions(machine).ask
+    if settings.strict:
+        strict.hold_handlers(machine)
     return machine

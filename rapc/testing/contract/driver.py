@@ -16,11 +16,9 @@ from rapc.ir import nodes
 from rapc.library.kinds import Kinds
 from rapc.runtime.acts.primitives import take_reply
 from rapc.runtime.held_world import HeldWorld
-from rapc.runtime.host_query import HandlerQuestions
 from rapc.runtime.intake import take_in
-from rapc.runtime.machine import Machine
+from rapc.runtime.put_together import wired
 from rapc.runtime.settings import Settings
-from rapc.runtime.strict import hold_handlers
 from rapc.world import NOT_KNOWN, Finished, Handlers, Message, Refused, Signal, World
 from rapc.worlds.skills.declarations import Parameter
 from rapc.worlds.skills.world import SkillWorld
@@ -60,7 +58,6 @@ class Driver:
         handled: bool,
         requests: Sequence[Fact] = (),
     ) -> None:
-        kit = world.kit
         #: The world, held to what the library declares.
         self.world = HeldWorld(world, program, strict=True)
         self.history: History = []
@@ -69,21 +66,11 @@ class Driver:
         self._rng = random.Random(f"{seed}:contract")
         self._library = program.library
         self._first = list(requests)
-        self._machine = Machine(
-            program,
-            self.world,
-            random.Random(f"{seed}:interpreter"),
-            Settings(strict=True),
-            kit.functions,
-            {},
-            kit.comparators,
-        )
+        self._machine = wired(program, self.world, seed, Settings(strict=True))
         self._told: dict[Atom, None] = {}
-        self._machine.access.answers = HandlerQuestions(self._machine).ask
-        if handled:
-            hold_handlers(self._machine)
-        else:
-            self._machine.handlers = Handlers({}, dict.fromkeys(kit.offer.data, _hear))
+        if not handled:
+            data = dict.fromkeys(world.kit.offer.data, _hear)
+            self._machine.handlers = Handlers({}, data)
             self._machine.result_handlers.clear()
         for fact in self.world.facts():
             self._note([fact])

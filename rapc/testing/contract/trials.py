@@ -15,7 +15,6 @@ from rapc.base.values import Fact, format_atom
 from rapc.compiler.program import Program
 from rapc.errors import FactError, PortError
 from rapc.runtime.admission import misfitting, refusals
-from rapc.runtime.authors import code_of_authors
 from rapc.runtime.held_world import HeldWorld
 from rapc.testing.contract.declarations import declaring
 from rapc.testing.contract.driver import Driver
@@ -193,14 +192,10 @@ def _offer(tried: _Tried) -> Iterator[str]:
 
 def _code(tried: _Tried) -> Iterator[str]:
     """Hold code to the arguments it is called with, the world to the library."""
-    world = tried.make(0)
-    kit = world.kit
-    library = tried.library or tried.offered
-    yield from misfitting(library, world, code_of_authors(kit))
+    world = tried.held(0)
+    yield from misfitting(tried.library or tried.offered, world)
     if tried.library is not None:
-        yield from refusals(
-            tried.library, tried.held(0), kit.functions, kit.comparators
-        )
+        yield from refusals(tried.library, world)
 
 
 def _start(tried: _Tried) -> Iterator[str]:
