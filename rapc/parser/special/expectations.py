@@ -9,7 +9,7 @@ from rapc.ir import nodes
 from rapc.language.heads import ARROW, rules_by_head
 from rapc.parser.context import Context, head_of
 from rapc.parser.forms import options
-from rapc.parser.generic import made
+from rapc.parser.generic import made, terminal
 from rapc.parser.special.formulas import lone_formula
 from rapc.parser.syntax import Arrow, Datum, Keyword, List, Numeral, Symbol
 from rapc.parser.terms import term
@@ -34,18 +34,10 @@ def method_chosen(ctx: Context, datum: List) -> nodes.MethodChosen | None:
     if not isinstance(rap, Symbol) or not isinstance(name, Symbol | Numeral):
         ctx.wrong("method_chosen", datum)
         return None
-    times = _times(ctx, operands[2]) if operands[2:] else None
+    count = terminal("COUNT").read
+    times = count(ctx, operands[2]) or 0 if operands[2:] else None
     word = name.name if isinstance(name, Symbol) else str(name.value)
     return nodes.MethodChosen(rap.name, word, times, span=ctx.span(datum))
-
-
-def _times(ctx: Context, datum: Datum) -> int:
-    """A whole number; 0 stands in for what is none."""
-    if isinstance(datum, Numeral) and isinstance(datum.value, int) and datum.value >= 0:
-        return datum.value
-    message = "a number is wanted here, a whole one"
-    ctx.report("malformed-clause", message, datum)
-    return 0
 
 
 # --- event patterns -------------------------------------------------------------------

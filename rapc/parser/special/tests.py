@@ -13,14 +13,22 @@ from rapc.base.values import Number
 from rapc.ir import nodes
 from rapc.language.heads import TEST_CLAUSES, heads, often
 from rapc.parser.context import Context, Read, head_of
-from rapc.parser.forms import clauses, filled, read_clauses, read_options, single, slots
+from rapc.parser.forms import (
+    clauses,
+    filled,
+    name_of,
+    read_clauses,
+    read_options,
+    single,
+    slots,
+)
 from rapc.parser.generic import made, terminal
 from rapc.parser.syntax import Datum, List, String, Symbol
 
 
 def define_test(ctx: Context, form: List) -> nodes.DefineTest | None:
     """`(define-test name ["doc"] clause...)`."""
-    name = _name(ctx, form, "define-test")
+    name = name_of(ctx, form, colon=False)
     if name is None:
         return None
     data = form.items[2:]
@@ -29,23 +37,13 @@ def define_test(ctx: Context, form: List) -> nodes.DefineTest | None:
     return _test(ctx, form, name, "", data)
 
 
-def _name(ctx: Context, form: List, word: str) -> Symbol | None:
-    """The symbol that names a form; anything else is reported."""
-    name = form.items[1] if len(form.items) > 1 else form
-    if isinstance(name, Symbol):
-        return name
-    message = f"`{word}` wants a symbol for its name"
-    ctx.report("malformed-form", message, name)
-    return None
-
-
 def define_test_defaults(ctx: Context, form: List) -> nodes.DefineTest:
     """`(define-test-defaults clause...)`: what is said of all tests, as one of them."""
     return _test(ctx, form, None, "", form.items[1:])
 
 
 def _test(
-    ctx: Context, form: List, name: Symbol | None, doc: str, data: Sequence[Datum]
+    ctx: Context, form: List, name: str | None, doc: str, data: Sequence[Datum]
 ) -> nodes.DefineTest:
     """A test, or what is said of all of a file, of the data behind its name."""
     owner = head_of(form) or ""
@@ -59,11 +57,10 @@ def _test(
     ]
     fields = read_clauses(ctx, kept, "_test_clause", into)
     fields["until"] = _until(made(ends))
-    place = ctx.span(name or form.items[0])
     return nodes.DefineTest(
-        "" if name is None else name.name,
+        name or "",
         doc,
-        name_span=place,
+        name_span=ctx.span(form.items[0 if name is None else 1]),
         span=ctx.span(form),
         **fields,
     )
@@ -84,7 +81,7 @@ def _until(found: Sequence[nodes.Until]) -> nodes.Until | None:
 
 def define_agenda(ctx: Context, form: List) -> nodes.DefineAgenda | None:
     """`(define-agenda name (require "name")... task...)`."""
-    name = _name(ctx, form, "define-agenda")
+    name = name_of(ctx, form, colon=False)
     if name is None:
         return None
     known = ctx.readers.group("define_agenda")
@@ -94,7 +91,7 @@ def define_agenda(ctx: Context, form: List) -> nodes.DefineAgenda | None:
         for word in ("require", "task")
     )
     return nodes.DefineAgenda(
-        name.name, required, given, ctx.span(name), span=ctx.span(form)
+        name, required, given, ctx.span(form.items[1]), span=ctx.span(form)
     )
 
 
