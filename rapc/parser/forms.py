@@ -18,8 +18,9 @@ import msgspec
 from rapc.base.source import Span
 from rapc.ir import nodes, schema
 from rapc.ir.schema import declared, parts, unsaid
+from rapc.language.grammar import RULES
 from rapc.language.heads import METHOD_CLAUSES, RAP_CLAUSES, heads, often, rules_by_head
-from rapc.language.shapes import is_word, leaves
+from rapc.language.shapes import Shape, is_word, leaves
 from rapc.parser.context import Context, Read, head_of, kind_of
 from rapc.parser.syntax import Datum, Keyword, List, String, Symbol, Variable
 
@@ -111,6 +112,8 @@ class Slots(msgspec.Struct, frozen=True):
     unsaid: Mapping[str, Any]
     #: The field of each word, and whether the field holds a tuple.
     fields: Mapping[str, tuple[str, bool]]
+    #: The rule of each word.
+    rules: Mapping[str, str]
 
 
 @cache
@@ -122,7 +125,9 @@ def slots(rule: str, kind: type[nodes.Node]) -> Slots:
         heads(str(p.shape))[0]: (p.field, declared(kind, p.field).startswith("tuple["))
         for p in known
     }
-    return Slots({f: empty[f] for f in kind.__struct_fields__ if f in empty}, fields)
+    rules = {heads(str(p.shape))[0]: str(p.shape) for p in known}
+    ordered = {f: empty[f] for f in kind.__struct_fields__ if f in empty}
+    return Slots(ordered, fields, rules)
 
 
 def filled(into: Slots, read: Mapping[str, Sequence[Any]]) -> dict[str, Any]:
@@ -293,97 +298,51 @@ def read_clauses(
     return filled(into, read)
 
 
-class DeclaredOperand(msgspec.Struct, frozen=True):
-    """An operand of a declaration behind its name."""
-
-    field: str
-    #: The rule or terminal that it is read as.
-    leaf: str
-    #: Whether it may be left out.
-    optional: bool
-    #: Whether one comes behind it that may not.
-    aside: bool
-
-
-class Declaration(msgspec.Struct, frozen=True):
-    """What a rule says of a declaration and its node."""
-
-    kind: type[nodes.Node]
-    #: Whether its name begins with a colon.
-    colon: bool
-    #: Whether its node keeps the text that explains it.
-    explained: bool
-    operands: tuple[DeclaredOperand, ...]
-    #: The rules of its options by their words.
-    options: Mapping[str, str]
-    #: The options that may stand more than once.
-    many: frozenset[str]
-    slots: Slots
+_Operand = tuple[str, Shape, bool]
+"""The field of an operand, its shape, and whether one follows that must stand."""
 
 
 @cache
-def _told(rule: str, kind: type[nodes.Node]) -> Declaration:
+def _operands(rule: str, kind: type[nodes.Node]) -> tuple[_Operand, ...]:
+    """The operands of a declaration behind its name, its text left out."""
     known = schema.parts(rule, kind)
     names = schema.fields(kind, known)[1:]
-    wanted = [
-        part.shape for part in known if not part.field and not is_word(part.shape)
-    ]
-    rows = [
-        (name, shape)
-        for name, shape in zip(names, wanted[1:], strict=False)
-        if name != "doc"
-    ]
-    operands = [
-        DeclaredOperand(
-            field=name,
-            leaf=next(leaves(shape)),
-            optional=shape[0] == "?",
-            aside=any(later[0] != "?" for _, later in rows[at:]),
-        )
+    wanted = [p.shape for p in known if not p.field and not is_word(p.shape)][1:]
+    rows = [row for row in zip(names, wanted, strict=False) if row[0] != "doc"]
+    return tuple(
+        (name, shape, any(later[0] != "?" for _, later in rows[at:]))
         for at, (name, shape) in enumerate(rows, start=1)
-    ]
-    return Declaration(
-        kind=kind,
-        colon=wanted[0] in ("SKILL", "SIGNAL"),
-        explained="doc" in names,
-        operands=tuple(operands),
-        options={heads(str(p.shape))[0]: str(p.shape) for p in known if p.field},
-        many=often(rule),
-        slots=slots(rule, kind),
     )
 
 
 def declaration(rule: str, kind: Any) -> Read:
     """Return what reads the declarations of a rule to nodes of a kind."""
+    colon = RULES[rule][2] in ("SKILL", "SIGNAL")
 
     def read(ctx: Context, form: List) -> Any:
-        told = _told(rule, kind)
-        name = name_of(ctx, form, colon=told.colon)
+        name = name_of(ctx, form, colon=colon)
         if name is None:
             return None
         data: Sequence[Datum] = form.items[2:]
-        given = dict(told.slots.unsaid)
+        into = slots(rule, kind)
+        given = dict(into.unsaid)
         if Keyword in map(type, data):
-            data, given = _options(ctx, form, data, told)
+            known = {w: ctx.readers.option(one) for w, one in into.rules.items()}
+            counts = {word: option.values for word, option in known.items()}
+            owner, many = f"`{head_of(form)}`", often(rule)
+            data, options = split(
+                ctx, data, owner, counts, many, "malformed-form", keywords=True
+            )
+            given = filled(
+                into, {w: [known[w].read(ctx, o) for o in options[w]] for w in options}
+            )
         doc, operands = explained(ctx, form, data)
-        _add_operands(ctx, form, name, operands, told, given)
-        if told.explained:
+        _add_operands(ctx, form, name, operands, _operands(rule, kind), given)
+        if "doc" in kind.__struct_fields__:
             given["doc"] = doc
         return kind(name=name, span=ctx.span(form), **given)
 
     return read
-
-
-def _options(
-    ctx: Context, form: List, data: Sequence[Datum], told: Declaration
-) -> tuple[list[Datum], dict[str, Any]]:
-    """The data that are no options, and the fields of options by their names."""
-    known = {w: ctx.readers.option(one) for w, one in told.options.items()}
-    counts = {word: option.values for word, option in known.items()}
-    owner = f"`{head_of(form)}`"
-    others, options = split(ctx, data, owner, counts, told.many, "malformed-form", True)
-    found = {w: [known[w].read(ctx, o) for o in row] for w, row in options.items()}
-    return others, filled(told.slots, found)
 
 
 def name_of(ctx: Context, form: List, *, colon: bool) -> str | None:
@@ -434,25 +393,23 @@ def _add_operands(
     form: List,
     name: str,
     data: list[Datum],
-    told: Declaration,
+    wanted: Sequence[_Operand],
     given: dict[str, Any],
 ) -> None:
     """Put the operands into `given` by their fields; reports the first missing."""
     last, missed = form.items[1], False
-    for one in told.operands:
+    for field, shape, aside in wanted:
+        leaf, optional = next(leaves(shape)), shape[0] == "?"
         value = None
-        wanted = bool(data)
-        if one.optional and one.aside and data:
-            wanted = isinstance(data[0], List)
-        if wanted:
+        if data and not (optional and aside and not isinstance(data[0], List)):
             last = data.pop(0)
-            value = ctx.readers[one.leaf](ctx, last)
-        elif not one.optional and not missed:
+            value = ctx.readers[leaf](ctx, last)
+        elif not optional and not missed:
             missed = True
-            _missing(ctx, form.items[1], name, one.leaf, last)
-        if value is None and not one.optional:
-            value = MISSING[one.leaf].assumed
-        given[one.field] = value
+            _missing(ctx, form.items[1], name, leaf, last)
+        if value is None and not optional:
+            value = MISSING[leaf].assumed
+        given[field] = value
     if data:
         _surplus(ctx, form, data)
 
