@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from types import MappingProxyType
 from typing import Any, Protocol, runtime_checkable
 
 import msgspec
@@ -153,6 +154,9 @@ class World(ABC):
     #: What the world brings along for libraries. A world that is opened by name has one
     #: in its class; the constructor may put another in its place.
     kit: Kit
+    #: The values of all options, if the world was opened by name: a saved run goes on
+    #: only in a world that was opened with the same.
+    made_with: Mapping[str, Atom | bool] = MappingProxyType({})
 
     def facts(self) -> Iterable[Fact]:
         """Return what the robot knows before it has sensed anything: a map, say."""
@@ -344,7 +348,7 @@ class Wrapper(World):
     def enclose(self, world: World) -> None:
         """Put another world behind this one."""
         self.name = world.name
-        self.kit = world.kit
+        self.kit, self.made_with = world.kit, world.made_with
         #: The world behind; of any type, for it has the protocols that it has.
         self.behind: Any = world
         for protocol in OPTIONAL:

@@ -158,6 +158,7 @@ def _task(
         history = replace(
             history,
             choices=(),
+            tries=(),
             last_choice=None,
             before=now(history.before),
             failures=tuple([(at, n) for at, n in counts if at is not None]),

@@ -309,7 +309,9 @@ def build_world(
         for name, value in (values | dict(options)).items()
     }
     try:
-        return make(random.Random(f"{seed}:world"), given)
+        made = make(random.Random(f"{seed}:world"), given)
+        made.made_with = dict(given)
+        return made
     except ValueError as error:
         said = said_by(error).removeprefix("ValueError: ")
         raise WorldError(f"the world `{world.name}` refuses: {said}") from error

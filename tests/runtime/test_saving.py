@@ -20,7 +20,9 @@ from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.saving import format
 from rapc.runtime.settings import Settings
 from rapc.world import Kit, Message, Offer, Time, World
+from rapc.worlds.registry import build_world
 from rapc.worlds.script import Row
+from rapc.worlds.truck import TruckWorld
 from tests.effort import first
 from tests.reference.case import Case, begin, interpreter_of, stepwise
 from tests.reference.generate import generate
@@ -256,6 +258,21 @@ def test_a_saved_run_of_something_else_is_refused() -> None:
     _refused(play, named, "in the world `truck`, not `scripted`")
 
 
+def test_a_saved_run_of_another_option_of_the_world_is_refused() -> None:
+    def run(**options: int) -> Interpreter:
+        world = build_world(TruckWorld, 1, options)
+        return Interpreter(saving.library(), world, 1)
+
+    saved = run(**{"arm1-drops": 0}).save()
+    other = run(**{"arm1-drops": 20})
+    before = other.save()
+    named = r"option `truck\.arm1-drops`: `0`, not `20`$"
+    with pytest.raises(StateError, match=named):
+        other.restore(saved)
+    assert other.save() == before
+    run(**{"arm1-drops": 0}).restore(saved)
+
+
 @pytest.mark.parametrize(
     ("old", "new"),
     [
@@ -269,6 +286,26 @@ def test_a_saved_run_of_something_else_is_refused() -> None:
         ('"place":null', '"place":{"type":"else"}'),
         ('"unsettled":[]', '"unsettled":[3]'),
         ('"world":"', '"world":"AAAA'),
+        ('"steps_left":1', '"steps_left":1000000000'),
+        ('"waiting":1', '"waiting":2'),
+        ('["p",1,"a"]', '["p","a"]'),
+        ('["p",1,"a"]', '["p",1,"a","a"]'),
+        ('["p",1,"a"]', '["q",1,"a"]'),
+        ('[["q","busy","a"],0]', '[["q","busy"],0]'),
+        ('[["q","busy","a"],0]', '[["gone","busy","a"],0]'),
+        ('[["q","busy","a"],1]', '[["q","busy","a"],2]'),
+        ('"aliases":{}', '"aliases":{"a":"b","b":"a"}'),
+        ('"idle":1', '"idle":-1000000000'),
+        ('"numbers":6', '"numbers":5'),
+        ('"number":6', '"number":5'),
+        ('"sole":5', '"sole":6'),
+        ('{"task":1,', '{"task":2,'),
+        ('"method":0,"choice"', '"method":-2,"choice"'),
+        ('{"?x":"b"}', '{"?x":"a"}'),
+        ('{"?x":"b"}', "{}"),
+        ('"deadlines":[[6,4]]', '"deadlines":[[6,5]]'),
+        ('"ways":[]', '"ways":[6]'),
+        ('{"time":4,', '{"time":5,'),
     ],
 )
 def test_records_that_no_run_leaves_are_refused(old: str, new: str) -> None:

@@ -115,7 +115,7 @@ class Exclusions:
         Of several facts that exclude the same the last one is kept.
         """
         excluded = self.excluded(fact)
-        for item in _items(excluded):
+        for item in items_of(excluded):
             known = self._past.setdefault(item, {})
             before = known.get(excluded)
             if before is None or before[1] <= time:
@@ -129,7 +129,7 @@ class Exclusions:
         """Drop the past assertions of an item, and return them."""
         dropped = self._past.pop(item, {})
         for excluded in dropped:
-            for other in _items(excluded):
+            for other in items_of(excluded):
                 known = self._past.get(other, {})
                 known.pop(excluded, None)
                 if not known:
@@ -150,7 +150,7 @@ class Exclusions:
         }
 
 
-def _items(excluded: Excluded) -> Iterable[str]:
+def items_of(excluded: Excluded) -> Iterable[str]:
     """The items of indistinct classes that stand in patterns."""
     parts = dict.fromkeys(part for pattern in excluded for part in pattern[1:])
     return [p for p in parts if type(p) is str and p.startswith(PREFIX)]

@@ -161,7 +161,7 @@ class Gate(MemoryView):
             said = f"{format_list(given)} lacks the value of `{relation.written}`"
             raise FactError(f"{said}, declared at {at}; a handler states all arguments")
         if self._of_kinds:
-            self._check_kinds(fact)
+            self.check_kinds(fact)
         if fact[0] in _BY_HANDLERS:
             self.check_owner(fact)
         memory.store(fact, by)
@@ -175,10 +175,11 @@ class Gate(MemoryView):
         """
         fact = self._memory.checked(fact)
         if self._of_kinds:
-            self._check_kinds(fact)
+            self.check_kinds(fact)
         return fact
 
-    def _check_kinds(self, fact: Fact) -> None:
+    def check_kinds(self, fact: Fact) -> None:
+        """Raise a FactError if a fact has arguments of another kind."""
         for at, holds in self._of_kinds.get(fact[0], ()):
             if not holds(fact[at]):
                 signatures = self._memory.signatures

@@ -40,7 +40,7 @@ from rapc.runtime.state.states import ENDED, RUNNING
 from rapc.runtime.state.task import Env, MethodRun, Task
 from rapc.runtime.state.things import Ask
 from rapc.runtime.state.wait_state import WaitState
-from rapc.world import Time
+from rapc.world import Time, World
 
 
 def capture(machine: Machine, seed: int, library: str, world: bytes) -> RunRecord:
@@ -66,6 +66,7 @@ def capture(machine: Machine, seed: int, library: str, world: bytes) -> RunRecor
     return RunRecord(
         library=library,
         world_name=machine.world.name,
+        options=options_of(machine.world),
         settings=machine.settings,
         seed=seed,
         random=stream_state(machine.rng),
@@ -93,6 +94,15 @@ def capture(machine: Machine, seed: int, library: str, world: bytes) -> RunRecor
         memory=memory_saving.capture_memory(machine.parts),
         world=world,
     )
+
+
+def options_of(world: World) -> dict[str, str | int | float | bool]:
+    """Return the options that a world was made with, as far as that is known."""
+    found: dict[str, str | int | float | bool] = {}
+    for name, value in world.made_with.items():
+        a_number = isinstance(value, int | float) and math.isfinite(value)
+        found[name] = value if a_number else str(value)  # type: ignore[assignment]
+    return found
 
 
 def _counts(machine: Machine) -> CountsRecord:

@@ -13,7 +13,9 @@ from rapc.base.chance import stream_in
 from rapc.base.resources import Counter, SetResource, Value
 from rapc.compiler.rap_plan import MethodPlan, RapPlan
 from rapc.compiler.watches import WatchKey
+from rapc.library.saved_check import UnsoundError
 from rapc.runtime.machine import Machine
+from rapc.runtime.saving.checks import Remade, WrongRecordError, check, need
 from rapc.runtime.saving.records import (
     COUNTS,
     AskRecord,
@@ -44,16 +46,13 @@ from rapc.runtime.state.task import Env, MethodRun, Task
 from rapc.runtime.state.things import Ask, ThingWait
 from rapc.runtime.state.top_level import TopLevelTask
 from rapc.runtime.state.wait_state import WaitState
+from rapc.runtime.tasks.choose import added_method
 from rapc.world import Time
 
 _STATES = {s: s for s in (WAITING, UNTESTED, ELIGIBLE, BLOCKED, RUNNING, ENDED)}
 
 _DEEPEST = 8
 """How deep the tuples of a key may nest in a record; those of a run nest three deep."""
-
-
-class WrongRecordError(Exception):
-    """A record that no run can have left; the text says what is wrong with it."""
 
 
 class Rebuilt:
@@ -81,6 +80,7 @@ class Rebuilt:
             self._make_tasks()
             self._fill_state()
             self._check_numbers()
+            self._check()
             self._held = [
                 (run, [(_ask(one), one.said) for one in saved.held])
                 for run, saved in sorted(
@@ -116,11 +116,13 @@ class Rebuilt:
         return self._machine.library.known_rap(name)
 
     def _add_methods(self) -> None:
-        compiler = self._machine.library.compiler
         for name, node in self._record.added_methods:
             plan = self._plan(name)
             index = len(self.state.methods(plan))
-            method = MethodPlan(compiler, plan.node, node, index)
+            try:
+                method = added_method(self._machine.library, plan, node, index)
+            except UnsoundError as error:
+                raise WrongRecordError(str(error)) from error
             self.state.added_methods.setdefault(name, []).append(method)
 
     def _make_tasks(self) -> None:
@@ -156,7 +158,7 @@ class Rebuilt:
             raise WrongRecordError(f"`{record.rap}` has other inputs")
         task.identity = _key(record.identity)
         if record.method is not None:
-            task.method = self.state.methods(task.plan)[record.method]
+            task.method = self._method(task, record.method)
         task.choice = _key(record.choice)
         task.last_result = record.last_result
         task.history = (
@@ -165,7 +167,7 @@ class Rebuilt:
         task.wait = None if record.wait is None else self._wait(task, record.wait)
 
     def _run(self, task: Task, record: MethodRecord) -> MethodRun:
-        plan = self.state.methods(task.plan)[record.method]
+        plan = self._method(task, record.method)
         run = MethodRun(task, plan, self._env_at(record.env), record.started)
         if len(record.steps) != len(plan.steps):
             raise WrongRecordError(f"`{task.plan.name}` has other steps")
@@ -178,14 +180,19 @@ class Rebuilt:
         self._runs.append((run, record))
         return run
 
+    def _method(self, task: Task, index: int) -> MethodPlan:
+        methods = self.state.methods(task.plan)
+        need(0 <= index < len(methods), f"`{task.plan.name}` has no method {index}")
+        return methods[index]
+
     def _history(self, task: Task, record: HistoryRecord) -> History:
         history = History()
         history.choices = {_tuple(key): count for key, count in record.choices}
         history.tries = dict(record.tries)
         if record.last_choice is not None:
-            history.last_choice = _tuple(record.choices[record.last_choice][0])
+            history.last_choice = list(history.choices)[record.last_choice]
         if record.before is not None:
-            history.before = self.state.methods(task.plan)[record.before]
+            history.before = self._method(task, record.before)
         history.results = dict(record.results)
         history.failures = dict(record.failures)
         history.failure = record.failure
@@ -281,6 +288,21 @@ class Rebuilt:
         for number in numbers:
             if number not in self._live:
                 raise WrongRecordError(f"no live task {number}")
+
+    def _check(self) -> None:
+        """Validate what was made; see `rapc.runtime.saving.checks`."""
+        record = self._record
+        check(
+            Remade(
+                machine=self._machine,
+                record=record,
+                tasks=self._tasks,
+                runs=self._runs,
+                live=self._live,
+                records={one.number: one for one in record.tasks},
+                asked={entry[:2] for entry in record.pending},
+            )
+        )
 
     # --- putting in place ---------------------------------------------------------
 

@@ -241,6 +241,8 @@ class RunRecord(msgspec.Struct, frozen=True):
     library: str
     #: What the world is called.
     world_name: str
+    #: The options that the world was made with, if that is known.
+    options: dict[str, str | int | float | bool]
     settings: Settings
     seed: int
     #: The state of the interpreter's random stream.

@@ -11,18 +11,23 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from rapc.base.code_places import place_of
-from rapc.base.values import Fact, format_atom
+from rapc.base.values import Atom, Fact, format_atom
 from rapc.errors import StateError
 from rapc.library.library import digest
 from rapc.runtime.held_world import OF_THE_BYTES
 from rapc.runtime.machine import Machine
 from rapc.runtime.memory import saving as memory_saving
-from rapc.runtime.saving.capture import capture
+from rapc.runtime.memory.saving import MemoryState
+from rapc.runtime.saving.capture import capture, options_of
+from rapc.runtime.saving.checks import WrongRecordError
 from rapc.runtime.saving.format import decode_run, encode_run, not_a_run
-from rapc.runtime.saving.rebuild import Rebuilt, WrongRecordError
+from rapc.runtime.saving.rebuild import Rebuilt
 from rapc.runtime.saving.records import RunRecord
 from rapc.runtime.state.task import MethodRun
 from rapc.world import Savable, World
+
+_Noted = list[tuple[MethodRun, list[Fact]]]
+"""Methods with the facts that they note."""
 
 
 def save(machine: Machine, seed: int) -> bytes:
@@ -63,22 +68,33 @@ def restore(machine: Machine, saved: bytes) -> int:
     except WrongRecordError as error:
         raise not_a_run(error) from error
     before, noted = memory_saving.capture_memory(machine.parts), _noted(machine)
+    world_before = world.save()
     try:
         memory_saving.restore_memory(machine.parts, record.memory)
         world.restore(record.world)
+        early = machine.world.now() < record.counts.time
     except BaseException as error:
-        memory_saving.restore_memory(machine.parts, before)
-        for run, facts in noted:
-            run.notations = machine.memory.notations.of(facts)
+        _put_back(machine, before, noted)
         if isinstance(error, OF_THE_BYTES):
             raise not_a_run(error) from error
         raise
+    if early:
+        _put_back(machine, before, noted)
+        world.restore(world_before)
+        raise not_a_run(ValueError("its world is at an earlier time"))
     rebuilt.install()
     machine.broken = False
     return record.seed
 
 
-def _noted(machine: Machine) -> list[tuple[MethodRun, list[Fact]]]:
+def _put_back(machine: Machine, before: MemoryState, noted: _Noted) -> None:
+    """Restore memory as it was, with the notations of methods."""
+    memory_saving.restore_memory(machine.parts, before)
+    for run, facts in noted:
+        run.notations = machine.memory.notations.of(facts)
+
+
+def _noted(machine: Machine) -> _Noted:
     """Return the methods that note facts, and which."""
     notations = machine.memory.notations
     return [
@@ -99,6 +115,21 @@ def _look_whose(machine: Machine, record: RunRecord) -> None:
         )
     if record.settings != machine.settings:
         raise StateError("the saved run is one with other settings")
+    mine, its = options_of(machine.world), record.options
+    for name in sorted({*mine, *its}):
+        if mine.get(name) != its.get(name):
+            raise StateError(
+                f"the saved run is one with another value of the option "
+                f"`{machine.world.name}.{name}`: {_option(its.get(name))}, "
+                f"not {_option(mine.get(name))}"
+            )
+
+
+def _option(value: Atom | bool | None) -> str:
+    """Return the value of an option in words, cut if it is long."""
+    if value is None:
+        return "nothing"
+    return f"`{str(value).lower() if isinstance(value, bool) else value!s:.40}`"
 
 
 def _savable(world: World) -> Savable:

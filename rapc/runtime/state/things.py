@@ -16,7 +16,7 @@ from rapc.runtime.state.task import MethodRun, Task
 Thing = Fact
 """A thing, filled in: its name, then its arguments."""
 
-_CONFLICT = "#"
+CONFLICT = "#"
 """The name of what requests share that a world says are in conflict; no symbol."""
 
 
@@ -210,7 +210,7 @@ class Things:
         self.release(run.task)
         held = {ask.thing: ask for ask in asks}
         for thing, ask in held.items():
-            new = said if thing[0] == _CONFLICT else ""
+            new = said if thing[0] == CONFLICT else ""
             self.take(run, (ask,), before.get(thing, new))
         for thing in {**before, **held}:
             self._place_again(thing)
@@ -295,7 +295,7 @@ class Things:
     def conflict(self) -> Thing:
         """Return a new thing, for requests that a world says are in conflict."""
         self.conflicts += 1
-        return (_CONFLICT, self.conflicts)
+        return (CONFLICT, self.conflicts)
 
 
 def _renamed(

@@ -14,6 +14,7 @@ from rapc.base.chance import below
 from rapc.base.code_places import place_of
 from rapc.base.later import later
 from rapc.base.resources import frozen
+from rapc.compiler.program import Program
 from rapc.compiler.rap_plan import MethodPlan, RapPlan
 from rapc.errors import PortError
 from rapc.events import SolverCalled
@@ -162,15 +163,26 @@ def _add_method(
     Raises:
         PortError: for a method with names that the library does not declare so.
     """
-    library, index = machine.library, len(machine.state.methods(rap))
+    index = len(machine.state.methods(rap))
     try:
-        saved_check.Verifier(library.signatures).rap(replace(rap.node, methods=(node,)))
-        plan = MethodPlan(library.compiler, rap.node, node, index)
+        plan = added_method(machine.library, rap, node, index)
     except (saved_check.UnsoundError, AttributeError, TypeError) as error:
         whose = f"the solver of `{rap.name}`{place_of(solver)}"
         said = f"{whose} returned a method that cannot be run: {error}"
         raise PortError(said) from error
     machine.state.added_methods.setdefault(rap.name, []).append(plan)
+
+
+def added_method(
+    library: Program, rap: RapPlan, node: nodes.Method, index: int
+) -> MethodPlan:
+    """Return the plan of a method that no text of the library has.
+
+    Raises:
+        UnsoundError: for a method with names that the library does not declare so.
+    """
+    saved_check.Verifier(library.signatures).rap(replace(rap.node, methods=(node,)))
+    return MethodPlan(library.compiler, rap.node, node, index)
 
 
 def _same(a: nodes.Method, b: nodes.Method) -> bool:
