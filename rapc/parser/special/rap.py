@@ -196,13 +196,9 @@ def _resource(
 ) -> nodes.Resource | None:
     """`(set ?name [set])` or `(counter ?name [number-or-counter])` (T 4.8.1)."""
     kind = head_of(datum)
-    if kind not in ("set", "counter") or not isinstance(datum, List):
+    operands = datum.items[1:] if isinstance(datum, List) else ()
+    if kind not in ("set", "counter") or not 1 <= len(operands) <= 2:
         ctx.wrong("resource", datum)
-        return None
-    operands = datum.items[1:]
-    if not 1 <= len(operands) <= 2:
-        message = f"`{kind}` takes a variable and at most one first value"
-        ctx.report("malformed-clause", message, datum)
         return None
     variable = parameter(ctx, operands[0], seen)
     initial = term(ctx, operands[1]) if len(operands) == 2 else None
