@@ -36,6 +36,8 @@ class Production(msgspec.Struct, frozen=True):
     wrong: str = ""
     #: The advice that goes with the message.
     help: str = ""
+    #: The message about a declaration, `{name}`, without this operand.
+    missing: str = ""
     #: Not empty if the message is about an operand that is no list, too.
     whole: str = ""
     #: The rule as an operand in tables and messages.

@@ -18,7 +18,7 @@ import msgspec
 from rapc.base.source import Span
 from rapc.ir import nodes, schema
 from rapc.ir.schema import declared, parts, unsaid
-from rapc.language.grammar import RULES
+from rapc.language.grammar import GRAMMAR, RULES
 from rapc.language.heads import METHOD_CLAUSES, RAP_CLAUSES, heads, often, rules_by_head
 from rapc.language.shapes import Shape, is_word, leaves
 from rapc.parser.context import Context, Read, head_of, kind_of
@@ -408,47 +408,24 @@ def _add_operands(
             missed = True
             _missing(ctx, form.items[1], name, leaf, last)
         if value is None and not optional:
-            value = MISSING[leaf].assumed
+            value = _ASSUMED[leaf]
         given[field] = value
     if data:
         _surplus(ctx, form, data)
 
 
-class MissingOperand(msgspec.Struct, frozen=True):
-    """A row: what is reported of an operand that is missing, and assumed of it."""
-
-    #: The message; `{name}` stands for the name of what is declared.
-    message: str
-    help: str
-    #: What is offered to be written there.
-    written: str
-    assumed: Any
-
-
-MISSING: Mapping[str, MissingOperand] = {
-    "arguments": MissingOperand(
-        "the arguments of `{name}` are missing", "without any, write `()`", "()", ()
-    ),
-    "results": MissingOperand(
-        "the results of `{name}` are missing",
-        "list `okay` and what else the world may answer: `(okay blocked)`",
-        "",
-        ("okay",),
-    ),
-    "DEFAULT": MissingOperand(
-        "the property `{name}` has no default",
-        "it is `unknown`, `true`, `false` or the name of a function",
-        "unknown",
-        "unknown",
-    ),
+_ASSUMED: Mapping[str, Any] = {
+    "arguments": (),
+    "results": ("okay",),
+    "DEFAULT": "unknown",
 }
-"""The operands of declarations that may not be left out, by rule or terminal."""
+"""What is assumed of the operands of declarations that may not be left out."""
 
 
 def _missing(ctx: Context, place: Datum, name: str, leaf: str, last: Datum) -> None:
-    said = MISSING[leaf]
-    fix = None
-    if said.written:
-        fix = ctx.insert(last.end, f" {said.written}", sure=False)
-    message = said.message.format(name=name)
+    said, fix = GRAMMAR[leaf], None
+    if leaf != "results":
+        written = "()" if leaf == "arguments" else _ASSUMED[leaf]
+        fix = ctx.insert(last.end, f" {written}", sure=False)
+    message = said.missing.format(name=name)
     ctx.report("malformed-form", message, place, help=said.help, fix=fix)

@@ -6,11 +6,13 @@
 from __future__ import annotations
 
 import random
+import re
 
 import pytest
 from hypothesis import HealthCheck, given
 
 from rapc.language import build, grammar
+from rapc.language.shapes import Production
 from rapc.parser.syntax import Datum, List
 from tests.effort import examples, first
 from tests.parser.agreement import ATTRIBUTES, accepted, disagreement, excused
@@ -22,6 +24,22 @@ def test_grammar_py_is_what_build_makes() -> None:
     """`python -m rapc.language.build` writes it anew."""
     assert build.module() == (build.FOLDER / "grammar.py").read_text(encoding="utf-8")
     assert build.grammar() == grammar.GRAMMAR
+
+
+def test_lines_above_rules_have_known_keys() -> None:
+    text = build.SOURCE.read_text(encoding="utf-8")
+    keys = {found[1] for found in re.finditer(r"^//: (\w+): ", text, re.M)}
+    assert keys <= {*Production.__struct_fields__, "page"}
+    assert not keys & {"shape", "says", "pages"}
+
+
+def test_words_of_rules_stand_in_the_grammar_alone() -> None:
+    takes = {row.takes for row in grammar.GRAMMAR.values() if len(row.takes) > 20}
+    said = {row.wrong for row in grammar.GRAMMAR.values() if row.wrong}
+    parser = build.FOLDER.parent / "parser"
+    for file in (*parser.glob("*.py"), *parser.glob("special/*.py")):
+        text = file.read_text(encoding="utf-8")
+        assert [words for words in takes | said if words in text] == [], file
 
 
 @pytest.mark.parametrize("share", first(1, range(8)))
