@@ -283,24 +283,29 @@ class HeldWorld(Wrapper):
         return self.listed(self.receive())
 
     def listed(self, sent: object) -> Sequence[Message]:
-        """Return `sent`, once it is seen that it is a list of messages.
-
-        They have arguments as offered and declared. Ends of requests are for
-        `check_end`.
+        """Return `sent` if it is a list; its messages are for `check_message`.
 
         Raises:
-            PortError: if not.
+            PortError: if it is none.
         """
         if not isinstance(sent, tuple | list):
             raise self.wrong_type("messages", "what `messages` returns", sent)
-        for message in sent:
-            if isinstance(message, Datum) and is_fact(message.content):
-                self._check_datum(message.content, "messages")
-            elif isinstance(message, Signal) and is_signal(message):
-                self._check_fact("event", message.content, "messages")
-            elif not isinstance(message, Finished):
-                raise self.wrong_type("messages", "a message", message)
         return sent
+
+    def check_message(self, message: object) -> None:
+        """Check a datum or a signal, just before it is handled.
+
+        Those before it in the same turn have been handled then.
+
+        Raises:
+            PortError: unless it has arguments as offered and declared.
+        """
+        if isinstance(message, Datum) and is_fact(message.content):
+            self._check_datum(message.content, "messages")
+        elif isinstance(message, Signal) and is_signal(message):
+            self._check_fact("event", message.content, "messages")
+        else:
+            raise self.wrong_type("messages", "a message", message)
 
     def result_told(self, asked: Fact, told: object, handler: ResultHandler) -> str:
         """Return the result that a handler has put in place of the world's.

@@ -21,7 +21,7 @@ def take_in(machine: Machine, messages: Iterable[Message]) -> None:
     """Take in `messages` of the world: ends of primitives first, then the rest.
 
     Raises:
-        PortError: as `finish`.
+        PortError: as `finish` and `HeldWorld.check_message`.
     """
     others: list[Message] = []
     gone = tuple(machine.state.activations.off)
@@ -31,6 +31,7 @@ def take_in(machine: Machine, messages: Iterable[Message]) -> None:
         else:
             others.append(message)
     for message in others:
+        machine.world.check_message(message)
         if isinstance(message, Datum):
             with machine.access.batch():
                 fact = handle(machine, message.content)
