@@ -138,7 +138,9 @@ class Save:
         section = section or dice.choice(sorted(self._places))
         place = dice.choice(self._places[section])
         words = self._change(records, place, dice)
-        records["world"] = _text_of(msgspec.json.encode(records["world"]))
+        if "world" in records:
+            world = msgspec.json.encode(records["world"])
+            records["world"] = msgspec.to_builtins(world)
         return words, format.sealed(msgspec.json.encode(records))
 
     def _change(self, records: Json, place: Path, dice: random.Random) -> str:
@@ -203,10 +205,6 @@ def _another(value: Json, dice: random.Random) -> Json:
 
 def _bytes_of(text: str) -> bytes:
     return msgspec.convert(text, bytes)
-
-
-def _text_of(value: bytes) -> Json:
-    return msgspec.to_builtins(value)
 
 
 # --- what comes of it ---------------------------------------------------------------

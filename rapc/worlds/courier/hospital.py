@@ -105,7 +105,13 @@ class Hospital:
             raise ValueError(f"no state of a courier's world: {error}") from error
         if read.options != self._options:
             raise ValueError("the state is that of a courier's world otherwise made")
-        self._rng, self.state = stream_in(read.rng), read.state
+        rng, before = stream_in(read.rng), self.state
+        _check_rooms(read.state)
+        self.state = read.state
+        if any(time < self.state.now for time, _ in self._due(self.state.nurses)):
+            self.state = before
+            raise ValueError("no state of a courier's world: something is overdue")
+        self._rng = rng
 
     # --- what the robot is asked for ------------------------------------------------
 
@@ -263,3 +269,12 @@ class Hospital:
     def _happens(self, option: str) -> bool:
         """Whether something happens that does so in so many of a hundred cases."""
         return self._rng.randrange(FULL) < self._options[option]
+
+
+def _check_rooms(state: HospitalState) -> None:
+    """See that all rooms of a state are there. Raises ValueError."""
+    nurses = [*state.nurses, *([] if state.nurse is None else [state.nurse])]
+    wards = {*state.calls, *(nurse.ward for nurse in nurses)}
+    goal = BASE if state.drive is None else state.drive.room
+    if not (state.room in {*ROOMS, CORRIDOR} and goal in ROOMS and wards <= {*WARDS}):
+        raise ValueError("no state of a courier's world: a room is unknown")

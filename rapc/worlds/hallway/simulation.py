@@ -159,9 +159,28 @@ class Simulation:
             raise ValueError(f"no state of a hallway: {error}") from error
         if (read.map, read.settings) != (self._digest(), self.settings):
             raise ValueError("the state is that of a hallway with other options")
+        self._check(read.state)
         self.runtime.restore(bytes(read.skills))
         self.state, self._chance = read.state, streams
         self._entrances.close(self.state)
+
+    def _check(self, state: HallwayState) -> None:
+        """See that all places of a state are of this map. Raises ValueError."""
+        spaces = {space.name for space in self.map.space}
+        people, lift, mine = state.walkers, state.lift, self.state
+        floors = {state.robot.floor, *(walker.floor for walker in people)}
+        if lift is not None:
+            floors |= {lift.floor, lift.floor if lift.towards is None else lift.towards}
+        known = (
+            floors <= self.plans.keys()
+            and spaces.issuperset(walker.space for walker in people)
+            and {*spaces, ""}.issuperset(walker.towards for walker in people)
+            and len(people) == len(mine.walkers)
+            and [one.doorway for one in state.doors] == [d.doorway for d in mine.doors]
+            and (lift is None) == (mine.lift is None)
+        )
+        if not known:
+            raise ValueError("no state of a hallway: a place is unknown")
 
     def _digest(self) -> str:
         return hashlib.sha256(msgspec.json.encode(self.map)).hexdigest()

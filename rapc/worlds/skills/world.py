@@ -195,11 +195,14 @@ class SkillWorld(World):
         Raises:
             ValueError: if it is none, or one of a world with other options.
         """
+        none = f"no state of the world `{self.name}`"
         try:
             saved = msgspec.json.decode(state, type=_Saved)
+            if abs(saved.now * self.ticks_a_unit - saved.ticks) > 1:
+                raise ValueError(f"{none}: {saved.ticks} ticks until {saved.now}")
             self.restore_rest(bytes(saved.rest))
         except msgspec.DecodeError as error:
-            raise ValueError(f"no state of the world `{self.name}`: {error}") from error
+            raise ValueError(f"{none}: {error}") from error
         self._now, self.ticks = saved.now, saved.ticks
         self._sent = [EventTold(*told) for told in saved.sent]
 

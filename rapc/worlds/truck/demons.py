@@ -9,7 +9,7 @@ into the state.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 
 from rapc.base.values import Number, number
 from rapc.worlds.truck import enemies
@@ -17,7 +17,7 @@ from rapc.worlds.truck.machines import work
 from rapc.worlds.truck.map import PRODUCTS
 from rapc.worlds.truck.scene import Scene
 from rapc.worlds.truck.shuffle import shuffle
-from rapc.worlds.truck.state import Demon
+from rapc.worlds.truck.state import Demon, TruckState
 from rapc.worlds.truck.weather import change_weather
 
 Job = Callable[[Scene, Demon], Number | None]
@@ -26,20 +26,42 @@ Job = Callable[[Scene, Demon], Number | None]
 
 def summon(scene: Scene) -> None:
     """Put into the state the demons that the map and the options call for."""
-    settings, demons = scene.settings, scene.state.demons
+    for job, place in standing(scene):
+        demon = Demon(job, place, 0)
+        if job in _PLACES:
+            demon.time = _pause(scene, job)
+        elif job == "shuffle":
+            demon.time = scene.settings.shuffle_interval
+        elif job == "weather":
+            demon.time = change_weather(scene, demon)
+        else:
+            demon.time = enemies.pause(scene)
+        scene.state.demons.append(demon)
+    enemies.meet(scene)
+
+
+def standing(scene: Scene) -> Iterator[tuple[str, str]]:
+    """Yield job and place of each demon that is never done, in order."""
+    settings = scene.settings
     for place in scene.map.places:
         if place.kind in _PLACES and _interval(scene, place.kind) > 0:
-            demons.append(Demon(place.kind, place.name, _pause(scene, place.kind)))
+            yield place.kind, place.name
     if settings.shuffle_interval > 0:
-        demons.append(Demon("shuffle", "", settings.shuffle_interval))
+        yield "shuffle", ""
     for sector in scene.map.sectors if settings.rain > 0 else ():
-        turn = Demon("weather", sector.name, 0)
-        turn.time = change_weather(scene, turn)
-        demons.append(turn)
+        yield "weather", sector.name
     haunts = enemies.haunts(scene.map, settings.enemy_sectors, settings.road_troops)
     if settings.enemy_interval > 0 and settings.enemy_units > 0 and haunts:
-        demons.append(Demon("enemies", "", enemies.pause(scene)))
-    enemies.meet(scene)
+        yield "enemies", ""
+
+
+def check_demons(scene: Scene, state: TruckState) -> None:
+    """See that all demons of a saved state have a job to come. Raises ValueError."""
+    known = {*standing(scene)}
+    for demon in state.demons:
+        passing = demon.job in {"leaving", "capture", "machine"}
+        if demon.time < state.now or not (passing or (demon.job, demon.place) in known):
+            raise ValueError(f"the demon `{demon.job}`")
 
 
 def pass_time(scene: Scene, to: Number) -> None:

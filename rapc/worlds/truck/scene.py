@@ -236,3 +236,23 @@ def _streams(rng: random.Random) -> dict[str, random.Random]:
     copy.setstate(rng.getstate())
     root = copy.getrandbits(64)
     return {name: random.Random(f"{root}:{name}") for name in STREAMS}
+
+
+def check_items(scene: Scene, state: TruckState) -> None:
+    """See that items and arms of a saved state are somewhere. Raises ValueError."""
+    items, truck = state.items, state.truck
+    spots = {*scene.map.spots(), *BAYS, *ARMS}
+    for name, item in items.items():
+        if item.name != name or item.kind not in scene.kinds:
+            raise ValueError(f"the item `{name}`")
+        inside = {name}
+        while item.place in items and item.place not in inside:
+            inside.add(item.place)
+            item = items[item.place]  # noqa: PLW2901  # what it is in
+        if item.place not in spots:
+            raise ValueError(f"`{name}` is nowhere")
+    held = {arm.at for arm in truck.arms.values()} - {None}
+    if truck.arms.keys() != {*ARMS} or not held <= items.keys():
+        raise ValueError("the arms")
+    if truck.place not in spots:
+        raise ValueError("the truck is nowhere")

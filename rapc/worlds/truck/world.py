@@ -17,7 +17,7 @@ from rapc.base.values import Atom, Fact, Number, number
 from rapc.world import Datum, Kit, Message, Picture, Reply, Time, World
 from rapc.worlds.truck import eye
 from rapc.worlds.truck.default_map import MAP
-from rapc.worlds.truck.demons import pass_time, summon
+from rapc.worlds.truck.demons import check_demons, pass_time, summon
 from rapc.worlds.truck.handlers import HANDLERS
 from rapc.worlds.truck.kinds import KINDS
 from rapc.worlds.truck.map import Lying, Map
@@ -34,7 +34,7 @@ from rapc.worlds.truck.orders import read_orders
 from rapc.worlds.truck.picture import Layout, lay_out, picture_of
 from rapc.worlds.truck.primitives import OFFER, PRIMITIVES
 from rapc.worlds.truck.routes import SOLVED_RAP, plan_route
-from rapc.worlds.truck.scene import Scene
+from rapc.worlds.truck.scene import Scene, check_items
 from rapc.worlds.truck.state import ARMS, Delivery, Encounter, Order, Truck, TruckState
 
 
@@ -177,6 +177,8 @@ class TruckWorld(World):
         try:
             rng = stream_in(saved.rng)
             chance = {name: stream_in(saved.chance[name]) for name in scene.chance}
+            check_items(scene, saved.state)
+            check_demons(scene, saved.state)
         except (KeyError, ValueError) as error:
             raise ValueError(f"no state of a truck world: {error}") from error
         scene.rng, scene.chance, scene.state = rng, chance, saved.state
