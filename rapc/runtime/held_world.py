@@ -295,7 +295,8 @@ class HeldWorld(Wrapper):
     def check_message(self, message: object) -> None:
         """Check a datum or a signal, just before it is handled.
 
-        Those before it in the same turn have been handled then.
+        Those before it in the same turn have been handled then. Ends of requests are
+        for `check_end`.
 
         Raises:
             PortError: unless it has arguments as offered and declared.
@@ -304,7 +305,7 @@ class HeldWorld(Wrapper):
             self._check_datum(message.content, "messages")
         elif isinstance(message, Signal) and is_signal(message):
             self._check_fact("event", message.content, "messages")
-        else:
+        elif not isinstance(message, Finished):
             raise self.wrong_type("messages", "a message", message)
 
     def result_told(self, asked: Fact, told: object, handler: ResultHandler) -> str:

@@ -232,6 +232,7 @@ class Driver:
             PortError: if not.
         """
         for message in sent:
+            self.world.check_message(message)
             if isinstance(message, Signal) and not set(message.tickets) <= set(on):
                 said = f"sent {format_list(message.content)} for an activation that is"
                 raise self.world.breach("messages", f"{said} not on")
