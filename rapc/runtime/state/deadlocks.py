@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
+from itertools import chain
 
 from rapc.runtime.state.task import Task
 from rapc.runtime.state.things import Ask, Hold, Things, ThingWait, words
@@ -22,13 +23,10 @@ def deadlocks(things: Things) -> list[Circle]:
     stuck = _Stuck(things, {n: wait for n, wait in waits if _is_blocked(wait)})
     found: list[Circle] = []
     while stuck.waits:
-        first = min(stuck.waits)
-        circle = stuck.circle_through(first)
-        found += [circle] if circle else []
-        for number in [wait.task.number for wait, _ in circle] or [first]:
-            stuck.leave_out(number)
-        stuck.leave_out_who_can_go_on()
-    return found
+        circle = stuck.circle_through(stuck.one_in_a_circle())
+        found.append(circle)
+        stuck.leave_out(wait.task.number for wait, _ in circle)
+    return sorted(found, key=lambda circle: circle[0][0].task.number)
 
 
 def deadlock_of(things: Things, wait: ThingWait) -> Circle:
@@ -104,39 +102,61 @@ class _Stuck:
     """The largest set of waits in which each one waits for others of the set."""
 
     def __init__(self, things: Things, waits: Mapping[int, ThingWait]) -> None:
-        self._things = things
         self.waits = dict(waits)
+        #: What is in each way of a wait, by its number.
+        self._ways: dict[int, list[list[Hold]]] = {}
+        #: The numbers of the waits in the way of which a task is, by its number.
+        self._before: dict[int, set[int]] = {}
         #: The numbers of the waiting tasks below a task, by its number.
         self._below: dict[int, set[int]] = {}
         for number, wait in self.waits.items():
             for above in _above(wait):
                 self._below.setdefault(above, set()).add(number)
-        self.leave_out_who_can_go_on()
+            ways = [list(_in_the_way(things, wait, one)) for one in wait.alternatives]
+            self._ways[number] = ways
+            for hold in chain(*ways):
+                self._before.setdefault(hold.run.task.number, set()).add(number)
+        self.leave_out([])
 
-    def leave_out_who_can_go_on(self) -> None:
-        """Leave out each wait that can end, until each one left waits for others."""
-        count = -1
-        while count != len(self.waits):
-            count = len(self.waits)
-            for number, wait in list(self.waits.items()):
-                if not all(
-                    any(self._followers(wait, asks)) for asks in wait.alternatives
-                ):
-                    self.leave_out(number)
+    def leave_out(self, numbers: Iterable[int]) -> None:
+        """Leave out waits, and all that can end: with a way in which none is left."""
+        for number in numbers:
+            self._remove(number)
+        todo = list(self.waits)
+        while todo:
+            number = todo.pop()
+            if number in self.waits and not all(map(self._keeps, self._ways[number])):
+                todo += self._remove(number)
 
-    def leave_out(self, number: int) -> None:
-        """Leave a wait out."""
+    def _remove(self, number: int) -> list[int]:
+        """Remove a wait; return the waits that can end by that."""
+        freed: list[int] = []
         for above in _above(self.waits.pop(number)):
-            self._below[above].discard(number)
+            below = self._below[above]
+            below.discard(number)
+            freed += () if below else self._before.get(above, ())
+        return freed
 
-    def _followers(
-        self, wait: ThingWait, asks: Iterable[Ask]
-    ) -> Iterator[tuple[Hold, set[int]]]:
-        """Yield what is in the way, with the numbers of those that wait below it."""
-        for hold in _in_the_way(self._things, wait, asks):
-            below = self._below.get(hold.run.task.number)
-            if below:
-                yield hold, below
+    def _keeps(self, way: Iterable[Hold]) -> bool:
+        return any(self._below.get(hold.run.task.number) for hold in way)
+
+    def _followers(self, number: int) -> dict[int, Hold]:
+        """Return the waits below what is in the way of one, each with that."""
+        found: dict[int, Hold] = {}
+        for hold in chain(*self._ways[number]):
+            for other in self._below.get(hold.run.task.number, ()):
+                found.setdefault(other, hold)
+        return found
+
+    def one_in_a_circle(self) -> int:
+        """Return a task that waits for itself by way of others, the lowest first."""
+        passed: dict[int, None] = {}
+        number = min(self.waits)
+        while number not in passed:
+            passed[number] = None
+            number = min(self._followers(number))
+        on_the_way = list(passed)
+        return min(on_the_way[on_the_way.index(number) :])
 
     def circle_through(self, start: int) -> Circle:
         """Return the shortest circle through a task, the lowest numbers first."""
@@ -144,14 +164,9 @@ class _Stuck:
         todo = deque([start])
         while todo and start not in came:
             number = todo.popleft()
-            wait = self.waits[number]
-            steps: dict[int, Hold] = {}
-            for hold, below in self._followers(wait, _all_asks(wait)):
-                for other in below:
-                    steps.setdefault(other, hold)
-            for other in sorted(steps):
+            for other, hold in sorted(self._followers(number).items(), key=_first):
                 if other not in came:
-                    came[other] = number, steps[other]
+                    came[other] = number, hold
                     todo.append(other)
         found: list[tuple[ThingWait, Hold]] = []
         number = start
@@ -159,6 +174,10 @@ class _Stuck:
             number, hold = came[number]
             found.append((self.waits[number], hold))
         return tuple(reversed(found))
+
+
+def _first(pair: tuple[int, Hold]) -> int:
+    return pair[0]
 
 
 def _above(wait: ThingWait) -> Iterable[int]:
