@@ -1,15 +1,15 @@
 """Validate a rebuilt run before it replaces another: what can be derived must agree.
 
-`Rebuilt` has looked at the shape of each record. Here the records are compared with
-each other, with the plans of the library and with its declarations, so that a run that
-is taken up goes on as one that was never saved. Memory is validated in
-`rapc.runtime.memory.saving`.
+`Rebuilt` checks the shape of each record. This module compares the records with each
+other, with the plans of the library and with its declarations: a restored run continues
+like a run that was never saved. Memory is validated in
+`rapc.runtime.memory.validation`.
 """
 
 from __future__ import annotations
 
 from collections import Counter as Tally
-from collections.abc import Container, Iterable, Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from typing import NamedTuple
 
 from rapc.base.resources import Counter, SetResource
@@ -17,21 +17,16 @@ from rapc.errors import RefusedError
 from rapc.library.signatures import Use
 from rapc.runtime.admission import refuse_tasks
 from rapc.runtime.machine import Machine
-from rapc.runtime.memory.validation import validate_memory
+from rapc.runtime.memory.validation import (
+    WrongRecordError,
+    need,
+    once,
+    validate_memory,
+)
 from rapc.runtime.saving.records import AskRecord, MethodRecord, RunRecord, TaskRecord
 from rapc.runtime.state.states import BLOCKED, ELIGIBLE, ENDED, RUNNING, WAITING
 from rapc.runtime.state.task import Env, MethodRun, Task
 from rapc.runtime.state.things import CONFLICT
-
-
-class WrongRecordError(Exception):
-    """A record that no run can have left; the text says what is wrong with it."""
-
-
-def need(holds: object, wrong: str) -> None:
-    """Raise a WrongRecordError that says what is `wrong` unless something holds."""
-    if not holds:
-        raise WrongRecordError(wrong)
 
 
 class Remade(NamedTuple):
@@ -91,17 +86,12 @@ def _check_counts(made: Remade) -> None:
     need(counts.over == (counts.reason is not None), "an end without a reason")
     need(not (counts.over and live), "a run that is over has live tasks")
     numbers = [task.number for task in made.tasks]
-    need(_once(numbers), "two tasks have one number")
+    need(once(numbers), "two tasks have one number")
     need(all(1 <= n <= counts.numbers for n in numbers), "an unknown number of a task")
     tickets = [entry[0] for entry in made.record.pending]
     tickets += [one.ticket for one in made.record.activations if one.on]
-    need(_once(tickets), "two requests have one ticket")
+    need(once(tickets), "two requests have one ticket")
     need(all(1 <= n <= counts.tickets for n in tickets), "an unknown ticket")
-
-
-def _once(values: Iterable[object]) -> bool:
-    listed = list(values)
-    return len(set(listed)) == len(listed)
 
 
 def _check_top_level(made: Remade) -> None:
@@ -216,7 +206,7 @@ def _check_method(made: Remade, run: MethodRun, saved: MethodRecord) -> None:
         need(skill[:1] == (expected.name,), f"task {number} has other skills")
         _check_use(made, "skill", skill)
     held = [one.thing for one in saved.held]
-    need(_once(held), f"task {number} holds a thing twice")
+    need(once(held), f"task {number} holds a thing twice")
 
 
 def _check_use(made: Remade, use: Use, content: tuple[object, ...]) -> None:
@@ -302,7 +292,7 @@ def _check_things(made: Remade, task: Task, record: TaskRecord) -> None:
 def _check_skills_off(task: Task, skills: tuple[int, ...]) -> None:
     plan = None if task.run is None else task.run.plan.activation
     most = len(plan.skills) if plan is not None and plan.background else 0
-    known = _once(skills) and all(0 <= at < most for at in skills)
+    known = once(skills) and all(0 <= at < most for at in skills)
     need(known, f"task {task.number} has no such skills")
 
 
@@ -351,7 +341,7 @@ def _check_monitors(made: Remade) -> None:
 def _check_scheduled(made: Remade) -> None:
     scheduled, counts = made.record.scheduled, made.record.counts
     orders = [order for _, order, _ in scheduled]
-    need(_once(orders), "two tasks for later are one")
+    need(once(orders), "two tasks for later are one")
     need(all(0 < n <= counts.requests for n in orders), "a task for later")
     need(all(time == request.at for time, _, request in scheduled), "a time")
     goals = [request.goal for _, _, request in scheduled]

@@ -15,7 +15,8 @@ from rapc.compiler.rap_plan import MethodPlan, RapPlan
 from rapc.compiler.watches import WatchKey
 from rapc.library.saved_check import UnsoundError
 from rapc.runtime.machine import Machine
-from rapc.runtime.saving.checks import Remade, WrongRecordError, check, need
+from rapc.runtime.memory.validation import WrongRecordError, need
+from rapc.runtime.saving.checks import Remade, check
 from rapc.runtime.saving.records import (
     COUNTS,
     AskRecord,

@@ -18,8 +18,8 @@ from rapc.runtime.held_world import OF_THE_BYTES
 from rapc.runtime.machine import Machine
 from rapc.runtime.memory import saving as memory_saving
 from rapc.runtime.memory.saving import MemoryState
+from rapc.runtime.memory.validation import WrongRecordError
 from rapc.runtime.saving.capture import capture, options_of
-from rapc.runtime.saving.checks import WrongRecordError
 from rapc.runtime.saving.format import decode_run, encode_run, not_a_run
 from rapc.runtime.saving.rebuild import Rebuilt
 from rapc.runtime.saving.records import RunRecord
