@@ -24,6 +24,7 @@ from rapc.base.values import number
 from rapc.debug.log import ToldEvent
 from rapc.debug.recorded_lines import Count, Number, as_told, event_lines
 from rapc.errors import LoadError, reason
+from rapc.runtime.begin_and_end import FORMAT
 from rapc.spec import RunSpec
 from rapc.world import Time
 
@@ -55,6 +56,12 @@ class _Started(msgspec.Struct, frozen=True):
     """The keys of the first line: what the run was begun with."""
 
     spec: RunSpec
+
+
+class _Format(msgspec.Struct, frozen=True):
+    """The version of the trace format, in the first line."""
+
+    format: int = FORMAT
 
 
 class _Tag(msgspec.Struct, frozen=True):
@@ -93,7 +100,7 @@ class _Tail(msgspec.Struct, frozen=True):
 
 
 _TAG, _HEAD, _TAIL_OF = Decoder(_Tag), Decoder(_Head), Decoder(_Tail)
-_BEGUN = Decoder(_Started)
+_BEGUN, _FORMAT = Decoder(_Started), Decoder(_Format)
 
 
 class _Block(NamedTuple):
@@ -154,6 +161,10 @@ class Recording:
         said = f"`{self.path}` is not a trace of a run from its beginning"
         if not line or self._decoded(line, 0, _TAG).event != _STARTED:
             raise LoadError(said)
+        version = self._decoded(line, 0, _FORMAT).format
+        if version != FORMAT:
+            found = f"trace format {version}, not {FORMAT}"
+            raise LoadError(f"`{self.path}` was written by another rapc: {found}")
         return self._decoded(line, 0, _BEGUN).spec
 
     def _tail(self) -> _Tail:

@@ -157,6 +157,10 @@ def test_the_first_decision_that_differs_is_told(tmp_path: Path) -> None:
         ("[]", "is not a trace: line 1: expected `object`, got `array`"),
         ('{"event":"signal"}', "not a trace of a run from its beginning"),
         ('{"event":"run-started"}', "line 1: object missing required field `spec`"),
+        (
+            '{"event":"run-started","format":1,"library":"a.rap"}',
+            "was written by another rapc: trace format 1, not 2",
+        ),
         ("", "not a trace of a run from its beginning"),
         ("[" * 100_000, "line 1: "),
         (
