@@ -26,7 +26,7 @@ TRUTH = ("true", "false", "t", "nil")
 """Constants that answer a question."""
 
 _Weights = Mapping[int, int]
-"""Forms by their ids, each with what it counts."""
+"""How much each form counts, by the id of the form."""
 
 
 class Census:

@@ -1,4 +1,4 @@
-"""Check files by their paths: each test file by itself, all others as one library.
+"""Check files by path: a test file alone, all other files as one library.
 
 What the tests of a file run is what `rapc.library.loader` says. A finding that more
 than one of these libraries has, in a file that they share, is reported once. A file of
@@ -48,7 +48,7 @@ def check_files(
 def _loads(
     paths: Iterable[str], texts: Mapping[str, str] | None, parser: Parse
 ) -> Iterator[Loaded]:
-    """Yield the libraries: the one of all files, then those of tests."""
+    """Yield the library of all files, then a library for each test file."""
     given = list(dict.fromkeys(paths))
     named = [path for path in given if path.endswith(TEST_SUFFIX)]
     others = [path for path in given if path not in named]
@@ -81,7 +81,7 @@ def _is_given(file: str, given: Sequence[str]) -> bool:
 
 
 def _joined(every: Sequence[CheckReport]) -> CheckReport:
-    """Return one report on the library and those of tests, each finding once.
+    """Return one report on the library and the test files; no finding occurs twice.
 
     A suppression is unused if no library that holds its file has a use for it.
     """

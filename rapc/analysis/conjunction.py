@@ -66,7 +66,7 @@ class _Denial(msgspec.Struct, frozen=True):
 
 
 class Conjunction:
-    """Literals that hold together, put in one after another, as they are asked.
+    """Literals that hold together, added in the order of evaluation.
 
     Args:
         relations: the propositions and properties.
@@ -131,7 +131,7 @@ class Conjunction:
         return None
 
     def _follows(self, denial: _Denial, held: Sequence[Literal]) -> list[Literal]:
-        """The literals from which what a denial denies follows; none if it may not."""
+        """Return the literals from which the denied formula follows, if it does."""
         return (
             follows(denial.wanted, held, denial.free, self._relations, self._given)
             or []
