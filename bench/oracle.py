@@ -4,6 +4,9 @@
     python -m bench.oracle after
     diff -r before after
 
+`--every 10` takes one input of ten, for a look between two edits: the same ones in
+each checkout.
+
 Each answer is a file, so `diff -r` names what changed. `--tree` is the checkout whose
 rapc answers; the inputs always come from this checkout. All answers are made with the
 command line and the public Python names, which stay while the code behind them moves.
@@ -29,6 +32,7 @@ import random
 import re
 import subprocess
 import sys
+import zlib
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import suppress
@@ -492,6 +496,11 @@ def jobs(tree: str) -> Iterator[tuple[str, Job]]:
             yield "explain", Job(explained, (library, rap))
 
 
+def _number(job: Job) -> int:
+    """Return a number of a job that is the same in each checkout."""
+    return zlib.crc32(repr(job.args).replace(str(HERE), "").encode())
+
+
 def _made(job: Job) -> list[Answer]:
     return job.make(*job.args)
 
@@ -502,6 +511,7 @@ def main() -> None:
     parser.add_argument("--tree", default=str(HERE), help="checkout that answers")
     parser.add_argument("--only", nargs="*", help="sections, for example traces fmt")
     parser.add_argument("--jobs", type=int, default=2, help="processes")
+    parser.add_argument("--every", type=int, default=1, help="take one input of N")
     chosen = parser.parse_args()
     sys.path.insert(0, str(Path(chosen.tree).resolve()))
     import rapc  # noqa: PLC0415  # of the tree that is asked
@@ -514,6 +524,7 @@ def main() -> None:
         for section, job in jobs(chosen.tree)
         if not chosen.only or section in chosen.only
     ]
+    wanted = [job for job in wanted if not _number(job) % chosen.every]
     count = 0
     with ProcessPoolExecutor(chosen.jobs, mp_context=get_context("fork")) as pool:
         for answers in pool.map(_made, wanted):
