@@ -12,11 +12,13 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from types import MappingProxyType
+from random import Random
+from types import MappingProxyType, MethodType
 from typing import Any, Protocol, runtime_checkable
 
 import msgspec
 
+from rapc.base.chance import Stream, stream_in, stream_state
 from rapc.base.handlers import DatumHandler, HandlerMemory, Handlers, ResultHandler
 from rapc.base.messages import (
     NOT_KNOWN,
@@ -73,6 +75,7 @@ __all__ = (
     "ResultHandler",
     "Savable",
     "Signal",
+    "SimpleWorld",
     "Skilled",
     "Spot",
     "Text",
@@ -208,6 +211,114 @@ class World(ABC):
         A world whose class does not define it never ends a run.
         """
         return None
+
+
+class _SavedSimple(msgspec.Struct):
+    """What `SimpleWorld.save` writes."""
+
+    made_with: Mapping[str, Any]
+    time: Time
+    outbox: list[tuple[Time, Message]]
+    rng: Stream
+    state: msgspec.Raw
+
+
+class SimpleWorld(World):
+    """A world of which only `perform` has to be written.
+
+    `advance` moves its clock, `send` sends a message now or later. What changes in it
+    is in `state`, and all chance comes from `rng`: both are saved.
+
+    Args:
+        rng: the random stream.
+        options: the values of the options.
+        perform: the method `perform`, if the class does not define it.
+        kit: the kit, if the class has none.
+    """
+
+    name = "simple"
+    #: The time of the clock.
+    time: Time = 0
+    #: What changes: a dict of plain data, a dataclass or a msgspec struct.
+    state: Any
+
+    def __init__(
+        self,
+        rng: Random | None = None,
+        options: Mapping[str, Atom | bool] = MappingProxyType({}),
+        *,
+        perform: Callable[[Any, int, Fact], Reply | Refused | None] | None = None,
+        kit: Kit | None = None,
+    ) -> None:
+        self.rng = rng or Random(0)
+        self.options = options
+        self.state = {}
+        #: What is still to be fetched, each message with its time, soonest first.
+        self.outbox: list[tuple[Time, Message]] = []
+        if kit is not None or not hasattr(self, "kit"):
+            self.kit = kit or Kit()
+        if perform is not None:
+            vars(self)["perform"] = MethodType(perform, self)
+        elif type(self).perform is SimpleWorld.perform:
+            raise TypeError("a SimpleWorld requires `perform`")
+
+    def perform(self, ticket: int, request: Fact) -> Reply | Refused | None:
+        """Carry out a request; a class defines this, or the constructor is given it."""
+        raise NotImplementedError
+
+    def send(self, message: Message, after: Time = 0) -> None:
+        """Send a datum, a signal or the end of a request, `after` so much time."""
+        self.outbox.append((self.time + after, message))
+        self.outbox.sort(key=lambda sent: sent[0])
+
+    def now(self) -> Time:
+        """Return the time of the clock."""
+        return self.time
+
+    def advance(self, to: Time) -> None:
+        """Move the clock on."""
+        self.time = max(self.time, to)
+
+    def next_time(self) -> Time | None:
+        """Return when the next message comes, or None."""
+        return max(self.time, self.outbox[0][0]) if self.outbox else None
+
+    def messages(self) -> Sequence[Message]:
+        """Return the messages whose time has come."""
+        due = [message for time, message in self.outbox if time <= self.time]
+        del self.outbox[: len(due)]
+        return due
+
+    def cancel(self, ticket: int) -> None:
+        """Drop the end of a request that is still to be sent."""
+        self.outbox = [
+            sent
+            for sent in self.outbox
+            if not (isinstance(sent[1], Finished) and sent[1].ticket == ticket)
+        ]
+
+    def save(self) -> bytes:
+        """Return the complete state, as JSON. Raises TypeError for no plain data."""
+        state, rng = msgspec.json.encode(self.state), stream_state(self.rng)
+        if msgspec.json.decode(state, type=type(self.state)) != self.state:
+            raise TypeError(f"`state` of the world `{self.name}` is no plain data")
+        made = dict(self.made_with)
+        return msgspec.json.encode(
+            _SavedSimple(made, self.time, self.outbox, rng, msgspec.Raw(state))
+        )
+
+    def restore(self, state: bytes) -> None:
+        """Take up a saved state.
+
+        Raises:
+            ValueError: if it is none of this world, or of one with other options.
+        """
+        saved = msgspec.json.decode(state, type=_SavedSimple)
+        if saved.made_with != dict(self.made_with):
+            raise ValueError(f"the state is that of a `{self.name}` otherwise made")
+        mine = msgspec.json.decode(saved.state, type=type(self.state))
+        self.rng = stream_in(saved.rng)
+        self.time, self.outbox, self.state = saved.time, saved.outbox, mine
 
 
 @runtime_checkable

@@ -22,13 +22,13 @@ NOT_KNOWN: Final[Time] = math.inf
 """What `World.next_time` returns where the world cannot say when it will send next."""
 
 
-class Datum(msgspec.Struct, frozen=True):
+class Datum(msgspec.Struct, frozen=True, tag=True):
     """One notification of the sensors: `(name arg...)`, items by sensor name."""
 
     content: Fact
 
 
-class Signal(msgspec.Struct, frozen=True):
+class Signal(msgspec.Struct, frozen=True, tag=True):
     """A signal `(:name arg...)`, items by sensor name [S 4]."""
 
     content: Fact
@@ -57,7 +57,7 @@ class Refused(msgspec.Struct, frozen=True):
     reason: str = ""
 
 
-class Finished(msgspec.Struct, frozen=True):
+class Finished(msgspec.Struct, frozen=True, tag=True):
     """The end of a primitive that was not atomic, by the ticket of its request."""
 
     ticket: int
