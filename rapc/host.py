@@ -20,7 +20,6 @@ from rapc.analysis.graphs import library_graph
 from rapc.analysis.selection import Selection, errors
 from rapc.base import files
 from rapc.base.gc_paused import gc_paused
-from rapc.base.later import later
 from rapc.base.source import SourceFile, place
 from rapc.base.values import Atom, Fact, format_list
 from rapc.compiler.program import Program
@@ -28,7 +27,7 @@ from rapc.errors import ArgumentError, Error, RefusedError, TextError
 from rapc.events import TaskResult
 from rapc.ir.nodes import DefineRap, Method
 from rapc.ir.printer import format_node
-from rapc.library import loader
+from rapc.library import loader, saved, saved_check
 from rapc.library.loader import Loaded
 from rapc.parser.parse import parse
 from rapc.runtime.arguments import (
@@ -56,12 +55,6 @@ from rapc.worlds.registry import (
     plain_values,
     refuse_incomplete,
 )
-
-if TYPE_CHECKING:
-    from rapc.library import saved, saved_check
-else:
-    saved = later("rapc.library.saved")
-    saved_check = later("rapc.library.saved_check")
 
 PLAN = "<plan>"
 """The file name of what `CheckedLibrary.extend` adds, in findings and faults."""

@@ -3,14 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
-
-from rapc.base.later import later
-
-if TYPE_CHECKING:
-    import difflib
-else:
-    difflib = later("difflib")
 
 _CUTOFF = 0.72
 
@@ -26,6 +18,8 @@ def nearest(name: str, names: Iterable[str]) -> str | None:
     Ties go to the name that sorts first, so the answer does not depend on the
     order in which names are given.
     """
+    import difflib  # noqa: PLC0415  # most commands know all their names
+
     best: tuple[float, str] | None = None
     matcher = difflib.SequenceMatcher(b=name, autojunk=False)
     for candidate in sorted(set(names)):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Container, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 import msgspec
@@ -19,7 +19,6 @@ from rapc.analysis.driver import CheckReport
 from rapc.analysis.selection import UnknownRuleError
 from rapc.base.diagnostics import Applicability, Fix
 from rapc.base.files import lies_in, path_of, read_standard_input
-from rapc.base.later import later
 from rapc.base.names import plural
 from rapc.base.outputs import BASELINE, FINDINGS
 from rapc.base.visible import visible
@@ -38,14 +37,6 @@ from rapc.cli.common import (
 )
 from rapc.cli.options import USAGE, command, fail, say, settings
 from rapc.library.loader import STANDARD_INPUT, Units
-
-if TYPE_CHECKING:
-    from rapc.analysis import baseline, fixes
-    from rapc.cli import watch
-else:
-    baseline = later("rapc.analysis.baseline")
-    fixes = later("rapc.analysis.fixes")
-    watch = later("rapc.cli.watch")
 
 EXAMPLES = """\b
 Examples:
@@ -118,8 +109,10 @@ def check(**given: Any) -> None:
     options = msgspec.convert(given, Options)
     _contradict(options)
     if options.watch:
+        from rapc.cli.watch import watch
+
         units = Units()
-        watch.watch(options.paths, lambda: _run(options, units).report.files)
+        watch(options.paths, lambda: _run(options, units).report.files)
         return
     try:
         done = _run(_with_input(options), Units())
@@ -223,6 +216,8 @@ def _tell(
 
 def _without_known(report: CheckReport, file: Path) -> tuple[CheckReport, str]:
     """Return a report without what a baseline knows, and words about it."""
+    from rapc.analysis import baseline
+
     compared = baseline.compare(report, file)
     name = visible(str(file))
     words = f"; {compared.known} known from {name}" if compared.known else ""
@@ -233,6 +228,8 @@ def _without_known(report: CheckReport, file: Path) -> tuple[CheckReport, str]:
 
 def _note(report: CheckReport, file: str, chosen: Chosen) -> Done:
     """Write a baseline; that of before may be replaced."""
+    from rapc.analysis import baseline
+
     inputs = (report.files, _OF_LIBRARY), ([chosen.configured_by], _SETTLED)
     refuse_output("--write-baseline", file, BASELINE, *inputs)
     write_output(file, baseline.baseline_text(report, file).encode())
@@ -247,6 +244,8 @@ def _note(report: CheckReport, file: str, chosen: Chosen) -> Done:
 
 def _mend(options: Options, chosen: Chosen, units: Units) -> Done:
     """Carry out fixes, or show them; a text on standard input goes to the output."""
+    from rapc.analysis import fixes
+
     before: dict[str, str] = {}
 
     def check(texts: Mapping[str, str]) -> CheckReport:

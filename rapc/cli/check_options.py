@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import msgspec
 
@@ -12,14 +11,8 @@ from rapc.analysis import config
 from rapc.analysis.config import Configured
 from rapc.analysis.selection import PerFile, Selection, by_default, chosen_rules
 from rapc.base.diagnostics import Severity
-from rapc.base.later import later
 from rapc.cli.common import FORMATS
 from rapc.cli.options import fail, say
-
-if TYPE_CHECKING:
-    from rapc.analysis import config_file
-else:
-    config_file = later("rapc.analysis.config_file")
 
 
 class Options(msgspec.Struct, frozen=True, kw_only=True):
@@ -110,7 +103,9 @@ def _configured(options: Options) -> Configured:
         return Configured()
     if options.config is None:
         return nearest_config(options.paths[0])
-    found = config_file.read_config(Path(options.config))
+    from rapc.analysis.config_file import read_config
+
+    found = read_config(Path(options.config))
     return found or fail(f"`{options.config}` has no table `tool.rapc`")
 
 
@@ -122,8 +117,9 @@ def nearest_config(path: str) -> Configured:
         LoadError: for one that cannot be read.
     """
     for file in config.files(Path(path)):
-        found = config_file.read_config(file)
-        if found is not None:
+        from rapc.analysis.config_file import read_config
+
+        if (found := read_config(file)) is not None:
             return found
     return Configured()
 

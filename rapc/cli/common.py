@@ -12,13 +12,12 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, TextIO
+from typing import TextIO
 
 import click
 
 from rapc.analysis.driver import CheckReport
 from rapc.base.files import path_of
-from rapc.base.later import later
 from rapc.base.outputs import Output, check_output
 from rapc.base.visible import visible
 from rapc.base.writing import write_whole
@@ -26,17 +25,6 @@ from rapc.cli.options import USAGE, fail, say, say_error, settings
 from rapc.errors import LoadError, WriteError
 from rapc.library.loader import Loaded, load
 from rapc.parser.rewriting import write_back
-
-if TYPE_CHECKING:
-    import difflib
-    import shutil
-
-    from rapc.console import findings, formats
-else:
-    difflib = later("difflib")
-    shutil = later("shutil")
-    findings = later("rapc.console.findings")
-    formats = later("rapc.console.formats")
 
 PIPED_WIDTH = 120
 """How wide output is that goes to no terminal."""
@@ -46,6 +34,8 @@ def width_of(stream: TextIO) -> int:
     """Return how many columns there are for what is written to a stream."""
     if not stream.isatty():
         return PIPED_WIDTH
+    import shutil
+
     return shutil.get_terminal_size().columns
 
 
@@ -141,6 +131,8 @@ def print_findings(
     """
     if not report.findings and output_format in (*FOR_PEOPLE, "github", "json-lines"):
         return
+    from rapc.console import findings
+
     stream = sys.stderr if err else sys.stdout
     if output_format == "full" and not statistics:
         lines = findings.full(report, width_of(stream))
@@ -151,6 +143,8 @@ def print_findings(
 
 def findings_text(report: CheckReport, output_format: str, statistics: bool) -> str:
     """Return a report's findings as plain text, see `print_findings`."""
+    from rapc.console import findings, formats
+
     if statistics:
         return formats.statistics(report, output_format)
     if output_format == "full":
@@ -161,6 +155,8 @@ def findings_text(report: CheckReport, output_format: str, statistics: bool) -> 
 
 def diff(name: str, before: str, after: str) -> str:
     """Return how a text changes, as a unified diff."""
+    import difflib
+
     old, new = (text.splitlines(keepends=True) for text in (before, after))
     shown = visible(name)
     return "".join(

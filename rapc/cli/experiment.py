@@ -6,12 +6,11 @@ import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
 from rapc.base.interrupts import INTERRUPTED
-from rapc.base.later import later
 from rapc.base.outputs import PNG, RUN_COMMANDS, SVG, TABLES, check_output
 from rapc.base.visible import visible
 from rapc.cli.checked import load_checked
@@ -27,13 +26,6 @@ from rapc.experiments.local import LocalWorkers, cores
 from rapc.experiments.session import Batch
 from rapc.experiments.store import Store, StoreError, sole_user
 from rapc.experiments.summary import PartSummary
-
-if TYPE_CHECKING:
-    from rapc.console.experiments import plots
-    from rapc.experiments import cluster as cluster_workers
-else:  # each needs an extra
-    plots = later("rapc.console.experiments.plots")
-    cluster_workers = later("rapc.experiments.cluster")
 
 EXAMPLES = """\b
 Examples:
@@ -197,12 +189,12 @@ def _workers(
         found = LocalWorkers(count, session.made.time_limit)
     else:
         try:
-            make = cluster_workers.ClusterWorkers
+            from rapc.experiments.cluster import ClusterWorkers
         except ModuleNotFoundError as error:
             _raise_unless_missing(error, "distributed")
             fail("--cluster needs Dask: install `rapc[cluster]`")
         try:
-            found = make(cluster, total)
+            found = ClusterWorkers(cluster, total)
             if not found.threads:
                 click.echo(f"`{cluster}` has no workers yet: waiting", err=True)
         except WorkersLost as error:
@@ -259,7 +251,7 @@ def _write(session: Batch, summaries: Sequence[PartSummary], folder: Path) -> No
 def _draw(summaries: Sequence[PartSummary], folder: Path) -> list[str]:
     """Draw the parts that vary something; returns their names."""
     try:
-        draw = plots.draw_plot
+        from rapc.console.experiments.plots import draw_plot
     except ModuleNotFoundError as error:
         _raise_unless_missing(error, "matplotlib")
         click.echo("no plots: install `rapc[viz]` to have them drawn", err=True)
@@ -269,7 +261,7 @@ def _draw(summaries: Sequence[PartSummary], folder: Path) -> list[str]:
     for name, summary in named.items():
         if summary.part.vary is not None:
             others = [named[other] for other in summary.part.beside if other in named]
-            draw([summary, *others], folder / name)
+            draw_plot([summary, *others], folder / name)
             drawn.append(name)
     return drawn
 

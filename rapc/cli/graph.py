@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -12,7 +12,6 @@ from rapc.analysis.driver import check_library
 from rapc.analysis.graphs import library_graph
 from rapc.analysis.selection import errors
 from rapc.base.graph import Graph
-from rapc.base.later import later
 from rapc.base.names import did_you_mean
 from rapc.base.values import number, readable
 from rapc.cli.checked import load_checked
@@ -23,13 +22,6 @@ from rapc.ir import nodes
 from rapc.library.library import Library
 from rapc.spec import RunSpec
 from rapc.worlds.skills.drawing import Networked
-
-if TYPE_CHECKING:
-    from rapc.analysis import effects_graph
-    from rapc.console import graphs as writers
-else:
-    effects_graph = later("rapc.analysis.effects_graph")
-    writers = later("rapc.console.graphs")
 
 EXAMPLES = """\b
 Examples:
@@ -89,6 +81,8 @@ def graph(  # noqa: PLR0912  # a branch for each view
 
     Exit status: 0; 2 for a library with errors, and for what cannot be read.
     """
+    from rapc.console import graphs as writers
+
     views = (rap, effects, dominators, dependents, moment)
     flags = (monitors, claims, everything, recursive)
     if sum(view is not None for view in views) + sum(flags) > 1:
@@ -103,8 +97,9 @@ def graph(  # noqa: PLR0912  # a branch for each view
         if rap is not None:
             drawn = graphs.task_nets(_named(library, rap))
         elif effects is not None:
-            name = _named(library, effects).name
-            drawn = effects_graph.effects_of(library, name)
+            from rapc.analysis.effects_graph import effects_of
+
+            drawn = effects_of(library, _named(library, effects).name)
         elif monitors:
             drawn = graphs.monitors(library)
         elif claims:

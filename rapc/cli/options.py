@@ -9,21 +9,11 @@ import math
 import os
 import sys
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
+from typing import Any, NoReturn, TypeVar
 
 import click
 
-from rapc.base.later import later
 from rapc.base.visible import visible
-
-if TYPE_CHECKING:
-    import shutil
-    import textwrap
-    import traceback
-else:
-    shutil = later("shutil")
-    textwrap = later("textwrap")
-    traceback = later("traceback")
 
 C = TypeVar("C", bound=click.Command)
 
@@ -141,6 +131,9 @@ def _to_width(line: str) -> str:
     """Return a line broken between words where standard error is a terminal."""
     if not sys.stderr.isatty():
         return line
+    import shutil
+    import textwrap
+
     return textwrap.fill(
         line,
         max(shutil.get_terminal_size().columns, 20),
@@ -153,6 +146,8 @@ def _to_width(line: str) -> str:
 def show_traceback(error: Exception) -> None:
     """Show where an error came from, if `RAPC_DEBUG=1` asks for it."""
     if os.environ.get("RAPC_DEBUG") == "1":
+        import traceback
+
         traceback.print_exception(error)
 
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
-from rapc.base.later import later
 from rapc.cli.checked import load_checked
 from rapc.cli.common import width_of
 from rapc.cli.options import command, fail, settings
@@ -31,11 +30,6 @@ from rapc.runtime.prepare import PreparedRun
 from rapc.spec import RunSpec
 from rapc.worlds.registry import find_world
 from rapc.worlds.scripted import ScriptedWorld
-
-if TYPE_CHECKING:
-    from rapc.repl import prompt
-else:
-    prompt = later("rapc.repl.prompt")
 
 RECORDED = ".jsonl"
 """What the names of recorded runs end with."""
@@ -106,8 +100,10 @@ def repl(
         shell = Shell(_session(ready), commands(), [path])
     color = settings().colored()
     if sys.stdin.isatty() and sys.stdout.isatty() and not (given or as_json):
-        history = prompt.history_file()
-        prompt.Prompt(shell, color=color, history=history).run()
+        from rapc.repl.prompt import Prompt, history_file
+
+        history = history_file()
+        Prompt(shell, color=color, history=history).run()
         return
     texts = given or inputs(sys.stdin)
     width = width_of(sys.stdout)

@@ -6,13 +6,12 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import Any, TextIO
 
 import click
 
 from rapc.analysis.endless import endless, reached
 from rapc.base.interrupts import interrupts_held
-from rapc.base.later import later
 from rapc.base.outputs import TRACE
 from rapc.base.values import format_list, number, readable
 from rapc.base.visible import visible, visible_lines
@@ -29,14 +28,6 @@ from rapc.runtime.held_world import HeldWorld
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.task_request import TaskRequest
 from rapc.world import Drawable, Picture, Time, World
-
-if TYPE_CHECKING:
-    import shutil
-
-    from rapc.console.show import live
-else:
-    shutil = later("shutil")
-    live = later("rapc.console.show.live")
 
 EXAMPLES = """\b
 Examples:
@@ -236,8 +227,12 @@ def _show(
     every: int,
 ) -> None:
     """Draw the run while it goes on."""
+    import shutil
+
+    from rapc.console.show.live import LiveView
+
     known = (80, 24) if sys.stdout.isatty() else (PIPED_WIDTH, 0)
-    view = live.LiveView(
+    view = LiveView(
         interpreter,
         picture,
         sys.stdout,

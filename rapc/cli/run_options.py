@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import click
 
-from rapc.base.later import later
 from rapc.cli.options import fail
 from rapc.compiler.program import Program
 from rapc.errors import FactError, RefusedError, SettingError, TextError
@@ -22,15 +21,6 @@ from rapc.spec import RunSpec
 from rapc.world import Time, World
 from rapc.worlds import registry
 from rapc.worlds.registry import find_world
-
-if TYPE_CHECKING:
-    from rapc.testing import faults as fault_texts
-    from rapc.worlds import faults as worlds_faults
-    from rapc.worlds import scripted
-else:
-    fault_texts = later("rapc.testing.faults")
-    scripted = later("rapc.worlds.scripted")
-    worlds_faults = later("rapc.worlds.faults")
 
 F = TypeVar("F", bound=Callable[..., Any])
 T = TypeVar("T")
@@ -114,9 +104,12 @@ def read_spec(  # the options of `run_options`, and of `run`
     for option, texts, read in readers:
         for text in texts:
             read_option(option, read, text)
-    for text in faults:
-        read_option("--fault", fault_texts.read_fault, text)
-    world = scripted.ScriptedWorld if world_name is None else find_world(world_name)
+    if faults:
+        from rapc.testing.faults import read_fault
+
+        for text in faults:
+            read_option("--fault", read_fault, text)
+    world = _world_class(world_name)
     named = dict(read_option("--set", registry.split_setting, text) for text in values)
     if world_name is None and any(not key.startswith("rapc.") for key in named):
         fail("--set: without a world there are no options of a world")
@@ -136,6 +129,14 @@ def read_spec(  # the options of `run_options`, and of `run`
     )
 
 
+def _world_class(name: str | None) -> type[World]:
+    if name is not None:
+        return find_world(name)
+    from rapc.worlds.scripted import ScriptedWorld
+
+    return ScriptedWorld
+
+
 def prepared(
     library: Program, spec: RunSpec, world_name: str | None = None
 ) -> PreparedRun:
@@ -148,7 +149,9 @@ def prepared(
     """
     world: World
     if world_name is None:
-        world = scripted.ScriptedWorld([], declared=library.library)
+        from rapc.worlds.scripted import ScriptedWorld
+
+        world = ScriptedWorld([], declared=library.library)
     else:
         found = find_world(world_name)
         options = registry.check_options(found, spec.options)
@@ -176,11 +179,14 @@ def _with_faults(world: World, library: Library, spec: RunSpec) -> World:
     """Return a world with the faults of a spec; ends the command if it cannot be."""
     if not spec.faults:
         return world
-    faults = [fault_texts.read_fault(text) for text in spec.faults]
+    from rapc.testing.faults import read_fault, told_for_skills
+    from rapc.worlds.faults import FaultyWorld, problem
+
+    faults = [read_fault(text) for text in spec.faults]
     offered = Signatures.offered(world.kit.offer)
-    told = fault_texts.told_for_skills(library)
+    told = told_for_skills(library)
     for fault in faults:
-        wrong = worlds_faults.problem(fault, offered, told)
+        wrong = problem(fault, offered, told)
         if wrong is not None:
             fail(f"--fault: {wrong}")
-    return worlds_faults.FaultyWorld(world, faults, spec.seed)
+    return FaultyWorld(world, faults, spec.seed)

@@ -9,18 +9,6 @@ from __future__ import annotations
 import signal
 import sys
 
-from rapc.base.later import later
-
-TYPE_CHECKING = False  # to type checkers it is true, by its name
-
-if TYPE_CHECKING:
-    from rapc.base import gc_paused, interrupts
-    from rapc.cli import main as command_line
-else:
-    gc_paused = later("rapc.base.gc_paused")
-    interrupts = later("rapc.base.interrupts")
-    command_line = later("rapc.cli.main")
-
 
 def main() -> None:
     """Run the command line; no Ctrl-C, whenever it comes, makes a traceback.
@@ -31,8 +19,11 @@ def main() -> None:
     wanted = signal.getsignal(signal.SIGINT) is signal.default_int_handler
     if wanted:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
-    with gc_paused.gc_spared():
-        run = command_line.main
+    from rapc.base.gc_paused import gc_spared
+    from rapc.base.interrupts import INTERRUPTED
+
+    with gc_spared():
+        from rapc.cli.main import main as run
 
     if not wanted:
         run()
@@ -44,4 +35,4 @@ def main() -> None:
         finally:  # Python takes itself down now, and would tell of interrupts
             signal.signal(signal.SIGINT, signal.SIG_DFL)
     except KeyboardInterrupt:  # outside what `run` looks after
-        sys.exit(interrupts.INTERRUPTED)
+        sys.exit(INTERRUPTED)

@@ -8,11 +8,10 @@ from __future__ import annotations
 import random
 from collections.abc import Mapping
 from functools import partial
-from typing import TYPE_CHECKING
 
-from rapc.base.later import later
 from rapc.compiler.program import Program
 from rapc.errors import RefusedError
+from rapc.runtime import strict
 from rapc.runtime.admission import misfitting, refusals, refuse_other_world
 from rapc.runtime.authors import Named
 from rapc.runtime.held_world import HeldWorld
@@ -21,11 +20,6 @@ from rapc.runtime.machine import Machine
 from rapc.runtime.settings import Settings
 from rapc.runtime.tasks.rename_items import rename
 from rapc.world import World
-
-if TYPE_CHECKING:
-    from rapc.runtime import strict
-else:
-    strict = later("rapc.runtime.strict")
 
 
 def put_together(

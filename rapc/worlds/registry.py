@@ -21,7 +21,6 @@ from typing import TYPE_CHECKING
 from rapc.base.code_places import place_of_error, said_by
 from rapc.base.files import path_named, read_text
 from rapc.base.former import kit_help, module_help
-from rapc.base.later import later
 from rapc.base.names import did_you_mean
 from rapc.base.values import Atom, Text, number
 from rapc.errors import ArgumentError, LoadError, WorldError
@@ -30,8 +29,6 @@ from rapc.world import Kit, Option, World
 
 if TYPE_CHECKING:
     from importlib import metadata
-else:
-    metadata = later("importlib.metadata")
 
 OWN: Mapping[str, str] = {
     "courier": "rapc.worlds.courier:CourierWorld",
@@ -50,7 +47,7 @@ _SYMBOL = re.compile(r"[^\s()\";?]+")
 
 def available() -> tuple[str, ...]:
     """The names of all installed worlds, sorted."""
-    return tuple(sorted({*OWN, *metadata.entry_points(group=GROUP).names}))
+    return tuple(sorted({*OWN, *_entry_points().names}))
 
 
 def having(names: Collection[str]) -> tuple[str, ...]:
@@ -129,9 +126,15 @@ def refuse_incomplete(world: type[World], place: str) -> None:
         raise WorldError(said, kit_help(world) if "kit" in missing else "")
 
 
+def _entry_points() -> metadata.EntryPoints:
+    from importlib import metadata  # noqa: PLC0415  # few runs need it
+
+    return metadata.entry_points(group=GROUP)
+
+
 def _installed(name: str) -> str:
     """Return which `module:Class` a package offers by a name."""
-    places = {p.value for p in metadata.entry_points(group=GROUP, name=name)}
+    places = {point.value for point in _entry_points().select(name=name)}
     if len(places) == 1:
         return places.pop()
     if places:

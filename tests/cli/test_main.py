@@ -23,7 +23,7 @@ CHECKOUT = Path(__file__).parents[2]
 CHECKING = ("analysis", "ir", "loader", "parser", "render")
 FOR_FEW = ("importlib.metadata", "difflib", "shutil")
 SELDOM = (
-    *("library.saved", "runtime.saving.save", "runtime.strict", "testing.faults"),
+    *("runtime.saving.save", "testing.faults", "worlds.scripted"),
     *("analysis.suite", "analysis.passes.threats"),
 )
 
