@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 
 from bench.child import take
 from bench.common import Figure, compiled, seconds
-from rapc.analysis import driver, suite
+from rapc.analysis import driver, registry
 from rapc.analysis.selection import Selection, errors
 from rapc.base.source import SourceFile
 from rapc.compiler.program import Program
@@ -84,7 +84,7 @@ def figures(quick: bool = False) -> Iterator[Figure]:
     found = driver.check_library(loaded).findings
     if found:
         raise ValueError(found[0].diagnostic.message)
-    rules = suite.rules().values()
+    rules = registry.rules().values()
     oldest = Selection(frozenset(r.name for r in rules if r.code <= OLDEST))
     stages = (
         ("text to data", lambda: read(source)),

@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import islice
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Fact, Pass
 from rapc.analysis.index import INDEX, Form
 from rapc.analysis.named import MISUSES
 from rapc.analysis.places import PLACES, Constant, Place, Places
@@ -121,12 +121,8 @@ def _run(run: Pass) -> Census:
     return Census(places, (*run.library.forms, *run.library.tests))
 
 
-CENSUS = Analyzer(
-    name="census",
-    doc="Gathers what forms tell of places and constants.",
-    run=_run,
-    needs=(INDEX, MISUSES, PLACES),
-)
+CENSUS = Fact(_run)
+"""Gathers what forms tell of places and constants."""
 
 
 def sort_of(written: str) -> str:

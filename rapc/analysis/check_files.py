@@ -11,7 +11,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from rapc.analysis import grave, suppressions
+from rapc.analysis import registry, suppressions
 from rapc.analysis.driver import CheckReport, Finding, check_library, order_of
 from rapc.analysis.selection import Selection
 from rapc.base.files import TEST_SUFFIX, lies_in, path_of
@@ -94,7 +94,7 @@ def _joined(every: Sequence[CheckReport]) -> CheckReport:
             if (
                 report is not every[0]
                 and finding.diagnostic.span.file in own
-                and finding.rule.name not in grave.errors()
+                and finding.rule.name not in registry.errors()
             ):
                 continue
             if finding.rule.name != suppressions.UNUSED.name or all(

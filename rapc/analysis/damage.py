@@ -1,7 +1,7 @@
 """What a slip of the pen silences: findings that may be due to it, and no others.
 
 From a form with a slip something was left out, so that passes may miss there what the
-author has written. How far that reaches depends on the pass (`Analyzer.needs_whole`):
+author has written. How far that reaches depends on the pass (`Check.needs_whole`):
 
 - A pass that looks at a `node` alone is silenced where the slip lies in that node, or
   in the arguments of the declaration that the node is held against.
@@ -20,7 +20,7 @@ from collections.abc import Iterable
 
 import msgspec
 
-from rapc.analysis.analyzer import Whole
+from rapc.analysis.check import Whole
 from rapc.base.diagnostics import Diagnostic
 from rapc.base.source import SourceFile, Span
 from rapc.ir import nodes

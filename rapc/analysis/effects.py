@@ -16,7 +16,7 @@ from collections.abc import Container, Mapping, Sequence
 
 import msgspec
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Fact, Pass
 from rapc.base.graph import reachable_bits
 from rapc.ir import nodes
 from rapc.ir.walk import steps
@@ -228,8 +228,5 @@ def _is_broken(rap: nodes.DefineRap) -> bool:
     return False
 
 
-EFFECTS = Analyzer(
-    name="effects",
-    doc="Sums up what each RAP may bring about, from what is declared of primitives.",
-    run=_run,
-)
+EFFECTS = Fact(_run)
+"""Sums up what each RAP may bring about, from what is declared of primitives."""

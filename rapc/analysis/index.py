@@ -14,7 +14,7 @@ from typing import Generic, TypeVar, cast
 
 import msgspec
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Fact, Pass
 from rapc.base.source import SourceFile, Span
 from rapc.ir import nodes
 from rapc.ir.clauses import METHOD, held
@@ -223,11 +223,8 @@ def _run(run: Pass) -> Index:
     return Index(run.library)
 
 
-INDEX = Analyzer(
-    name="index",
-    doc="Gathers every node of the library by its type.",
-    run=_run,
-)
+INDEX = Fact(_run)
+"""Gathers every node of the library by its type."""
 
 
 Uses = Counter[tuple[Use, str]]
@@ -238,12 +235,8 @@ def _count(run: Pass) -> Uses:
     return Counter([(one.use, one.name) for one in run.result(INDEX).uses()])
 
 
-USES = Analyzer(
-    name="uses",
-    doc="Counts how often each name is used.",
-    run=_count,
-    needs=(INDEX,),
-)
+USES = Fact(_count)
+"""Counts how often each name is used."""
 
 
 # --- how a name is used -----------------------------------------------------------

@@ -21,7 +21,7 @@ from typing import Literal
 
 import msgspec
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Fact, Pass
 from rapc.analysis.literals import literals
 from rapc.base.source import Span
 from rapc.ir import clauses, nodes
@@ -85,12 +85,8 @@ def _run(run: Pass) -> InferredKinds:
     )
 
 
-INFERRED = Analyzer(
-    name="inferred-kinds",
-    doc="Works out of which kinds variables and inputs are that nobody declared.",
-    run=_run,
-    needs_whole="form",
-)
+INFERRED = Fact(_run)
+"""Works out of which kinds variables and inputs are that nobody declared."""
 
 
 # --- what holds together -----------------------------------------------------------

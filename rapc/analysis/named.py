@@ -20,7 +20,7 @@ from typing import get_args
 
 import msgspec
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Fact, Pass
 from rapc.analysis.index import INDEX, USES, Form, NameUse, Uses
 from rapc.analysis.renaming import renaming
 from rapc.base.diagnostics import Diagnostic, Label, Rule
@@ -64,12 +64,8 @@ def _run(run: Pass) -> Misuses:
     return Misuses(found, partial(run.result, USES))
 
 
-MISUSES = Analyzer(
-    name="misuses",
-    doc="Holds every use of a name against its declaration.",
-    run=_run,
-    needs=(INDEX, USES),
-)
+MISUSES = Fact(_run)
+"""Holds every use of a name against its declaration."""
 
 
 def misuses(run: Pass, uses: Container[Use], sort: str) -> Iterator[Misuse]:
@@ -79,16 +75,16 @@ def misuses(run: Pass, uses: Container[Use], sort: str) -> Iterator[Misuse]:
             yield one
 
 
-def report_unknown(run: Pass, rule: Rule, uses: Container[Use]) -> None:
-    """Report the unknown names among some uses, as findings of `rule`."""
+def unknown_names(run: Pass, rule: Rule, uses: Container[Use]) -> Iterator[Diagnostic]:
+    """Yield the unknown names among some uses, as findings of `rule`."""
     unknown = UnknownNames(rule)
     for one in misuses(run, uses, "unknown"):
         unknown.add(one.fault, one.used.place(run.library.files), one.used.owner)
-    unknown.report(run)
+    yield from unknown.findings(run)
 
 
-def report_arguments(run: Pass, rule: Rule, uses: Container[Use]) -> None:
-    """Report the uses with another number of arguments than was declared."""
+def wrong_arity(run: Pass, rule: Rule, uses: Container[Use]) -> Iterator[Diagnostic]:
+    """Yield the uses with another number of arguments than was declared."""
     faults: dict[tuple[str, str], list[Misuse]] = {}
     for one in misuses(run, uses, "arguments"):
         faults.setdefault((one.used.name, one.fault.message), []).append(one)
@@ -103,14 +99,11 @@ def report_arguments(run: Pass, rule: Rule, uses: Container[Use]) -> None:
                 declared_at(run, declared), f"declared here as `{declared.written}`"
             )
             note = f"so it is in all {every} places: is the declaration wrong?"
-            run.report(
-                Diagnostic(
-                    rule.name,
-                    one.fault.message,
-                    one.used.span,
-                    labels=(label,),
-                    notes=(note,) if alike else (),
-                )
+            yield rule.at(
+                one.used.span,
+                one.fault.message,
+                labels=(label,),
+                notes=(note,) if alike else (),
             )
 
 
@@ -118,18 +111,15 @@ _ALL = 3
 """So many uses that do not meet a declaration, and none that does, make one finding."""
 
 
-def report_kind(run: Pass, rule: Rule, one: Misuse) -> None:
-    """Report a use of a name that is declared as something else."""
-    declared = one.fault.declared
-    assert declared is not None
+def wrong_kind(run: Pass, rule: Rule, uses: Container[Use]) -> Iterator[Diagnostic]:
+    """Yield the uses of names that are declared as something else."""
     files = run.library.files
-    place = one.used.span if one.used.use == "computed" else one.used.place(files)
-    label = Label(declared_at(run, declared), "declared here")
-    run.report(
-        Diagnostic(
-            rule.name, one.fault.message, place, labels=(label,), help=one.fault.help
-        )
-    )
+    for one in misuses(run, uses, "kind"):
+        declared = one.fault.declared
+        assert declared is not None
+        place = one.used.span if one.used.use == "computed" else one.used.place(files)
+        label = Label(declared_at(run, declared), "declared here")
+        yield rule.at(place, one.fault.message, labels=(label,), help=one.fault.help)
 
 
 def declared_at(run: Pass, signature: Signature) -> Span:
@@ -158,8 +148,8 @@ class UnknownNames:
         test = id(owner) if type(owner) is nodes.DefineTest else 0
         self._uses.setdefault((fault.message, test), []).append((fault, span))
 
-    def report(self, run: Pass) -> None:
-        """Report them, unless names may be unknown for want of a file."""
+    def findings(self, run: Pass) -> Iterator[Diagnostic]:
+        """Yield the findings, unless names may be unknown for want of a file."""
         if not run.complete:
             return
         for uses in self._uses.values():
@@ -173,7 +163,7 @@ class UnknownNames:
                 fix = renaming(run.library.files, fault.name, meant, places)
                 spans = [span for _, span in sure]
                 found = self._finding(fault, spans, _unused(run, fault.near))
-                run.report(msgspec.structs.replace(found, fix=fix))
+                yield msgspec.structs.replace(found, fix=fix)
 
     def _finding(
         self, fault: Fault, spans: Sequence[Span], meant: Iterable[Label]
@@ -181,10 +171,9 @@ class UnknownNames:
         first, *further = spans
         left = len(further) - _SHOWN
         places = "one more place" if left == 1 else f"{left} more places"
-        return Diagnostic(
-            rule=self._rule.name,
-            message=fault.message,
-            span=first,
+        return self._rule.at(
+            first,
+            fault.message,
             labels=(*meant, *(Label(s, "also used here") for s in further[:_SHOWN])),
             notes=(f"it is used in {places}",) if left > 0 else (),
             help=fault.help,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Fact, Pass
 from rapc.analysis.inferred_kinds import INFERRED, InferredKinds
 from rapc.analysis.places import Place, place_parts
 from rapc.ir import nodes
@@ -79,9 +79,5 @@ def _run(run: Pass) -> PlaceKinds:
     return PlaceKinds(run.signatures, inputs)
 
 
-PLACE_KINDS = Analyzer(
-    name="place-kinds",
-    doc="Works out of which kinds the values at argument places are.",
-    run=_run,
-    needs=(INFERRED,),
-)
+PLACE_KINDS = Fact(_run)
+"""Works out of which kinds the values at argument places are."""

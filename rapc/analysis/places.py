@@ -14,7 +14,7 @@ from typing import NewType
 
 import msgspec
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Fact, Pass
 from rapc.analysis.index import INDEX, Form, Index
 from rapc.analysis.named import MISUSES
 from rapc.base.values import format_atom
@@ -173,9 +173,5 @@ def _run(run: Pass) -> Places:
     return Places(run.result(INDEX), wrong)
 
 
-PLACES = Analyzer(
-    name="places",
-    doc="Gathers what stands at each argument place of the library.",
-    run=_run,
-    needs=(INDEX, MISUSES),
-)
+PLACES = Fact(_run)
+"""Gathers what stands at each argument place of the library."""

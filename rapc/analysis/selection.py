@@ -11,21 +11,14 @@ from collections.abc import Iterable, Mapping
 from fnmatch import fnmatchcase
 from functools import cache
 from pathlib import PurePath
-from typing import TYPE_CHECKING
 
 import msgspec
 
-from rapc.analysis import grave
+from rapc.analysis import registry
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.files import seen_from
-from rapc.base.later import later
 from rapc.base.names import nearest
 from rapc.errors import Error
-
-if TYPE_CHECKING:
-    from rapc.analysis import suite
-else:
-    suite = later("rapc.analysis.suite")
 
 
 class UnknownRuleError(Error):
@@ -80,12 +73,12 @@ class Selection(msgspec.Struct, frozen=True):
 
 def by_default() -> frozenset[str]:
     """Return the names of the rules that report if nobody chooses: all but opt-in."""
-    return frozenset(n for n, rule in suite.rules().items() if not rule.opt_in)
+    return frozenset(n for n, rule in registry.rules().items() if not rule.opt_in)
 
 
 def errors() -> Selection:
     """Return what chooses the rules that keep a library from being run."""
-    return Selection(grave.errors())
+    return Selection(registry.errors())
 
 
 ALL = "all"
@@ -101,7 +94,7 @@ def chosen_rules(words: Iterable[str]) -> frozenset[str]:
     given = list(words)
     named = rule_names(word for word in given if word.lower() != ALL)
     every = any(word.lower() == ALL for word in given)
-    return frozenset(suite.rules()) if every else named
+    return frozenset(registry.rules()) if every else named
 
 
 def rule_names(words: Iterable[str]) -> frozenset[str]:
@@ -123,5 +116,5 @@ def rule_names(words: Iterable[str]) -> frozenset[str]:
 @cache
 def _words() -> Mapping[str, str]:
     """The names of all rules, by name and by code in lower case."""
-    rules = suite.rules().values()
+    rules = registry.rules().values()
     return {word: r.name for r in rules for word in (r.name, r.code.lower())}

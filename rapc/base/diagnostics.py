@@ -27,30 +27,6 @@ class Severity(enum.IntEnum):
         return self.name.lower()
 
 
-class Rule(msgspec.Struct, frozen=True):
-    """One kind of finding and its manual page.
-
-    `example` is a whole file that triggers the rule, `better` the same program
-    put right, in which nothing is found; both are checked by a test.
-    """
-
-    code: str
-    name: str
-    severity: Severity
-    summary: str
-    why: str
-    example: str
-    better: str
-    #: Whether the rule reports only where a user asks for it: a matter of style.
-    opt_in: bool = False
-    #: Which fixes it has and whether they are safe, as a phrase; nothing if none.
-    fix: str = ""
-    #: When to ignore it, as a phrase; nothing of an error that never is to be.
-    ignore: str = ""
-    #: Where the language has what it is about: sections of T, S and L (docs/language).
-    source: str = ""
-
-
 class Label(msgspec.Struct, frozen=True):
     """A further place with what is to be seen there."""
 
@@ -96,3 +72,41 @@ class Diagnostic(msgspec.Struct, frozen=True):
     notes: tuple[str, ...] = ()
     help: str = ""
     fix: Fix | None = None
+
+
+class Rule(msgspec.Struct, frozen=True):
+    """One kind of finding and its manual page.
+
+    `example` is a whole file that triggers the rule, `better` the same program
+    put right, in which nothing is found; both are checked by a test.
+    """
+
+    code: str
+    name: str
+    severity: Severity
+    summary: str
+    why: str
+    example: str
+    better: str
+    #: Whether the rule reports only where a user asks for it: a matter of style.
+    opt_in: bool = False
+    #: Which fixes it has and whether they are safe, as a phrase; nothing if none.
+    fix: str = ""
+    #: When to ignore it, as a phrase; nothing of an error that never is to be.
+    ignore: str = ""
+    #: Where the language has what it is about: sections of T, S and L (docs/language).
+    source: str = ""
+
+    def at(
+        self,
+        span: Span,
+        message: str,
+        *,
+        label: str = "",
+        labels: tuple[Label, ...] = (),
+        notes: tuple[str, ...] = (),
+        help: str = "",
+        fix: Fix | None = None,
+    ) -> Diagnostic:
+        """Return a finding by this rule; see `Diagnostic` for its parts."""
+        return Diagnostic(self.name, message, span, label, labels, notes, help, fix)

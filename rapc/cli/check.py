@@ -13,7 +13,7 @@ from typing import Any
 import click
 import msgspec
 
-from rapc.analysis import driver
+from rapc.analysis import registry
 from rapc.analysis.check_files import check_files
 from rapc.analysis.driver import CheckReport
 from rapc.analysis.selection import UnknownRuleError
@@ -178,7 +178,7 @@ def _checked(options: Options, chosen: Chosen, units: Units) -> CheckReport:
     report = check_files(options.paths, chosen.selection, options.texts, parser=units)
     for name in report.files:
         say(f"read {name}")
-    say(f"ran {len(driver.passes())} passes")
+    say(f"ran {len(registry.checks())} passes")
     return report
 
 

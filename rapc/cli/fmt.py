@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import click
 
-from rapc.analysis import suite
+from rapc.analysis import registry
 from rapc.analysis.driver import CheckReport, Finding
 from rapc.base.files import names_at, path_of, read_standard_input, read_text
 from rapc.base.names import plural
@@ -85,7 +85,7 @@ def _source(name: str) -> SourceFile:
 
 def _report(source: SourceFile, made: Formatted) -> None:
     """Print what keeps a file from being laid out."""
-    rules = suite.rules()
+    rules = registry.rules()
     findings = tuple(Finding(rules[d.rule], d) for d in made.diagnostics)
     print_findings(CheckReport(findings, {source.name: source}), "full")
 

@@ -7,7 +7,7 @@ import json
 import click
 import msgspec
 
-from rapc.analysis import suite
+from rapc.analysis import registry
 from rapc.analysis.selection import UnknownRuleError, rule_names
 from rapc.base.diagnostics import Rule
 from rapc.cli.options import command, fail
@@ -40,7 +40,7 @@ def rule(name: str | None, everything: bool, output_format: str) -> None:
     """
     if name is not None and everything:
         fail("a rule's name and --all exclude each other")
-    rules = suite.rules()
+    rules = registry.rules()
     chosen = list(rules.values()) if name is None else [_find(name)]
     if output_format == "json":
         click.echo(_json(chosen, one=name is not None))
@@ -60,7 +60,7 @@ def _find(word: str) -> Rule:
         (name,) = rule_names([word])
     except UnknownRuleError as error:
         fail(f"{error}{f'; {error.help}' if error.help else ''}")
-    return suite.rules()[name]
+    return registry.rules()[name]
 
 
 def _page(one: Rule) -> str:

@@ -14,7 +14,7 @@ from typing import Any
 from urllib.parse import quote
 from xml.etree import ElementTree
 
-from rapc.analysis import suite
+from rapc.analysis import registry
 from rapc.analysis.driver import CheckReport, Finding
 from rapc.analysis.fingerprints import fingerprints
 from rapc.base.diagnostics import Applicability, Fix, Rule, Severity
@@ -114,7 +114,7 @@ _SARIF_LEVELS = {
 
 def sarif(report: CheckReport) -> str:
     """Return a SARIF log with one run: every rule, and a result for each finding."""
-    rules = list(suite.rules().values())
+    rules = list(registry.rules().values())
     places = {rule.name: at for at, rule in enumerate(rules)}
     driver = {
         "name": "rapc",

@@ -12,7 +12,7 @@ import traceback
 from collections import Counter
 from collections.abc import Iterator, Mapping
 
-from rapc.analysis import graphs, suite
+from rapc.analysis import graphs, registry
 from rapc.analysis.driver import CheckReport, check_library
 from rapc.analysis.effects_graph import effects_of
 from rapc.analysis.selection import Selection
@@ -25,7 +25,7 @@ from tests.analysis.mending import broken_by_fixes
 from tests.damage import with_other_tokens
 from tests.parser.programs import for_each_program
 
-EVERYTHING = Selection(frozenset(suite.rules()))
+EVERYTHING = Selection(frozenset(registry.rules()))
 """All rules, those that are opt-in too."""
 
 _TEXT = "<text>"

@@ -6,16 +6,16 @@ from collections.abc import Callable, Mapping, Sequence
 
 import msgspec
 
-from rapc.analysis import suite
+from rapc.analysis import registry
 from rapc.analysis.driver import CheckReport, Finding, check_library
 from rapc.analysis.fixes import Mended, mend
 from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix, Rule
 from rapc.base.source import Span
 from rapc.library.loader import load_text
 
-WARNING = suite.rules()["unused-suppression"]
-ERROR = suite.rules()["unknown-rap"]
-OTHER_ERROR = suite.rules()["wrong-step-arity"]
+WARNING = registry.rules()["unused-suppression"]
+ERROR = registry.rules()["unknown-rap"]
+OTHER_ERROR = registry.rules()["wrong-step-arity"]
 
 Say = Callable[[str], Sequence[tuple[Rule, int, int, str]]]
 

@@ -14,8 +14,8 @@ from pathlib import Path
 import pytest
 
 from rapc.analysis.driver import check_library
+from rapc.analysis.registry import rules
 from rapc.analysis.selection import Selection, by_default, rule_names
-from rapc.analysis.suite import rules
 from rapc.library.loader import load_text
 from tests.expected import assert_page_tells_of_the_fix, expected, opted_in
 from tests.slips_said import slips

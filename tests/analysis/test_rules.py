@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from rapc.analysis.driver import check_library
+from rapc.analysis.registry import rules
 from rapc.analysis.selection import Selection, by_default
-from rapc.analysis.suite import rules
 from rapc.base.diagnostics import Rule, Severity
 from rapc.library.loader import load, load_text
 from tests.expected import assert_page_tells_of_the_fix

@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from rapc.analysis import suite
+from rapc.analysis import registry
 
 from .command import rapc
 
@@ -69,7 +69,7 @@ def test_sarif_has_every_rule_and_each_finding_at_its_place(folder: Path) -> Non
     (run,) = log["runs"]
     assert run["columnKind"] == "unicodeCodePoints"
     rules = run["tool"]["driver"]["rules"]
-    assert [rule["id"] for rule in rules] == [r.code for r in suite.rules().values()]
+    assert [rule["id"] for rule in rules] == [r.code for r in registry.rules().values()]
     rows = _rows(folder)
     assert len(run["results"]) == len(rows)
     for result, row in zip(run["results"], rows, strict=True):

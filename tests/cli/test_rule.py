@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from rapc.analysis.suite import rules
+from rapc.analysis.registry import rules
 
 from .command import rapc
 

@@ -11,7 +11,7 @@ import jsonschema
 import pytest
 from hypothesis import given
 
-from rapc.analysis import suite
+from rapc.analysis import registry
 from rapc.analysis.driver import CheckReport, check_library
 from rapc.base.diagnostics import Applicability, Rule
 from rapc.console import formats
@@ -20,7 +20,7 @@ from tests.analysis.test_robust import damaged
 from tests.effort import examples
 
 SCHEMA = json.loads(Path(__file__).with_name("sarif.schema.json").read_text())
-RULES = [rule for rule in suite.rules().values() if not rule.opt_in]
+RULES = [rule for rule in registry.rules().values() if not rule.opt_in]
 
 
 def _held(report: CheckReport, *, rules: bool = False) -> dict[str, Any]:
@@ -50,7 +50,7 @@ def test_the_schema_is_one_and_refuses_what_is_none() -> None:
 def test_every_rule_can_be_told(rule: Rule) -> None:
     report = check_library(load_text(rule.example))
     run = _held(report)
-    codes = [rule.code for rule in suite.rules().values()]
+    codes = [rule.code for rule in registry.rules().values()]
     told = [(codes[r["ruleIndex"]], r["ruleId"]) for r in run["results"]]
     assert told == [(f.rule.code, f.rule.code) for f in report.findings]
     safe = [

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.lark import from_lark
 from lark.lexer import PatternStr, TerminalDef
 
-from rapc.analysis.suite import rules
+from rapc.analysis.registry import rules
 from rapc.language.build import MARKS, SOURCE, parser
 
 CHECKOUT = Path(__file__).parents[2]

@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from rapc.analysis.driver import check_library
-from rapc.analysis.suite import rules
+from rapc.analysis.registry import rules
 from rapc.console.testing.explain import failure_lines
 from rapc.library.loader import load_text
 from rapc.testing.discover import find

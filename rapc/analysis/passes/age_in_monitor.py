@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from collections.abc import Iterator
+
+from rapc.analysis.check import Pass, check
 from rapc.analysis.passes.bindings import BINDINGS
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 
@@ -34,24 +36,13 @@ no time of its own, so the task may wake late or not at all.""",
 )
 
 
-def _run(run: Pass) -> None:
+@check(AGE, needs_whole="form")
+def age_in_monitor(run: Pass) -> Iterator[Diagnostic]:
+    """Find monitors that bind an age instead of testing one."""
     for believe in run.result(BINDINGS).ages:
-        run.report(
-            Diagnostic(
-                rule=AGE.name,
-                message="an age is bound in a monitor, which no time wakes",
-                span=believe.age.span,
-                help="give `believe` a number: `(not (believe p 30))` wakes the task "
-                "when p is 30 old",
-            )
+        yield AGE.at(
+            believe.age.span,
+            "an age is bound in a monitor, which no time wakes",
+            help="give `believe` a number: `(not (believe p 30))` wakes the task "
+            "when p is 30 old",
         )
-
-
-ANALYZER = Analyzer(
-    name="age-in-monitor",
-    doc="Finds monitors that bind an age instead of testing one.",
-    run=_run,
-    needs=(BINDINGS,),
-    rules=(AGE,),
-    needs_whole="form",
-)

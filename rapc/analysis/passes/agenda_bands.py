@@ -9,7 +9,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Container, Iterator, Mapping
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Pass, check
 from rapc.analysis.endless import below_agendas, endless, is_never
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
@@ -110,30 +110,23 @@ _ROUNDS = 20
 """So many RAPs deep the priorities of steps are added up."""
 
 
-def _run(run: Pass) -> None:
+@check(LOW, REACHES, ENDS)
+def agenda_bands(run: Pass) -> Iterator[Diagnostic]:
+    """Find tasks of an agenda whose priorities or goals defeat its standing tasks."""
     if not run.library.agendas:
         return
     reach = _reach(run)
     told: set[int] = set()
     never_done = endless(below_agendas(run.library))
     for agenda in run.library.agendas.values():
-        for found in (
+        yield from (
             *_low(run, agenda, never_done),
             *_reaches(run, agenda, reach, told),
-        ):
-            run.report(found)
+        )
         for task in agenda.tasks:
             ended = _ended(run, task)
             if ended is not None:
-                run.report(ended)
-
-
-ANALYZER = Analyzer(
-    name="agenda-bands",
-    doc="Finds tasks of an agenda whose priorities or goals defeat its standing tasks.",
-    run=_run,
-    rules=(LOW, REACHES, ENDS),
-)
+                yield ended
 
 
 def _stands(run: Pass, task: nodes.GivenTask) -> bool:
@@ -164,11 +157,10 @@ def _low(
     lowest = min(one.priority for one in work)
     for task in agenda.tasks:
         if lowest >= task.priority and _stands(run, task):
-            yield Diagnostic(
-                rule=LOW.name,
-                message=f"`{task.goal.name}` stands by at priority {task.priority}, "
+            yield LOW.at(
+                task.goal.span,
+                f"`{task.goal.name}` stands by at priority {task.priority}, "
                 "and interrupts nothing",
-                span=task.goal.span,
                 labels=(Label(highest.span, f"priority {highest.priority}"),),
                 help="give it a higher priority than the work",
             )
@@ -213,11 +205,10 @@ def _reaches(
         step = _raised(task.goal.name, reach)
         if step is not None and id(step) not in told:
             told.add(id(step))
-            yield Diagnostic(
-                rule=REACHES.name,
-                message=f"step `{step.tag}` raises `{task.goal.name}` to priority "
+            yield REACHES.at(
+                step.span,
+                f"step `{step.tag}` raises `{task.goal.name}` to priority "
                 f"{task.priority + high}, up to `{next_.goal.name}`",
-                span=step.span,
                 labels=(
                     Label(task.span, f"this task has priority {task.priority}"),
                     Label(next_.span, f"this one has {next_.priority}"),
@@ -254,10 +245,9 @@ def _ended(run: Pass, task: nodes.GivenTask) -> Diagnostic | None:
     message = f"`{rap.name}` is done when a method has ended well once"
     if rap.succeed is not None:
         message = f"`{rap.name}` is done for good when this holds once"
-    return Diagnostic(
-        rule=ENDS.name,
-        message=message,
-        span=rap.name_span if rap.succeed is None else rap.succeed.span,
+    return ENDS.at(
+        rap.name_span if rap.succeed is None else rap.succeed.span,
+        message,
         labels=(
             Label(monitor.span, "its monitor"),
             Label(task.span, "given as a task that stands by"),

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from collections.abc import Iterator
+
+from rapc.analysis.check import Pass, check
 from rapc.analysis.passes.bindings import BINDINGS
 from rapc.analysis.passes.explained import EXPLAINED
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
@@ -32,25 +34,15 @@ request, a test or a sum there is nothing it could stand for.""",
 )
 
 
-def _run(run: Pass) -> None:
+@check(ANONYMOUS)
+def anonymous_variable(run: Pass) -> Iterator[Diagnostic]:
+    """Find a bare `?` where a value is needed."""
     for variable in run.result(BINDINGS).anonymous:
         if id(variable) in run.result(EXPLAINED).anonymous:
             continue
-        run.report(
-            Diagnostic(
-                rule=ANONYMOUS.name,
-                message="`?` has no value here",
-                span=variable.span,
-                help="name the variable and bind it first; "
-                "`?` only matches, in queries and patterns",
-            )
+        yield ANONYMOUS.at(
+            variable.span,
+            "`?` has no value here",
+            help="name the variable and bind it first; "
+            "`?` only matches, in queries and patterns",
         )
-
-
-ANALYZER = Analyzer(
-    name="anonymous-variable",
-    doc="Finds a bare `?` where a value is needed.",
-    run=_run,
-    needs=(BINDINGS, EXPLAINED),
-    rules=(ANONYMOUS,),
-)

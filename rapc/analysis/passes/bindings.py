@@ -17,9 +17,9 @@ from collections.abc import Container, Iterable, Mapping
 
 import msgspec
 
-from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.binding_rules import BindingWalker, Bound, Findings
 from rapc.analysis.binding_sites import rules_over_memory
+from rapc.analysis.check import Fact, Pass
 from rapc.analysis.endless import NeverDone
 from rapc.analysis.named_bindings import query_arguments
 from rapc.analysis.passes.task_nets import TASK_NETS, Net, Nets
@@ -51,7 +51,7 @@ class Bindings(msgspec.Struct, frozen=True):
 
 
 def _run(run: Pass) -> Bindings:
-    nets = run.result(TASK_NETS)
+    nets = run.result(TASK_NETS).value
     missing = {}
     library = run.library
     walker = BindingWalker(library.functions, library.queries, Findings())
@@ -81,12 +81,8 @@ def _run(run: Pass) -> Bindings:
     return Bindings(missing, tuple(anonymous), tuple(walk.ages))
 
 
-BINDINGS = Analyzer(
-    name="bindings",
-    doc="Works out which variables lack a value, in any order that a task-net allows.",
-    run=_run,
-    needs=(TASK_NETS,),
-)
+BINDINGS = Fact(_run)
+"""Works out which variables lack a value, in any order that a task-net allows."""
 
 
 class _Walk:

@@ -12,11 +12,11 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 
 import msgspec
 
-from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.census import CENSUS, sort_of
+from rapc.analysis.check import Fact, Pass, Reported, check
 from rapc.analysis.close_names import Close, is_row
 from rapc.analysis.index import Form
-from rapc.analysis.passes.kinds import ANALYZER as KINDS
+from rapc.analysis.passes.kinds import KINDS
 from rapc.analysis.place_kinds import PLACE_KINDS, PlaceKinds
 from rapc.analysis.places import PLACES, Place, place_parts
 from rapc.base.diagnostics import (
@@ -141,10 +141,11 @@ class _Standing(msgspec.Struct, frozen=True):
     sort: str
 
 
-def _run(run: Pass) -> Collection[tuple[int, str]]:
-    """Report, and return the variables for which a word stands, by the form's id."""
+def _run(run: Pass) -> Reported[Collection[tuple[int, str]]]:
+    """Return the findings, and the variables for which words stand, by form."""
     known = _Known(run)
-    told = run.result(KINDS)
+    told = run.result(KINDS).value
+    every: list[Diagnostic] = []
     unmarked: dict[tuple[int, str], None] = {}
     for one in _standing(run, known.place_kinds):
         if isinstance(one.form, nodes.DefineTest):
@@ -157,17 +158,17 @@ def _run(run: Pass) -> Collection[tuple[int, str]]:
         found = _misspelt(run, known, one) or _mixed(known, one) or _foreign(known, one)
         if found is not None:
             unmarked[id(one.form), f"?{one.const.value}"] = None
-            run.report(found)
-    return unmarked
+            every.append(found)
+    return Reported(every, unmarked)
 
 
-ANALYZER = Analyzer(
-    name="constants",
-    doc="Holds constants against those that stand at the same places elsewhere.",
-    run=_run,
-    needs=(CENSUS, KINDS, PLACE_KINDS, PLACES),
-    rules=(MISSPELT, FOREIGN, MIXED),
-)
+CONSTANTS = Fact(_run)
+
+
+@check(MISSPELT, FOREIGN, MIXED)
+def constants(run: Pass) -> Iterable[Diagnostic]:
+    """Compare constants with those that stand at the same places elsewhere."""
+    return run.result(CONSTANTS).findings
 
 
 # --- what stands where ----------------------------------------------------------------
@@ -306,10 +307,9 @@ def _misspelt(run: Pass, known: _Known, one: _Standing) -> Diagnostic | None:
 
 def _slip(one: _Standing, meant: str, labels: Iterable[Label]) -> Diagnostic:
     edit = Edit(one.const.span, meant)
-    return Diagnostic(
-        rule=MISSPELT.name,
-        message=f"`{one.const.value}` stands only here",
-        span=one.const.span,
+    return MISSPELT.at(
+        one.const.span,
+        f"`{one.const.value}` stands only here",
         labels=tuple(labels),
         help=f"did you mean `{meant}`?",
         fix=Fix(Applicability.UNSAFE, f"write `{meant}`", (edit,)),
@@ -336,10 +336,9 @@ def _mixed(known: _Known, one: _Standing) -> Diagnostic | None:
     if count < _enough(known, one, own, sort):
         return None
     _, name, _ = place_parts(one.places[0])
-    return Diagnostic(
-        rule=MIXED.name,
-        message=f"`{format_atom(one.const.value)}` stands where all others are {sort}s",
-        span=one.const.span,
+    return MIXED.at(
+        one.const.span,
+        f"`{format_atom(one.const.value)}` stands where all others are {sort}s",
         help=f"there are {count} of them at this place of `{name}`",
     )
 
@@ -367,10 +366,9 @@ def _foreign(known: _Known, one: _Standing) -> Diagnostic | None:
     homes = [kind for kind, n in there.items() if n > 1 and kind != wanted]
     if not homes or not all(_strange(known, kind, wanted) for kind in homes):
         return None
-    return Diagnostic(
-        rule=FOREIGN.name,
-        message=f"`{one.written}` is a {homes[0]}, and a {wanted} is wanted",
-        span=one.const.span,
+    return FOREIGN.at(
+        one.const.span,
+        f"`{one.written}` is a {homes[0]}, and a {wanted} is wanted",
         help="is it the argument that was meant here?",
     )
 

@@ -10,8 +10,8 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import msgspec
 
-from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.certain import contradict, done, fact_name
+from rapc.analysis.check import Pass, check
 from rapc.analysis.literals import Literal, literals
 from rapc.analysis.passes.task_nets import TASK_NETS, Net
 from rapc.analysis.passes.threats import WORLD
@@ -58,26 +58,17 @@ _MOST = 200
 """So many goals below the steps of one method are looked at."""
 
 
-def _run(run: Pass) -> None:
-    nets = run.result(TASK_NETS)
+@check(BROKEN, needs_whole="method")
+def constraints(run: Pass) -> Iterator[Diagnostic]:
+    """Find steps that undo what a constraint above them asks for."""
+    nets = run.result(TASK_NETS).value
     for rap in run.library.raps.values():
         for method in rap.methods:
             net = nets.get(id(method.body))
             asked = [*literals(rap.constraints), *literals(method.constraints)]
             asked = [one for one in asked if fact_name(one)]
             if isinstance(method.body, nodes.TaskNet) and net is not None and asked:
-                for found in _broken(run, method.body.steps, net, asked):
-                    run.report(found)
-
-
-ANALYZER = Analyzer(
-    name="constraints",
-    doc="Finds steps that undo what a constraint above them asks for.",
-    run=_run,
-    needs=(TASK_NETS,),
-    rules=(BROKEN,),
-    needs_whole="method",
-)
+                yield from _broken(run, method.body.steps, net, asked)
 
 
 def _broken(
@@ -150,7 +141,7 @@ class _Search:
         left: bool,
         far: int,
     ) -> _Undone | None:
-        net = self._run.result(TASK_NETS).get(id(method.body))
+        net = self._run.result(TASK_NETS).value.get(id(method.body))
         if not isinstance(method.body, nodes.TaskNet) or net is None:
             return None
         if net.broken or net.order is None:
@@ -186,11 +177,10 @@ def _finding(step: nodes.Step, wanted: Literal, by: nodes.Goal) -> Diagnostic:
     if by.span != step.goal.span:
         labels.append(Label(by.span, f"`{format_goal(by)}` does"))
         way = " on its way"
-    return Diagnostic(
-        rule=BROKEN.name,
-        message=f"step `{step.tag}` undoes `{format_formula(wanted.formula)}`{way}, a "
+    return BROKEN.at(
+        step.goal.span,
+        f"step `{step.tag}` undoes `{format_formula(wanted.formula)}`{way}, a "
         "constraint of the steps that are left",
-        span=step.goal.span,
         labels=tuple(labels),
         help="let it come last, or ask for this in the context",
     )

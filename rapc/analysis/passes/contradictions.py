@@ -6,12 +6,12 @@ never hold together; each branch of an `or` is asked with what stands around it.
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Sequence
+from collections.abc import Container, Iterable, Iterator, Sequence
 from typing import NamedTuple
 
-from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.binding_rules import Bound
 from rapc.analysis.binding_sites import whole_formulas
+from rapc.analysis.check import Fact, Pass, Reported, check
 from rapc.analysis.conjunction import Clash, Conjunction, may_clash
 from rapc.analysis.literals import Literal, literals
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
@@ -50,44 +50,41 @@ another thing (T 4.1).""",
 )
 
 
-class Reports:
-    """Where the findings of one form go: each place is told of once.
-
-    Args:
-        run: the run of the pass.
-    """
-
-    def __init__(self, run: Pass) -> None:
-        self.run = run
-        self._told: set[Span] = set()
-
-    def report(self, rule: Rule, message: str, span: Span, label: Label) -> None:
-        """Report a place that no finding was about before."""
-        if span in self._told:
-            return
-        self._told.add(span)
-        labels = (label,) if label.span != span else ()
-        self.run.report(Diagnostic(rule.name, message, span, labels=labels))
-
-
-def _run(run: Pass) -> set[int]:
-    """Report, and return the ids of the formulas that never hold."""
+def _run(run: Pass) -> Reported[set[int]]:
+    """Return the findings, and the ids of the formulas that never hold."""
     never: set[int] = set()
+    found: list[Diagnostic] = []
     for form in run.library.forms:
-        reports = Reports(run)
+        every: list[Diagnostic] = []
         for formula, given in whole_formulas(form, run.library.functions):
-            if _contradictions(reports, formula, given):
+            own = list(_contradictions(run, formula, given))
+            if own:
                 never.add(id(formula))
-    return never
+            every += own
+        found += one_for_each_place(every)
+    return Reported(found, never)
 
 
-ANALYZER = Analyzer(
-    name="contradictions",
-    doc="Finds formulas that never hold, whatever happens.",
-    run=_run,
-    rules=(CONTRADICTION,),
-    needs_whole="form",
-)
+CONTRADICTIONS = Fact(_run)
+
+
+@check(CONTRADICTION, needs_whole="form")
+def contradictions(run: Pass) -> Iterable[Diagnostic]:
+    """Find formulas that never hold, whatever happens."""
+    return run.result(CONTRADICTIONS).findings
+
+
+def one_for_each_place(found: Iterable[Diagnostic]) -> Iterable[Diagnostic]:
+    """Return the first finding at each place."""
+    first: dict[Span, Diagnostic] = {}
+    for one in found:
+        first.setdefault(one.span, one)
+    return first.values()
+
+
+def clash_at(rule: Rule, message: str, span: Span, label: Label) -> Diagnostic:
+    """Return a finding with a label, unless that is about the same place."""
+    return rule.at(span, message, labels=(label,) if label.span != span else ())
 
 
 class _Asked(NamedTuple):
@@ -101,30 +98,28 @@ class _Asked(NamedTuple):
 
 
 def _contradictions(
-    reports: Reports, formula: nodes.Formula, given: Container[str]
-) -> bool:
-    """Report what never holds in a formula; return whether anything was found.
+    run: Pass, formula: nodes.Formula, given: Container[str]
+) -> Iterator[Diagnostic]:
+    """Yield what never holds in a formula.
 
     Args:
-        reports: where findings go.
+        run: the pass.
         formula: the formula.
         given: the variables that may have values before it is asked.
     """
     if not isinstance(formula, _JOINED):
-        return False
-    found = False
+        return
     waiting = [_Asked(formula, given)]
     while waiting:
         here = waiting.pop()
         own = list(literals(here.formula))
         after = [*own, *here.behind]
-        clash = first_clash(reports.run, here.before, after, here.given)
+        clash = first_clash(run, here.before, after, here.given)
         if clash is not None:
             if any(clash.second is one for one in here.behind):
                 clash = Clash(clash.second, clash.first)
             if any(clash.second is one for one in own):
-                _report_contradiction(reports, clash)
-                found = True
+                yield _contradiction(clash)
             continue
         for at, literal in enumerate(own):
             inner = literal.formula
@@ -137,7 +132,6 @@ def _contradictions(
                 asked = _Asked(inner, _bound_by(here.given, before))
             parts = inner.parts if isinstance(inner, nodes.Or) else (inner,)
             waiting += [asked._replace(formula=part) for part in reversed(parts)]
-    return found
 
 
 def _bound_by(given: Container[str], before: Iterable[Literal]) -> Container[str]:
@@ -176,8 +170,8 @@ def first_clash(
     return None
 
 
-def _report_contradiction(reports: Reports, clash: Clash) -> None:
-    reports.report(
+def _contradiction(clash: Clash) -> Diagnostic:
+    return clash_at(
         CONTRADICTION,
         f"{said(clash.second)} and {said(clash.first)} never hold together",
         clash.second.span,

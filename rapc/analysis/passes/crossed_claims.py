@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import msgspec
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Pass, check
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
@@ -74,7 +74,9 @@ _Known = dict[tuple[nodes.Thing, nodes.Thing], dict[_Things, _Taken]]
 """The same of several tasks, by all that is held; of those alike the first one."""
 
 
-def _run(run: Pass) -> None:
+@check(CROSSED)
+def crossed_claims(run: Pass) -> Iterator[Diagnostic]:
+    """Find tasks of an agenda that take two things in opposite orders."""
     raps = run.library.raps.values()
     if not any(method.claims for rap in raps for method in rap.methods):
         return
@@ -91,19 +93,11 @@ def _run(run: Pass) -> None:
                 pair = frozenset((one.thing, other.thing))
                 if pair not in told:
                     told.add(pair)
-                    run.report(_finding(one, other))
+                    yield _finding(one, other)
             for key, taken in orders[name].items():
                 known = others.setdefault(key, {})
                 for other in taken:
                     known.setdefault(other.held, other)
-
-
-ANALYZER = Analyzer(
-    name="crossed-claims",
-    doc="Finds tasks of an agenda that take two things in opposite orders.",
-    run=_run,
-    rules=(CROSSED,),
-)
 
 
 def _orders(library: Library, goal: str) -> _Orders:
@@ -154,11 +148,10 @@ def _crossed(orders: _Orders, others: _Known) -> Iterator[tuple[_Taken, _Taken]]
 
 def _finding(one: _Taken, other: _Taken) -> Diagnostic:
     first, second = format_formula(one.thing), format_formula(other.thing)
-    return Diagnostic(
-        rule=CROSSED.name,
-        message=f"`{one.rap.name}` wants `{first}` while `{second}` is held, "
+    return CROSSED.at(
+        one.rap.name_span,
+        f"`{one.rap.name}` wants `{first}` while `{second}` is held, "
         f"`{other.rap.name}` the other way round",
-        span=one.rap.name_span,
         labels=(
             Label(other.rap.name_span, f"wants `{second}` while `{first}` is held"),
         ),

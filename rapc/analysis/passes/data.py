@@ -6,10 +6,12 @@ with a result, to the handlers of the world that the test names.
 
 from __future__ import annotations
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from collections.abc import Iterator
+
+from rapc.analysis.check import Pass, check
 from rapc.analysis.index import INDEX
-from rapc.analysis.named import MISUSES, UnknownNames, misuses, report_arguments
-from rapc.base.diagnostics import Rule, Severity
+from rapc.analysis.named import UnknownNames, misuses, wrong_arity
+from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.ir import nodes
 
 _AS_DECLARED = """\
@@ -65,7 +67,9 @@ handler takes those and no others.""",
 )
 
 
-def _run(run: Pass) -> None:
+@check(UNDECLARED, ARITY)
+def data(run: Pass) -> Iterator[Diagnostic]:
+    """Find sensor data that are not declared, or declared otherwise."""
     unknown = UnknownNames(UNDECLARED)
     for one in misuses(run, ("datum",), "unknown"):
         unknown.add(one.fault, one.used.place(run.library.files), one.used.owner)
@@ -74,14 +78,5 @@ def _run(run: Pass) -> None:
             if name not in run.signatures.data:
                 fault = run.signatures.unknown("datum", name)
                 unknown.add(fault, primitive.node.span, primitive.owner)
-    unknown.report(run)
-    report_arguments(run, ARITY, ("datum",))
-
-
-ANALYZER = Analyzer(
-    name="data",
-    doc="Finds sensor data that are not declared, or declared otherwise.",
-    run=_run,
-    needs=(INDEX, MISUSES),
-    rules=(UNDECLARED, ARITY),
-)
+    yield from unknown.findings(run)
+    yield from wrong_arity(run, ARITY, ("datum",))

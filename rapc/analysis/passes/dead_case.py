@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Pass, check
 from rapc.analysis.index import INDEX
 from rapc.analysis.outcomes import Outcomes
 from rapc.analysis.passes.unknown_result import REASONS
@@ -48,7 +48,9 @@ adds are not looked at.""",
 )
 
 
-def _run(run: Pass) -> None:
+@check(DEAD, needs_whole="form")
+def dead_case(run: Pass) -> Iterator[Diagnostic]:
+    """Find cases of memory rules that are never taken."""
     results = {r for form in run.library.primitives.values() for r in form.results}
     results |= {name.removeprefix(":") for name in run.library.events}
     told = {e for form in run.library.skills.values() for e in form.events or ()}
@@ -57,7 +59,7 @@ def _run(run: Pass) -> None:
         dead = set[Span]()
         for found in _dead(rule.node):
             dead.add(found.span)
-            run.report(found)
+            yield found
         if not run.complete or rule.node.index.name not in raps:
             continue
         if outcomes is None:
@@ -65,7 +67,7 @@ def _run(run: Pass) -> None:
             outcomes = Outcomes(run.library, unread)
         for found in _impossible(rule.node, outcomes, results, told):
             if found.span not in dead:
-                run.report(found)
+                yield found
 
 
 def _impossible(
@@ -121,24 +123,13 @@ def _dead(rule: nodes.MemoryRule) -> Iterator[Diagnostic]:
 
 def _behind(case: nodes.ResultCase, first: nodes.ResultCase | None) -> Diagnostic:
     assert first is not None
-    return Diagnostic(
-        rule=DEAD.name,
-        message="this case is never reached",
-        span=case.result.span,
+    return DEAD.at(
+        case.result.span,
+        "this case is never reached",
         labels=(Label(first.result.span, "this one matches before it"),),
         help="put it before that one, or remove it",
     )
 
 
 def _wrong(case: nodes.ResultCase, message: str, help: str) -> Diagnostic:
-    return Diagnostic(rule=DEAD.name, message=message, span=case.result.span, help=help)
-
-
-ANALYZER = Analyzer(
-    name="dead-case",
-    doc="Finds cases of memory rules that are never taken.",
-    run=_run,
-    needs=(INDEX,),
-    rules=(DEAD,),
-    needs_whole="form",
-)
+    return DEAD.at(case.result.span, message, help=help)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.certain import done_by_method, fact_name
+from rapc.analysis.check import Pass, check
 from rapc.analysis.effects import EFFECTS
 from rapc.analysis.literals import Literal, literals
 from rapc.analysis.passes.hopeless import can_come
@@ -68,21 +68,12 @@ reason.""",
 )
 
 
-def _run(run: Pass) -> None:
+@check(LACKING, UNCONFIRMED, needs_whole="form")
+def declared_effects(run: Pass) -> Iterator[Diagnostic]:
+    """Find effects that methods have and the RAP lacks, or the other way round."""
     for rap in run.library.raps.values():
         if rap.effects and rap.methods:
-            for found in (*_lacking(run, rap), *_unconfirmed(run, rap)):
-                run.report(found)
-
-
-ANALYZER = Analyzer(
-    name="declared-effects",
-    doc="Finds effects that methods have and the RAP lacks, or the other way round.",
-    run=_run,
-    needs=(EFFECTS,),
-    rules=(LACKING, UNCONFIRMED),
-    needs_whole="form",
-)
+            yield from (*_lacking(run, rap), *_unconfirmed(run, rap))
 
 
 def _lacking(run: Pass, rap: nodes.DefineRap) -> Iterator[Diagnostic]:
@@ -94,10 +85,9 @@ def _lacking(run: Pass, rap: nodes.DefineRap) -> Iterator[Diagnostic]:
     lacking = [one for one in every[0] if fact_name(one) in common - named]
     for one in lacking[:1]:
         written = format_formula(one.formula)
-        yield Diagnostic(
-            rule=LACKING.name,
-            message=f"`{rap.name}` changes `{written}` too, and does not say so",
-            span=rap.effects[0].span,
+        yield LACKING.at(
+            rap.effects[0].span,
+            f"`{rap.name}` changes `{written}` too, and does not say so",
             labels=(Label(one.span, "declared here"),),
             help=f"add `{written if one.holds else f'(not {written})'}`",
         )
@@ -127,11 +117,10 @@ def _not_confirmed(
     rap: nodes.DefineRap, effect: nodes.DeclaredEffect, method: nodes.Method
 ) -> Diagnostic:
     written = format_formula(effect.pattern)
-    return Diagnostic(
-        rule=UNCONFIRMED.name,
-        message=f"this method of `{rap.name}` is not known to bring "
+    return UNCONFIRMED.at(
+        method.span,
+        f"this method of `{rap.name}` is not known to bring "
         f"`{f'(not {written})' if effect.negated else written}` about",
-        span=method.span,
         labels=(Label(effect.span, "declared here"),),
         help="say what its primitives do, or ask for the effect in `succeed`",
     )

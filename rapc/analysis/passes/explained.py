@@ -12,12 +12,12 @@ from collections.abc import Callable, Iterable, Mapping
 
 import msgspec
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Fact, Pass
 from rapc.analysis.index import INDEX, NameUse
 from rapc.analysis.named import MISUSES
 from rapc.analysis.passes.bindings import Missing
-from rapc.analysis.passes.constants import ANALYZER as CONSTANTS
-from rapc.analysis.passes.outputs import ANALYZER as OUTPUTS
+from rapc.analysis.passes.constants import CONSTANTS
+from rapc.analysis.passes.outputs import OUTPUTS
 from rapc.ir import nodes
 from rapc.ir.walk import subterms
 
@@ -53,10 +53,10 @@ class Explained(msgspec.Struct, frozen=True):
 def _run(run: Pass) -> Explained:
     names: dict[int, set[str]] = {}
     lacking: Counter[int] = Counter()
-    for told in run.result(OUTPUTS):
+    for told in run.result(OUTPUTS).value:
         lacking[told] += 1
     anonymous: set[int] = set()
-    for form, name in run.result(CONSTANTS):
+    for form, name in run.result(CONSTANTS).value:
         names.setdefault(form, set()).add(name)
     computed: set[int] = set()
     for used in run.result(INDEX).uses():
@@ -93,9 +93,5 @@ def _variables(used: NameUse) -> list[nodes.Var]:
     return [one for one in found if isinstance(one, nodes.Var)]
 
 
-EXPLAINED = Analyzer(
-    name="explained",
-    doc="Gathers the variables that lack a value because of another slip.",
-    run=_run,
-    needs=(INDEX, MISUSES, CONSTANTS, OUTPUTS),
-)
+EXPLAINED = Fact(_run)
+"""Gathers the variables that lack a value because of another slip."""

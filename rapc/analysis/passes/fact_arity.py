@@ -6,10 +6,12 @@ assertions and notations; erasing takes a prefix.
 
 from __future__ import annotations
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from collections.abc import Iterator
+
 from rapc.analysis.census import CENSUS, TRUTH
+from rapc.analysis.check import Pass, check
 from rapc.analysis.index import INDEX, NameUse
-from rapc.analysis.named import MISUSES, declared_at, report_arguments
+from rapc.analysis.named import declared_at, wrong_arity
 from rapc.analysis.places import argument_place
 from rapc.base.diagnostics import (
     Applicability,
@@ -100,8 +102,10 @@ found: the value was forgotten.""",
 _FACTS: tuple[Use, ...] = ("test", "believed", "asserted", "erased")
 
 
-def _run(run: Pass) -> None:
-    report_arguments(run, ARITY, _FACTS)
+@check(ARITY, IMPLIED, MISSING)
+def wrong_fact_arity(run: Pass) -> Iterator[Diagnostic]:
+    """Find facts and tests with too many or too few arguments."""
+    yield from wrong_arity(run, ARITY, _FACTS)
     properties = {
         name: signature
         for name, signature in run.signatures.relations.items()
@@ -113,18 +117,9 @@ def _run(run: Pass) -> None:
             continue
         if used.use in _FACTS and used.use != "erased":
             if _never_true(run, declared):
-                run.report(_missing(run, used, declared))
+                yield _missing(run, used, declared)
             else:
-                run.report(_implied(run, used, declared))
-
-
-ANALYZER = Analyzer(
-    name="wrong-fact-arity",
-    doc="Finds facts and tests with too many or too few arguments.",
-    run=_run,
-    needs=(CENSUS, INDEX, MISUSES),
-    rules=(ARITY, IMPLIED, MISSING),
-)
+                yield _implied(run, used, declared)
 
 
 def _never_true(run: Pass, declared: Signature) -> bool:
@@ -142,11 +137,9 @@ def _never_true(run: Pass, declared: Signature) -> bool:
 
 def _missing(run: Pass, used: NameUse, declared: Signature) -> Diagnostic:
     label = Label(declared_at(run, declared), f"declared here as `{declared.written}`")
-    return Diagnostic(
-        rule=MISSING.name,
-        message=f"the value of `{used.name}` is left out, and `true` is none of its "
-        "values",
-        span=used.span,
+    return MISSING.at(
+        used.span,
+        f"the value of `{used.name}` is left out, and `true` is none of its values",
         labels=(label,),
         help="write the value that was meant, or a variable for any",
     )
@@ -156,10 +149,9 @@ def _implied(run: Pass, used: NameUse, declared: Signature) -> Diagnostic:
     end = used.node.args[-1].span.end
     edit = Edit(Span(used.span.file, end, end), " true")
     label = Label(declared_at(run, declared), f"declared here as `{declared.written}`")
-    return Diagnostic(
-        rule=IMPLIED.name,
-        message=f"the value of `{used.name}` is left out and means `true`",
-        span=used.span,
+    return IMPLIED.at(
+        used.span,
+        f"the value of `{used.name}` is left out and means `true`",
         labels=(label,),
         fix=Fix(Applicability.SAFE, "write the value", (edit,)),
     )

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 import msgspec
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Pass, check
 from rapc.analysis.index import INDEX, Index, NameUse
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.source import Span
@@ -73,7 +73,9 @@ class _Uses(msgspec.Struct, frozen=True):
     taken: dict[str, Span]
 
 
-def _run(run: Pass) -> None:
+@check(UNREAD, UNASSERTED)
+def facts(run: Pass) -> Iterator[Diagnostic]:
+    """Find facts that come from nowhere, and facts that nobody asks for."""
     library = run.library
     if not run.complete or any(run.unsure(form.span) for form in library.forms):
         return
@@ -85,18 +87,9 @@ def _run(run: Pass) -> None:
     for name, form in declared.items():
         place = name_span(library.files, form)
         if name in uses.asked and name not in uses.brought:
-            run.report(_unasserted(run, uses, name, place))
+            yield _unasserted(run, uses, name, place)
         elif name in uses.brought and not _is_read(library, uses, name):
-            run.report(_unread(name, place, uses.brought[name]))
-
-
-ANALYZER = Analyzer(
-    name="facts",
-    doc="Finds facts that come from nowhere, and facts that nobody asks for.",
-    run=_run,
-    needs=(INDEX,),
-    rules=(UNREAD, UNASSERTED),
-)
+            yield _unread(name, place, uses.brought[name])
 
 
 def _uses(index: Index) -> _Uses:
@@ -145,20 +138,18 @@ def _unasserted(run: Pass, uses: _Uses, name: str, place: Span) -> Diagnostic:
     labels = [Label(uses.asked[name].place(run.library.files), "asked here")]
     if name in uses.taken:
         labels.append(Label(uses.taken[name], "taken away here"))
-    return Diagnostic(
-        rule=UNASSERTED.name,
-        message=f"nothing in the library ever brings `{name}` there",
-        span=place,
+    return UNASSERTED.at(
+        place,
+        f"nothing in the library ever brings `{name}` there",
         labels=tuple(labels),
         help="ignore this where the host or the world gives it",
     )
 
 
 def _unread(name: str, place: Span, by: Span) -> Diagnostic:
-    return Diagnostic(
-        rule=UNREAD.name,
-        message=f"nothing in the library asks for `{name}`",
-        span=place,
+    return UNREAD.at(
+        place,
+        f"nothing in the library asks for `{name}`",
         labels=(Label(by, "put into memory here"),),
         help="ask for it, or leave it out",
     )

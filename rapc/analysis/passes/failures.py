@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Pass, check
 from rapc.analysis.index import INDEX, Index
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
@@ -43,7 +43,9 @@ _LEAST = 2
 """So many failures are worth telling apart, and so many methods have a choice."""
 
 
-def _run(run: Pass) -> None:
+@check(ALIKE, needs_whole="form")
+def failures(run: Pass) -> Iterator[Diagnostic]:
+    """Find failures that a RAP with several methods does not tell apart."""
     index = run.result(INDEX)
     asked, asks_any = _asked(index)
     for rap in run.library.raps.values():
@@ -54,17 +56,7 @@ def _run(run: Pass) -> None:
                 form = run.library.primitives.get(method.body.request.name)
                 alike = _alike(form, asked) if form is not None else ()
                 if form is not None and len(alike) >= _LEAST:
-                    run.report(_finding(rap, method.body.request, form, alike))
-
-
-ANALYZER = Analyzer(
-    name="failures",
-    doc="Finds failures that a RAP with several methods does not tell apart.",
-    run=_run,
-    needs=(INDEX,),
-    rules=(ALIKE,),
-    needs_whole="form",
-)
+                    yield _finding(rap, method.body.request, form, alike)
 
 
 def _asked(index: Index) -> tuple[set[object], set[int]]:
@@ -108,11 +100,9 @@ def _finding(
     alike: Sequence[str],
 ) -> Diagnostic:
     names = ", ".join(f"`{name}`" for name in alike[:-1]) + f" and `{alike[-1]}`"
-    return Diagnostic(
-        rule=ALIKE.name,
-        message=f"no method of `{rap.name}` asks whether `{form.name}` has failed "
-        f"with {names}",
-        span=request.span,
+    return ALIKE.at(
+        request.span,
+        f"no method of `{rap.name}` asks whether `{form.name}` has failed with {names}",
         labels=(Label(form.span, "declared here"),),
         help="ask `last-result` in the contexts of the other methods",
     )

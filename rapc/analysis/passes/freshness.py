@@ -11,8 +11,8 @@ from collections.abc import Container, Iterator, Sequence
 
 import msgspec
 
-from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.asking import Asking, asking
+from rapc.analysis.check import Pass, check
 from rapc.analysis.index import INDEX
 from rapc.analysis.literals import number_of
 from rapc.analysis.passes.standing import is_described
@@ -69,7 +69,9 @@ class _Sensed(msgspec.Struct, frozen=True):
     said: Span
 
 
-def _run(run: Pass) -> None:
+@check(FRESHER, needs_whole="form")
+def freshness(run: Pass) -> Iterator[Diagnostic]:
+    """Find beliefs that are to be younger than the time between two sensings."""
     library = run.library
     believed = [
         one for one in run.result(INDEX).of(nodes.Believe) if number_of(one.node.age)
@@ -80,7 +82,7 @@ def _run(run: Pass) -> None:
     for part in _told(run):
         found, age = sensing.of(part.pattern.name), number_of(part.age)
         if found is not None and age is not None and 0 < age < found.every:
-            run.report(_finding(part, age, found))
+            yield _finding(part, age, found)
 
 
 def _told(run: Pass) -> Iterator[nodes.Believe]:
@@ -113,23 +115,12 @@ def _told(run: Pass) -> Iterator[nodes.Believe]:
                 yield part
 
 
-ANALYZER = Analyzer(
-    name="freshness",
-    doc="Finds beliefs that are to be younger than the time between two sensings.",
-    run=_run,
-    needs=(INDEX,),
-    rules=(FRESHER,),
-    needs_whole="form",
-)
-
-
 def _finding(believe: nodes.Believe, age: Number, sensed: _Sensed) -> Diagnostic:
     every = format_atom(sensed.every)
-    return Diagnostic(
-        rule=FRESHER.name,
-        message=f"`{believe.pattern.name}` is sensed every {every} at best, and is "
+    return FRESHER.at(
+        believe.age.span,
+        f"`{believe.pattern.name}` is sensed every {every} at best, and is "
         f"seldom younger than {format_atom(age)}",
-        span=believe.age.span,
         labels=(Label(sensed.said, "the task that looks waits here"),),
         help="ask for an older belief, or look more often",
     )

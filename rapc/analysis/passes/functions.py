@@ -6,15 +6,15 @@ take. Functions used as tests are facts to `fact_arity` and `undeclared_predicat
 
 from __future__ import annotations
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from collections.abc import Iterator
+
+from rapc.analysis.check import Pass, check
 from rapc.analysis.named import (
-    MISUSES,
-    misuses,
-    report_arguments,
-    report_kind,
-    report_unknown,
+    unknown_names,
+    wrong_arity,
+    wrong_kind,
 )
-from rapc.base.diagnostics import Rule, Severity
+from rapc.base.diagnostics import Diagnostic, Rule, Severity
 
 UNDECLARED = Rule(
     code="RAP018",
@@ -61,17 +61,9 @@ term gives it; with too much or too little the query fails.""",
 )
 
 
-def _run(run: Pass) -> None:
-    report_unknown(run, UNDECLARED, ("computed",))
-    report_arguments(run, ARITY, ("computed",))
-    for one in misuses(run, ("computed",), "kind"):
-        report_kind(run, UNDECLARED, one)
-
-
-ANALYZER = Analyzer(
-    name="functions",
-    doc="Finds computed terms whose function is not declared, or not met.",
-    run=_run,
-    needs=(MISUSES,),
-    rules=(UNDECLARED, ARITY),
-)
+@check(UNDECLARED, ARITY)
+def functions(run: Pass) -> Iterator[Diagnostic]:
+    """Find computed terms whose function is not declared, or not met."""
+    yield from unknown_names(run, UNDECLARED, ("computed",))
+    yield from wrong_arity(run, ARITY, ("computed",))
+    yield from wrong_kind(run, UNDECLARED, ("computed",))

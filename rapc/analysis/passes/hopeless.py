@@ -9,16 +9,16 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterator, Sequence
 
-from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.asked import asked_by, asked_through, is_computed, is_known
 from rapc.analysis.certain import done_by_method
+from rapc.analysis.check import Pass, check
 from rapc.analysis.effects import EFFECTS, Effect, calls_of
 from rapc.analysis.endless import is_never
 from rapc.analysis.following import follows
 from rapc.analysis.literals import Literal, apart, literals
-from rapc.analysis.passes.kinds import ANALYZER as KINDS
-from rapc.analysis.passes.settled import ANALYZER as SETTLED
-from rapc.analysis.passes.standing import ANALYZER as STANDING
+from rapc.analysis.passes.kinds import KINDS
+from rapc.analysis.passes.settled import SETTLED
+from rapc.analysis.passes.standing import STANDING
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.graph import components
 from rapc.ir import nodes
@@ -117,17 +117,18 @@ the contrary of which `succeed` asks for, leads to plans that fail.""",
 )
 
 
-def _run(run: Pass) -> None:
+@check(HOPELESS, ENDLESS, EMPTY, needs_whole="form")
+def hopeless(run: Pass) -> Iterator[Diagnostic]:
+    """Find goals, reactions and promises that nothing a RAP does has to do with."""
     effects = run.result(EFFECTS)
-    told = run.result(KINDS)
+    told = run.result(KINDS).value
     hopeless: dict[str, Diagnostic] = {}
     for rap in run.library.raps.values():
         wanted = rap.succeed or rap.effects
         if not run.complete or not rap.methods or not wanted or id(rap) in told:
             continue
         denied = list(_denied(rap))
-        for found in denied:
-            run.report(found)
+        yield from denied
         done = effects.of(rap.name)
         if done is not None:
             lost = _hopeless(run, rap, done)
@@ -135,36 +136,22 @@ def _run(run: Pass) -> None:
                 hopeless[rap.name] = lost
                 continue
             promised = () if denied else _empty(run, rap, done)
-            for found in (*_endless(run, rap, done), *promised):
-                run.report(found)
+            yield from (*_endless(run, rap, done), *promised)
     for name in _causes(run.library, hopeless) if hopeless else ():
-        run.report(hopeless[name])
-
-
-ANALYZER = Analyzer(
-    name="hopeless",
-    doc="Finds goals, reactions and promises that nothing a RAP does has to do with.",
-    run=_run,
-    needs=(EFFECTS, KINDS, SETTLED, STANDING),
-    rules=(HOPELESS, ENDLESS, EMPTY),
-    needs_whole="form",
-)
+        yield hopeless[name]
 
 
 def _hopeless(
     run: Pass, rap: nodes.DefineRap, done: Sequence[Effect]
 ) -> Diagnostic | None:
     goal = rap.succeed
-    if goal is None or is_never(goal) or id(rap) in run.result(SETTLED):
+    if goal is None or is_never(goal) or id(rap) in run.result(SETTLED).value:
         return None
     parts = goal.parts if isinstance(goal, nodes.Or) else (goal,)
     if any(_part_can_come(run.library, part, done) for part in parts):
         return None
-    return Diagnostic(
-        rule=HOPELESS.name,
-        message=f"nothing that `{rap.name}` does brings this about",
-        span=goal.span,
-        help=_said(done),
+    return HOPELESS.at(
+        goal.span, f"nothing that `{rap.name}` does brings this about", help=_said(done)
     )
 
 
@@ -193,20 +180,18 @@ def _endless(
     if monitor is None or rap.monitor_time is not None:
         return
     asked = asked_through(run.library, monitor)
-    if not asked or id(monitor) in run.result(STANDING):
+    if not asked or id(monitor) in run.result(STANDING).value:
         return
     if not _ends(run.library, monitor, done):
-        yield Diagnostic(
-            rule=ENDLESS.name,
-            message=f"nothing that `{rap.name}` does ends the state that wakes it",
-            span=monitor.span,
+        yield ENDLESS.at(
+            monitor.span,
+            f"nothing that `{rap.name}` does ends the state that wakes it",
             help=_said(done),
         )
     elif _brings_it_about(run, rap, monitor):
-        yield Diagnostic(
-            rule=ENDLESS.name,
-            message=f"what `{rap.name}` does brings about what wakes it",
-            span=monitor.span,
+        yield ENDLESS.at(
+            monitor.span,
+            f"what `{rap.name}` does brings about what wakes it",
             help="ask for the contrary in the monitor, or do something else",
         )
 
@@ -305,19 +290,17 @@ def _denied(rap: nodes.DefineRap) -> Iterator[Diagnostic]:
     for effect in rap.effects:
         other = first.setdefault(effect.pattern, effect)
         if other.negated is not effect.negated:
-            yield Diagnostic(
-                rule=EMPTY.name,
-                message="the contrary of this effect is declared, too",
-                span=effect.span,
+            yield EMPTY.at(
+                effect.span,
+                "the contrary of this effect is declared, too",
                 labels=(Label(other.span, "declared here"),),
             )
             continue
         one = asked.get(effect.pattern)
         if one is not None and one.holds is effect.negated:
-            yield Diagnostic(
-                rule=EMPTY.name,
-                message="`succeed` asks for the contrary of this effect",
-                span=effect.span,
+            yield EMPTY.at(
+                effect.span,
+                "`succeed` asks for the contrary of this effect",
                 labels=(Label(one.span, "asked here"),),
             )
     yield from _against_each_way(rap)
@@ -338,10 +321,9 @@ def _against_each_way(rap: nodes.DefineRap) -> Iterator[Diagnostic]:
     ways_denied = {way for way in ways for _, one in denied if one in literals(way)}
     if denied and len(ways_denied) == len(ways):
         effect, one = denied[0]
-        yield Diagnostic(
-            rule=EMPTY.name,
-            message="every way to succeed asks for the contrary of an effect",
-            span=effect.span,
+        yield EMPTY.at(
+            effect.span,
+            "every way to succeed asks for the contrary of an effect",
             labels=(Label(one.span, "asked here"),),
         )
 
@@ -355,10 +337,9 @@ def _empty(
         promised = Literal(fact, not effect.negated)
         if fact not in asked and not can_come(run.library, promised, done):
             written = format_formula(fact)
-            yield Diagnostic(
-                rule=EMPTY.name,
-                message=f"nothing that `{rap.name}` does brings "
+            yield EMPTY.at(
+                effect.span,
+                f"nothing that `{rap.name}` does brings "
                 f"`{f'(not {written})' if effect.negated else written}` about",
-                span=effect.span,
                 help=_said(done),
             )

@@ -10,9 +10,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.asked import asked_by, is_known, through
 from rapc.analysis.certain import done_by_method
+from rapc.analysis.check import Pass, check
 from rapc.analysis.effects import EFFECTS, Effect
 from rapc.analysis.endless import is_never
 from rapc.analysis.following import follows
@@ -61,7 +61,9 @@ remember it in a set.""",
 )
 
 
-def _run(run: Pass) -> None:
+@check(IDLE, needs_whole="form")
+def idle_loops(run: Pass) -> Iterator[Diagnostic]:
+    """Find loops that repeat nothing, or do the same in each round."""
     told = {
         effect.pattern.name
         for datum in run.library.data.values()
@@ -74,31 +76,18 @@ def _run(run: Pass) -> None:
         if not taken:
             continue
         if rap.succeed is None and rap.monitor_state is None:
-            run.report(_repeats_nothing(rap, rap.repeat_while))
+            yield _repeats_nothing(rap, rap.repeat_while)
         if rap.succeed and run.complete and not is_never(rap.succeed):
-            for found in _same_again(run, rap, rap.repeat_while, min(taken), told):
-                run.report(found)
-
-
-ANALYZER = Analyzer(
-    name="idle-loops",
-    doc="Finds loops that repeat nothing, or do the same in each round.",
-    run=_run,
-    needs=(EFFECTS,),
-    rules=(IDLE,),
-    needs_whole="form",
-)
+            yield from _same_again(run, rap, rap.repeat_while, min(taken), told)
 
 
 def _repeats_nothing(rap: nodes.DefineRap, loop: nodes.Formula) -> Diagnostic:
     over = rap.methods[0].span.start
     word = f"(succeed (not {format_formula(loop)}))\n  "
     edit = Edit(Span(rap.span.file, over, over), word)
-    return Diagnostic(
-        rule=IDLE.name,
-        message=f"`{rap.name}` is done when a method has ended well once, "
-        "and repeats nothing",
-        span=loop.span,
+    return IDLE.at(
+        loop.span,
+        f"`{rap.name}` is done when a method has ended well once, and repeats nothing",
         labels=(Label(rap.name_span, "it has no `succeed`"),),
         help="say in `succeed` when the work is done",
         fix=Fix(Applicability.UNSAFE, "go on until there is none", (edit,)),
@@ -120,11 +109,10 @@ def _same_again(
         return
     if any(_is_enough(run, rap, method) for method in rap.methods):
         return
-    yield Diagnostic(
-        rule=IDLE.name,
-        message=f"each round finds the same `{taken}`: no method of `{rap.name}` "
+    yield IDLE.at(
+        loop.span,
+        f"each round finds the same `{taken}`: no method of `{rap.name}` "
         "changes what is asked for",
-        span=loop.span,
         help=_said(done),
     )
 

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Pass, check
 from rapc.analysis.first_values import FirstValues
 from rapc.analysis.index import INDEX
 from rapc.analysis.literals import literals, number_of
-from rapc.analysis.passes.resources import ANALYZER as RESOURCES
+from rapc.analysis.passes.resources import RESOURCES
 from rapc.analysis.resource_flow import Flow, flows, overall_use
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
@@ -78,11 +78,13 @@ reason.""",
 )
 
 
-def _run(run: Pass) -> None:
+@check(IDLE, UNREAD, needs_whole="form")
+def idle_resource(run: Pass) -> Iterator[Diagnostic]:
+    """Find resources that nothing changes, or changes the wrong way."""
     index = run.result(INDEX)
     if not index.of(nodes.Resource):
         return
-    mistaken = run.result(RESOURCES)
+    mistaken = run.result(RESOURCES).value
     wrong = mistaken.wrong | mistaken.meant
     every = flows(index)
     for rap in run.library.raps.values():
@@ -90,18 +92,7 @@ def _run(run: Pass) -> None:
             if (id(rap), resource.variable.name) in wrong:
                 continue
             own = every[id(rap), resource.variable.name]
-            for finding in _judge(resource, overall_use(own, every, run.library), rap):
-                run.report(finding)
-
-
-ANALYZER = Analyzer(
-    name="idle-resource",
-    doc="Finds resources that nothing changes, or changes the wrong way.",
-    run=_run,
-    needs=(INDEX, RESOURCES),
-    rules=(IDLE, UNREAD),
-    needs_whole="form",
-)
+            yield from _judge(resource, overall_use(own, every, run.library), rap)
 
 
 def _judge(
@@ -153,12 +144,11 @@ def _wrong_way(
 
 
 def _unread(resource: nodes.Resource, uses: Flow) -> Diagnostic:
-    return Diagnostic(
-        rule=UNREAD.name,
-        message=f"nobody asks what is in `{resource.variable.name}`"
+    return UNREAD.at(
+        resource.variable.span,
+        f"nobody asks what is in `{resource.variable.name}`"
         if resource.kind == "set"
         else f"nobody asks what `{resource.variable.name}` has come to",
-        span=resource.variable.span,
         labels=tuple([Label(c.span, "changed here") for c in uses.changes[:2]]),
     )
 
@@ -166,10 +156,9 @@ def _unread(resource: nodes.Resource, uses: Flow) -> Diagnostic:
 def _finding(resource: nodes.Resource, uses: Flow, message: str) -> Diagnostic:
     changes = [Label(change.span, "changed here") for change in uses.changes]
     asked = [Label(one.span, "asked here") for one in uses.asked[:1]]
-    return Diagnostic(
-        rule=IDLE.name,
-        message=message,
-        span=uses.changes[0].span if uses.changes else resource.variable.span,
+    return IDLE.at(
+        uses.changes[0].span if uses.changes else resource.variable.span,
+        message,
         labels=(*changes[1:3], *asked),
     )
 

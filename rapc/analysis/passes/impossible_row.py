@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Pass, check
 from rapc.analysis.index import INDEX
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
@@ -38,24 +38,25 @@ waits nor is refused.""",
 )
 
 
-def _run(run: Pass) -> None:
+@check(IMPOSSIBLE_ROW)
+def impossible_row(run: Pass) -> Iterator[Diagnostic]:
+    """Find rows of scripts that say what their request or skill cannot do."""
     for use in run.result(INDEX).of(nodes.ScriptRow):
         row = use.node
         wrong = _of_request(row) if row.kind == "request" else _of_skill(row)
         for message in wrong:
-            run.report(Diagnostic(IMPOSSIBLE_ROW.name, message, row.span))
+            yield IMPOSSIBLE_ROW.at(row.span, message)
         declared = run.library.primitives.get(row.request.name)
         later = row.kind == "request" and row.after is not None
         if later and declared is not None and declared.atomic:
-            run.report(_atomic(row, declared))
+            yield _atomic(row, declared)
 
 
 def _atomic(row: nodes.ScriptRow, declared: nodes.DeclarePrimitive) -> Diagnostic:
     name = declared.name
-    return Diagnostic(
-        rule=IMPOSSIBLE_ROW.name,
-        message=f"`{name}` is declared atomic, so it does not end `:after` its request",
-        span=row.span,
+    return IMPOSSIBLE_ROW.at(
+        row.span,
+        f"`{name}` is declared atomic, so it does not end `:after` its request",
         labels=(Label(declared.span, "declared here"),),
         help="declare it with `:atomic false`, or say how long it `:takes`",
     )
@@ -81,12 +82,3 @@ def _of_skill(row: nodes.ScriptRow) -> Iterator[str]:
     for what, said in given:
         if said:
             yield f"a skill that {'goes off' if off else 'is enabled'} has no {what}"
-
-
-ANALYZER = Analyzer(
-    name="impossible-row",
-    doc="Finds rows of scripts that say what their request or skill cannot do.",
-    run=_run,
-    needs=(INDEX,),
-    rules=(IMPOSSIBLE_ROW,),
-)

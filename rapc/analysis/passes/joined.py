@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Container, Iterator, Sequence
 
-from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.binding_sites import whole_formulas
+from rapc.analysis.check import Pass, check
 from rapc.analysis.literals import Literal, literals
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
@@ -43,7 +43,9 @@ known of one of the two the test is not needed; the rule is opt-in for that reas
 )
 
 
-def _run(run: Pass) -> None:
+@check(JOINED)
+def joined(run: Pass) -> Iterator[Diagnostic]:
+    """Find properties that share a value that may be unknown."""
     for form in run.library.forms:
         for formula, given in whole_formulas(form, run.library.functions):
             often = Counter(variable.name for variable in variables(formula))
@@ -51,16 +53,7 @@ def _run(run: Pass) -> None:
                 own = variables(*[part.formula for part in parts])
                 here = Counter(variable.name for variable in own)
                 beside = {name for name in here if often[name] > here[name]}
-                for found in _joined(run, parts, given, beside):
-                    run.report(found)
-
-
-ANALYZER = Analyzer(
-    name="joined",
-    doc="Finds properties that share a value that may be unknown.",
-    run=_run,
-    rules=(JOINED,),
-)
+                yield from _joined(run, parts, given, beside)
 
 
 def _conjunctions(formula: nodes.Formula) -> Iterator[Sequence[Literal]]:
@@ -103,10 +96,9 @@ def _joined(
             pairs.append((other, fact, value))
     for other, fact, value in pairs:
         if value not in elsewhere and value not in given:
-            yield Diagnostic(
-                rule=JOINED.name,
-                message=f"`{value}` may be `unknown` here, and equal for that alone",
-                span=fact.span,
+            yield JOINED.at(
+                fact.span,
+                f"`{value}` may be `unknown` here, and equal for that alone",
                 labels=(Label(other.span, "the other one"),),
                 help=f"ask `(n= {value} unknown)` as well",
             )

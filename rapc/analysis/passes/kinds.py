@@ -8,9 +8,9 @@ inputs for which no kind is declared their use tells. Numbers are the business o
 
 from __future__ import annotations
 
-from collections.abc import Container, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Fact, Pass, Reported, check
 from rapc.analysis.index import INDEX, Index, NameUse
 from rapc.analysis.inferred_kinds import INFERRED, KindClash, Learned
 from rapc.analysis.named import UnknownNames, declared_at
@@ -94,14 +94,13 @@ most likely two variables were mixed up.""",
 )
 
 
-def _run(run: Pass) -> Container[int]:
-    """Report, and return the ids of the forms in which kinds do not go together."""
+def _run(run: Pass) -> Reported[Container[int]]:
+    """Return the findings, and the ids of forms in which kinds do not go together."""
     index = run.result(INDEX)
     told: set[int] = set()
     if not index.kinds():
-        return told
-    _unknown(run, index)
-    _circles(run)
+        return Reported((), told)
+    found = [*_unknown(run, index), *_circles(run)]
     declared = _of_forms(index)
     for used in index.uses():
         signature = run.signatures.table(used.use).get(used.name)
@@ -111,25 +110,27 @@ def _run(run: Pass) -> Container[int]:
                 continue
             if not erased and signature.is_property and used.count != signature.most:
                 continue
-            _constants(run, used, signature)
+            found += _constants(run, used, signature)
             own = declared.get(id(used.owner))
-            if own and _variables(run, used, signature, own):
+            mixed = _variables(run, used, signature, own) if own else None
+            if mixed is not None:
+                found.append(mixed)
                 told.add(id(used.owner))
-    _defaults(run)
-    _inferred(run, index)
-    return told.union(id(clash.form) for clash in run.result(INFERRED).clashes)
+    found += [*_defaults(run), *_inferred(run, index)]
+    told.update(id(clash.form) for clash in run.result(INFERRED).clashes)
+    return Reported(found, told)
 
 
-ANALYZER = Analyzer(
-    name="kinds",
-    doc="Holds constants and variables against the kinds that were declared.",
-    run=_run,
-    needs=(INDEX, INFERRED),
-    rules=(UNKNOWN, WRONG, APART),
-)
+KINDS = Fact(_run)
 
 
-def _unknown(run: Pass, index: Index) -> None:
+@check(UNKNOWN, WRONG, APART)
+def kinds(run: Pass) -> Iterable[Diagnostic]:
+    """Compare constants and variables with the kinds that were declared."""
+    return run.result(KINDS).findings
+
+
+def _unknown(run: Pass, index: Index) -> Iterator[Diagnostic]:
     kinds = run.signatures.kinds
     unknown = UnknownNames(UNKNOWN)
     near = Suggestions(kinds)
@@ -145,10 +146,10 @@ def _unknown(run: Pass, index: Index) -> None:
                 meant=near.near(name),
             )
             unknown.add(fault, named.span, named.owner)
-    unknown.report(run)
+    yield from unknown.findings(run)
 
 
-def _circles(run: Pass) -> None:
+def _circles(run: Pass) -> Iterator[Diagnostic]:
     reported: set[str] = set()
     for form in run.library.kinds.values():
         above = run.signatures.kinds.above(form.name)
@@ -156,16 +157,10 @@ def _circles(run: Pass) -> None:
             reported.update(above)
             through = [f"`{name}`" for name in above if name != form.name]
             said = f", through {', '.join(through)}" if through else ""
-            run.report(
-                Diagnostic(
-                    rule=UNKNOWN.name,
-                    message=f"the kind `{form.name}` is of itself{said}",
-                    span=form.span,
-                )
-            )
+            yield UNKNOWN.at(form.span, f"the kind `{form.name}` is of itself{said}")
 
 
-def _constants(run: Pass, used: NameUse, signature: Signature) -> None:
+def _constants(run: Pass, used: NameUse, signature: Signature) -> Iterator[Diagnostic]:
     kinds = run.signatures.kinds
     for term, arg in zip(used.node.args, signature.args or (), strict=False):
         kind = arg.kind
@@ -174,20 +169,17 @@ def _constants(run: Pass, used: NameUse, signature: Signature) -> None:
         if not kinds.holds(kind, term.value):
             word = format_atom(term.value)
             label = Label(declared_at(run, signature), "declared here")
-            run.report(
-                Diagnostic(
-                    rule=WRONG.name,
-                    message=said_of(arg, term.value),
-                    span=term.span,
-                    labels=(label,),
-                    help=_listed(run, kind).did_you_mean(word) or _listing(run, kind),
-                    fix=_another(run, kind, term),
-                )
+            yield WRONG.at(
+                term.span,
+                said_of(arg, term.value),
+                labels=(label,),
+                help=_listed(run, kind).did_you_mean(word) or _listing(run, kind),
+                fix=_another(run, kind, term),
             )
 
 
-def _defaults(run: Pass) -> None:
-    """Report defaults that are no values of the kind of their property."""
+def _defaults(run: Pass) -> Iterator[Diagnostic]:
+    """Yield defaults that are no values of the kind of their property."""
     kinds = run.signatures.kinds
     for form in run.library.properties.values():
         kind = form.args[-1].kind if form.args else None
@@ -195,14 +187,10 @@ def _defaults(run: Pass) -> None:
             continue
         if not kinds.holds(kind, form.default):
             place = form.args[-1].span if form.args else form.span
-            run.report(
-                Diagnostic(
-                    rule=WRONG.name,
-                    message=f"the default `{form.default}` is no {kind}",
-                    span=place,
-                    help=_listing(run, kind)
-                    or "write `unknown`, which is of every kind",
-                )
+            yield WRONG.at(
+                place,
+                f"the default `{form.default}` is no {kind}",
+                help=_listing(run, kind) or "write `unknown`, which is of every kind",
             )
 
 
@@ -249,8 +237,10 @@ def _of_forms(index: Index) -> Mapping[int, _Own]:
     return found
 
 
-def _variables(run: Pass, used: NameUse, signature: Signature, own: _Own) -> bool:
-    """Report the first variable of another kind; return whether there is one."""
+def _variables(
+    run: Pass, used: NameUse, signature: Signature, own: _Own
+) -> Diagnostic | None:
+    """Return a finding about the first variable of another kind."""
     args: Sequence[nodes.Argument] = signature.args or ()
     for term, arg in zip(used.node.args, args, strict=False):
         if arg.kind is None or not isinstance(term, nodes.Var):
@@ -261,16 +251,8 @@ def _variables(run: Pass, used: NameUse, signature: Signature, own: _Own) -> boo
                 Label(place, "declared here"),
                 Label(declared_at(run, signature), f"`{arg.variable.name}` is here"),
             )
-            run.report(
-                Diagnostic(
-                    rule=APART.name,
-                    message=_mixed_up(term, kind, arg.kind),
-                    span=term.span,
-                    labels=labels,
-                )
-            )
-            return True
-    return False
+            return APART.at(term.span, _mixed_up(term, kind, arg.kind), labels=labels)
+    return None
 
 
 def _mixed_up(variable: nodes.Var, kind: str, wanted: str) -> str:
@@ -284,38 +266,36 @@ def _a(kind: str) -> str:
 # --- kinds that nobody declared -------------------------------------------------------
 
 
-def _inferred(run: Pass, index: Index) -> None:
+def _inferred(run: Pass, index: Index) -> Iterator[Diagnostic]:
     inferred = run.result(INFERRED)
     told: set[int] = set()
     for clash in inferred.clashes:
         if id(clash.use) not in told:
             told.add(id(clash.use))
-            run.report(_clash(clash))
+            yield _clash(clash)
     for goal in index.of(nodes.Goal):
         learned = inferred.inputs.get(goal.node.name, ())
         for term, known in zip(goal.node.args, learned, strict=False):
             if known is None or not isinstance(term, nodes.Const):
                 continue
             if not run.signatures.kinds.holds(known.kind, term.value):
-                run.report(_no_such_value(run, term, known))
+                yield _no_such_value(run, term, known)
 
 
 def _clash(clash: KindClash) -> Diagnostic:
     known = clash.known
-    return Diagnostic(
-        rule=APART.name,
-        message=_mixed_up(clash.variable, known.kind, clash.wanted),
-        span=clash.variable.span,
+    return APART.at(
+        clash.variable.span,
+        _mixed_up(clash.variable, known.kind, clash.wanted),
         labels=(Label(known.span, f"{_a(known.kind)} here"),),
     )
 
 
 def _no_such_value(run: Pass, term: nodes.Const, known: Learned) -> Diagnostic:
     word = format_atom(term.value)
-    return Diagnostic(
-        rule=WRONG.name,
-        message=f"`{word}` is no {known.kind}, as which it is used",
-        span=term.span,
+    return WRONG.at(
+        term.span,
+        f"`{word}` is no {known.kind}, as which it is used",
         labels=(Label(known.span, f"used as {_a(known.kind)} here"),),
         help=_listed(run, known.kind).did_you_mean(word) or _listing(run, known.kind),
         fix=_another(run, known.kind, term),

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Pass, check
 from rapc.analysis.index import INDEX, Index
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.ir import nodes
@@ -67,24 +67,14 @@ for that reason.""",
 )
 
 
-def _run(run: Pass) -> None:
+@check(INPUT, UNREACHED, needs_whole="form")
+def leftovers(run: Pass) -> Iterator[Diagnostic]:
+    """Find inputs that their RAP never uses, and RAPs that nothing reaches."""
     index = run.result(INDEX)
-    for found in _unused(run, index):
-        run.report(found)
+    yield from _unused(run, index)
     read = not any(run.unsure(form.span) for form in run.library.forms)
     if run.library.agendas and run.complete and read:
-        for found in _unreached(run, index):
-            run.report(found)
-
-
-ANALYZER = Analyzer(
-    name="leftovers",
-    doc="Finds inputs that their RAP never uses, and RAPs that nothing reaches.",
-    run=_run,
-    needs=(INDEX,),
-    rules=(INPUT, UNREACHED),
-    needs_whole="form",
-)
+        yield from _unreached(run, index)
 
 
 def _unused(run: Pass, index: Index) -> Iterator[Diagnostic]:
@@ -97,10 +87,9 @@ def _unused(run: Pass, index: Index) -> Iterator[Diagnostic]:
     for rap in run.library.raps.values():
         for variable in rap.inputs if rap.methods else ():
             if not variable.anonymous and (id(rap), variable.name) not in used:
-                yield Diagnostic(
-                    rule=INPUT.name,
-                    message=f"`{rap.name}` never uses its input `{variable.name}`",
-                    span=variable.span,
+                yield INPUT.at(
+                    variable.span,
+                    f"`{rap.name}` never uses its input `{variable.name}`",
                     help="use it, or take it away here and where the RAP is asked for",
                 )
 
@@ -121,9 +110,8 @@ def _unreached(run: Pass, index: Index) -> Iterator[Diagnostic]:
                 waiting.append(name)
     for rap in run.library.raps.values():
         if rap.name not in reached:
-            yield Diagnostic(
-                rule=UNREACHED.name,
-                message=f"no task that is given here leads to `{rap.name}`",
-                span=rap.name_span,
+            yield UNREACHED.at(
+                rap.name_span,
+                f"no task that is given here leads to `{rap.name}`",
                 help="give it as a task, ask for it in a step, or take it away",
             )

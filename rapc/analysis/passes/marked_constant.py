@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.census import CENSUS, Census, sort_of
+from rapc.analysis.check import Pass, check
 from rapc.analysis.index import INDEX, Form, VariableAt
 from rapc.analysis.passes.bindings import BINDINGS
-from rapc.analysis.passes.constants import ANALYZER as CONSTANTS
+from rapc.analysis.passes.constants import CONSTANTS
 from rapc.analysis.place_kinds import PLACE_KINDS, PlaceKinds
 from rapc.analysis.places import PLACES, Constant, Place
 from rapc.base.diagnostics import (
@@ -57,11 +57,13 @@ anything will do, write a bare `?`, or another name; then nothing is reported.""
 )
 
 
-def _run(run: Pass) -> None:
+@check(MARKED, needs_whole="form")
+def marked_constant(run: Pass) -> Iterator[Diagnostic]:
+    """Find variables used once that are named like a constant of their place."""
     kinds = run.result(PLACE_KINDS)
     places = run.result(PLACES)
     missing = run.result(BINDINGS).missing
-    constants = run.result(CONSTANTS)
+    constants = run.result(CONSTANTS).value
     census = run.result(CENSUS)
     for variable, owner in _used_once(run):
         there = places.of(owner, variable.name)
@@ -74,19 +76,9 @@ def _run(run: Pass) -> None:
         others = list(_others(census, kinds, variable.name[1:], place))
         others = [o for o in others if (id(o.form), variable.name) not in constants]
         if _are_sure(others, owner):
-            run.report(_finding(variable, others[0].const.span))
+            yield _finding(variable, others[0].const.span)
         elif any(_lists(run, kind, variable.name[1:]) for kind in wanted):
-            run.report(_finding(variable, None))
-
-
-ANALYZER = Analyzer(
-    name="marked-constant",
-    doc="Finds variables used once that are named like a constant of their place.",
-    run=_run,
-    needs=(INDEX, BINDINGS, CENSUS, CONSTANTS, PLACE_KINDS, PLACES),
-    rules=(MARKED,),
-    needs_whole="form",
-)
+            yield _finding(variable, None)
 
 
 _ENOUGH = 4
@@ -134,10 +126,9 @@ def _lists(run: Pass, kind: str, word: str) -> bool:
 def _finding(variable: nodes.Var, other: Span | None) -> Diagnostic:
     word = variable.name[1:]
     fix = Fix(Applicability.UNSAFE, f"write `{word}`", (Edit(variable.span, word),))
-    return Diagnostic(
-        rule=MARKED.name,
-        message=f"`{variable.name}` is used only here, and matches anything",
-        span=variable.span,
+    return MARKED.at(
+        variable.span,
+        f"`{variable.name}` is used only here, and matches anything",
         labels=(Label(other, "the constant stands here"),) if other else (),
         help=f"did you mean `{word}`? if anything will do, write `?`",
         fix=fix,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from os.path import basename, dirname
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Pass, check
 from rapc.analysis.index import INDEX, NameUse
 from rapc.analysis.places import SPACES
 from rapc.base.diagnostics import (
@@ -55,7 +55,9 @@ at.""",
 )
 
 
-def _run(run: Pass) -> None:
+@check(MISSING)
+def missing_require(run: Pass) -> Iterator[Diagnostic]:
+    """Find names of files that a file does not require."""
     library = run.library
     if not run.required or not run.complete:
         return
@@ -73,16 +75,7 @@ def _run(run: Pass) -> None:
         if use.span.start < known[0].span.start:
             first[here, form.span.file] = use, form
     for use, form in first.values():
-        run.report(_finding(run, use, form))
-
-
-ANALYZER = Analyzer(
-    name="missing-require",
-    doc="Finds names of files that a file does not require.",
-    run=_run,
-    needs=(INDEX,),
-    rules=(MISSING,),
-)
+        yield _finding(run, use, form)
 
 
 def _homes(library: Library) -> dict[tuple[str, str], nodes.TopForm]:
@@ -168,11 +161,10 @@ def _finding(run: Pass, use: NameUse, form: nodes.TopForm) -> Diagnostic:
         word = f'(require "{basename(there).removesuffix(SUFFIX)}")'
         help_ = f"write `{word}`"
         fix = Fix(Applicability.UNSAFE, help_, tuple(_edits(run, here, word)))
-    return Diagnostic(
-        rule=MISSING.name,
-        message=f"`{use.name}` is defined in `{basename(there)}`, which "
+    return MISSING.at(
+        use.place(library.files),
+        f"`{use.name}` is defined in `{basename(there)}`, which "
         f"`{basename(here)}` does not require",
-        span=use.place(library.files),
         labels=(Label(name_span(library.files, form), "defined here"),),
         help=help_,
         fix=fix,

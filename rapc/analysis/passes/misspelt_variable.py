@@ -6,9 +6,9 @@ tell: a variable used once is a wildcard. Numbered and lettered names are left a
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Pass, check
 from rapc.analysis.close_names import Close
 from rapc.analysis.index import INDEX, VariableAt
 from rapc.analysis.passes.bindings import BINDINGS
@@ -55,7 +55,9 @@ One that lacks a letter may be shorter by that: `?dor` is close to `?door`.
 """
 
 
-def _run(run: Pass) -> None:
+@check(MISSPELT, needs_whole="form")
+def misspelt_variable(run: Pass) -> Iterator[Diagnostic]:
+    """Find variables used once whose names are close to another's."""
     missing = run.result(BINDINGS).missing
     for owner, named in run.result(INDEX).variables():
         if not isinstance(owner, nodes.DefineRap | nodes.DefineQuery):
@@ -70,17 +72,7 @@ def _run(run: Pass) -> None:
         for name in suspects:
             other = close.to(name) if close else None
             if other is not None and _is_slip(names[name][0][0], names[other]):
-                run.report(_finding(run, names[name][0][0], names[other][0][0]))
-
-
-ANALYZER = Analyzer(
-    name="misspelt-variable",
-    doc="Finds variables used once whose names are close to another's.",
-    run=_run,
-    needs=(INDEX, BINDINGS),
-    rules=(MISSPELT,),
-    needs_whole="form",
-)
+                yield _finding(run, names[name][0][0], names[other][0][0])
 
 
 def _suspects(once: Iterable[str], names: Iterable[str]) -> list[str]:
@@ -110,10 +102,9 @@ def _is_slip(one: nodes.Var, others: Sequence[VariableAt]) -> bool:
 
 
 def _finding(run: Pass, variable: nodes.Var, close: nodes.Var) -> Diagnostic:
-    return Diagnostic(
-        rule=MISSPELT.name,
-        message=f"`{variable.name}` is used only here",
-        span=variable.span,
+    return MISSPELT.at(
+        variable.span,
+        f"`{variable.name}` is used only here",
         labels=(Label(close.span, "a variable with a close name"),),
         help=f"did you mean `{close.name}`? if anything will do, write `?`",
         fix=renaming(run.library.files, variable.name, close.name, [variable.span]),

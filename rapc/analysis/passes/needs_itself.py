@@ -6,11 +6,11 @@ along these leads back to the RAP with the inputs that it began with, or does no
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import msgspec
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Pass, check
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.graph import components
 from rapc.ir import nodes
@@ -57,7 +57,9 @@ class _Call(msgspec.Struct, frozen=True):
 _Calls = Mapping[str, Sequence[_Call]]
 
 
-def _run(run: Pass) -> None:
+@check(ITSELF, needs_whole="method")
+def needs_itself(run: Pass) -> Iterator[Diagnostic]:
+    """Find RAPs that need themselves, with the inputs that they were given."""
     calls = {
         rap.name: made
         for rap in run.library.raps.values()
@@ -69,16 +71,7 @@ def _run(run: Pass) -> None:
         path = _way_back(rap, calls) if rap.name in circling else None
         if path and not any(id(step) in told for step in path):
             told.update(id(step) for step in path)
-            run.report(_finding(rap, path))
-
-
-ANALYZER = Analyzer(
-    name="needs-itself",
-    doc="Finds RAPs that need themselves, with the inputs that they were given.",
-    run=_run,
-    rules=(ITSELF,),
-    needs_whole="method",
-)
+            yield _finding(rap, path)
 
 
 def _circling(calls: _Calls) -> set[str]:
@@ -137,10 +130,9 @@ def _way_back(rap: nodes.DefineRap, calls: _Calls) -> list[nodes.Step] | None:
 def _finding(rap: nodes.DefineRap, path: Sequence[nodes.Step]) -> Diagnostic:
     through = [f"`{step.goal.name}`" for step in path[:-1]]
     said = f", through {', '.join(through)}" if through else ""
-    return Diagnostic(
-        rule=ITSELF.name,
-        message=f"`{rap.name}` needs itself, with the inputs it was given{said}",
-        span=path[0].goal.span,
+    return ITSELF.at(
+        path[0].goal.span,
+        f"`{rap.name}` needs itself, with the inputs it was given{said}",
         labels=tuple(
             Label(step.goal.span, f"which needs `{format_goal(step.goal)}`")
             for step in path[1:]

@@ -12,13 +12,18 @@ from collections.abc import Container, Iterator, Sequence
 
 import msgspec
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Pass, check
 from rapc.analysis.conjunction import Clash
 from rapc.analysis.following import follows
 from rapc.analysis.literals import Literal, apart, literals
-from rapc.analysis.passes.contradictions import ANALYZER as CONTRADICTIONS
-from rapc.analysis.passes.contradictions import Reports, first_clash, said
-from rapc.analysis.passes.settled import ANALYZER as SETTLED
+from rapc.analysis.passes.contradictions import (
+    CONTRADICTIONS,
+    clash_at,
+    first_clash,
+    one_for_each_place,
+    said,
+)
+from rapc.analysis.passes.settled import SETTLED
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.source import Span
 from rapc.ir import clauses, nodes
@@ -81,7 +86,7 @@ class _Goal(msgspec.Struct, frozen=True):
 class _Chosen(msgspec.Struct, frozen=True):
     """What is so wherever a method of a RAP is chosen, and where findings go."""
 
-    reports: Reports
+    run: Pass
     #: The inputs and resources of the RAP.
     given: Container[str]
     held: list[_Asked]
@@ -90,11 +95,11 @@ class _Chosen(msgspec.Struct, frozen=True):
     def clash(self, own: Sequence[Literal]) -> Clash | None:
         """Return two literals that never hold together, of what is so and some more."""
         held = [one.literal for one in self.held]
-        return first_clash(self.reports.run, held, own, self.given) if held else None
+        return first_clash(self.run, held, own, self.given) if held else None
 
     def goal_of(self, held: Sequence[Literal]) -> _Goal | None:
         """Return a way to succeed that follows from literals, if any does."""
-        relations = self.reports.run.signatures.relations
+        relations = self.run.signatures.relations
         for goal in self.goals if held else ():
             if follows(goal.literals, held, goal.free, relations, self.given):
                 return goal
@@ -107,34 +112,30 @@ def _goal(formula: nodes.Formula, given: Container[str]) -> _Goal:
     return _Goal(formula.span, tuple(literals(renamed)), free)
 
 
-def _run(run: Pass) -> None:
+@check(UNREACHABLE, needs_whole="form")
+def never_holds(run: Pass) -> Iterator[Diagnostic]:
+    """Find methods that are never chosen."""
     for rap in run.library.forms:
         if isinstance(rap, nodes.DefineRap):
-            _rap(run, rap)
+            yield from one_for_each_place(_rap(run, rap))
 
 
-ANALYZER = Analyzer(
-    name="never-holds",
-    doc="Finds methods that are never chosen.",
-    run=_run,
-    needs=(CONTRADICTIONS, SETTLED),
-    rules=(UNREACHABLE,),
-    needs_whole="form",
-)
-
-
-def _rap(run: Pass, rap: nodes.DefineRap) -> None:
+def _rap(run: Pass, rap: nodes.DefineRap) -> Iterator[Diagnostic]:
     given = {v.name for v in rap.inputs} | {r.variable.name for r in rap.resources}
-    never = run.result(CONTRADICTIONS)
+    never = run.result(CONTRADICTIONS).value
     goals = [_goal(formula, given) for formula in _ways_to_succeed(rap)]
-    if id(rap) in run.result(SETTLED):
+    if id(rap) in run.result(SETTLED).value:
         goals = []
-    at = _Chosen(Reports(run), given, list(_held(rap, given, never)), goals)
-    if _succeeds_first(at, rap) or _apart(at, rap):
+    at = _Chosen(run, given, list(_held(rap, given, never)), goals)
+    hopeless = _succeeds_first(at, rap) or _apart(at, rap)
+    if hopeless is not None:
+        yield hopeless
         return
     looped = rap.repeat_while
     if looped is not None and id(looped) not in never:
-        if _never(at, looped, "repeat-while"):
+        whole, found = _never(at, looped, "repeat-while")
+        yield from found
+        if whole:
             return
         at.held.extend(_Asked(one, "repeat-while", one) for one in literals(looped))
     always: nodes.Method | None = None
@@ -146,48 +147,46 @@ def _rap(run: Pass, rap: nodes.DefineRap) -> None:
             if always is not None and _asks_otherwise(method.context):
                 behind.append(method.context)
             else:
-                _never(at, method.context, "this method")
+                yield from _never(at, method.context, "this method")[1]
     if always is not None and behind:
-        _report_otherwise(run, behind, always)
+        yield _after_always(behind, always)
 
 
-def _succeeds_first(at: _Chosen, rap: nodes.DefineRap) -> bool:
-    """Report a clause that has to hold for a method, and holds with `succeed` alone."""
+def _succeeds_first(at: _Chosen, rap: nodes.DefineRap) -> Diagnostic | None:
+    """Find a clause that has to hold for a method, and holds with `succeed` alone."""
     for clause, formula in _required(rap) if rap.methods else ():
         own = [one.literal for one in at.held if one.clause == clause.word]
         goal = at.goal_of(own)
         if goal is not None:
-            at.reports.report(
+            return clash_at(
                 UNREACHABLE,
                 f"no method is ever chosen: where `{clause.word}` holds, "
                 "`succeed` does",
                 formula.span,
                 Label(goal.span, "the RAP has succeeded then"),
             )
-            return True
-    return False
+    return None
 
 
-def _apart(at: _Chosen, rap: nodes.DefineRap) -> bool:
-    """Report clauses that have to hold for any method, and never hold together."""
+def _apart(at: _Chosen, rap: nodes.DefineRap) -> Diagnostic | None:
+    """Find clauses that have to hold for any method, and never hold together."""
     every = [one.literal for one in at.held]
     if not every or not rap.methods:
-        return False
-    clash = first_clash(at.reports.run, (), every, at.given)
+        return None
+    clash = first_clash(at.run, (), every, at.given)
     if clash is None:
-        return False
+        return None
     asked = {id(one.literal): one for one in at.held}
     first, second = asked.get(id(clash.first)), asked.get(id(clash.second))
     if first is None or second is None or first.clause == second.clause:
-        return False
-    at.reports.report(
+        return None
+    return clash_at(
         UNREACHABLE,
         f"no method is ever chosen: {said(second.written)} never holds where "
         f"`{first.clause}` does",
         clash.second.span,
         Label(clash.first.span, _why(first.clause)),
     )
-    return True
 
 
 def _held(
@@ -234,13 +233,15 @@ def _ways_to_succeed(rap: nodes.DefineRap) -> Iterator[nodes.Formula]:
         yield goal
 
 
-def _never(at: _Chosen, formula: nodes.Formula, what: str) -> bool:
-    """Report a formula, or branches of it, that never holds at a choice."""
+def _never(
+    at: _Chosen, formula: nodes.Formula, what: str
+) -> tuple[bool, Sequence[Diagnostic]]:
+    """Say whether a formula never holds at a choice, or which branches of it do not."""
+    dead: list[Diagnostic] = []
     own = list(literals(formula))
     whole = _refuted(at, own, own, formula.span, what)
     if whole is not None:
-        at.reports.report(UNREACHABLE, *whole)
-        return True
+        return True, [whole]
     for place, literal in enumerate(own):
         if isinstance(literal.formula, nodes.Or) and literal.holds:
             before, behind = own[:place], own[place + 1 :]
@@ -252,17 +253,14 @@ def _never(at: _Chosen, formula: nodes.Formula, what: str) -> bool:
             ]
             if parts and all(found):
                 message = f"{what} is never chosen: no branch of this ever holds"
-                label = found[0][2] if found[0] else Label(formula.span, "")
-                at.reports.report(UNREACHABLE, message, literal.span, label)
-                return True
-            for one in found:
-                if one is not None:
-                    at.reports.report(UNREACHABLE, *one)
-    return False
-
-
-_Refuted = tuple[str, Span, Label]
-"""What is said of something that never holds, where, and beside what."""
+                label = (
+                    found[0].labels[0]
+                    if found[0] and found[0].labels
+                    else Label(formula.span, "")
+                )
+                return True, [clash_at(UNREACHABLE, message, literal.span, label)]
+            dead += [one for one in found if one is not None]
+    return False, dead
 
 
 def _refuted(
@@ -271,7 +269,7 @@ def _refuted(
     about: Sequence[Literal],
     span: Span,
     what: str,
-) -> _Refuted | None:
+) -> Diagnostic | None:
     """Say why literals, none of which contradict each other, never hold.
 
     Args:
@@ -286,7 +284,8 @@ def _refuted(
         clause = next((a.clause for a in at.held if a.literal is clash.first), None)
         if clause is None or not any(clash.second is one for one in about):
             return None
-        return (
+        return clash_at(
+            UNREACHABLE,
             f"{said(clash.second)} never holds when a method is chosen",
             clash.second.span,
             Label(clash.first.span, _why(clause)),
@@ -295,7 +294,8 @@ def _refuted(
     goal = at.goal_of([*held, *own])
     if goal is None:
         return None
-    return (
+    return clash_at(
+        UNREACHABLE,
         f"{what} is never chosen: where this holds, `succeed` does",
         span,
         Label(goal.span, "the RAP has succeeded then"),
@@ -312,15 +312,12 @@ def _asks_otherwise(context: nodes.Formula) -> bool:
     return any(isinstance(one.formula, nodes.Otherwise) for one in literals(context))
 
 
-def _report_otherwise(
-    run: Pass, contexts: Sequence[nodes.Formula], always: nodes.Method
-) -> None:
+def _after_always(
+    contexts: Sequence[nodes.Formula], always: nodes.Method
+) -> Diagnostic:
     further = [Label(other.span, "nor is this one") for other in contexts[1:]]
-    run.report(
-        Diagnostic(
-            rule=UNREACHABLE.name,
-            message="this method is never chosen: one before it has no context",
-            span=contexts[0].span,
-            labels=(Label(always.span, "this one holds whatever happens"), *further),
-        )
+    return UNREACHABLE.at(
+        contexts[0].span,
+        "this method is never chosen: one before it has no context",
+        labels=(Label(always.span, "this one holds whatever happens"), *further),
     )

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Pass, check
 from rapc.analysis.index import INDEX, Index, Occurrence
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.values import format_atom, is_number
@@ -41,7 +41,9 @@ Found = Iterator[tuple[nodes.Term, str]]
 """Terms at fault with the end of the sentence that says why."""
 
 
-def _run(run: Pass) -> None:
+@check(NOT_A_NUMBER)
+def not_a_number(run: Pass) -> Iterator[Diagnostic]:
+    """Find constants that are no numbers where numbers are needed."""
     index = run.result(INDEX)
     for found in (
         _computed(index),
@@ -50,22 +52,7 @@ def _run(run: Pass) -> None:
         _declared(run, index),
     ):
         for term, why in found:
-            run.report(
-                Diagnostic(
-                    rule=NOT_A_NUMBER.name,
-                    message=f"{_word(term)} {why}",
-                    span=term.span,
-                )
-            )
-
-
-ANALYZER = Analyzer(
-    name="not-a-number",
-    doc="Finds constants that are no numbers where numbers are needed.",
-    run=_run,
-    needs=(INDEX,),
-    rules=(NOT_A_NUMBER,),
-)
+            yield NOT_A_NUMBER.at(term.span, f"{_word(term)} {why}")
 
 
 def _word(term: nodes.Term) -> str:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from collections.abc import Iterator
+
+from rapc.analysis.check import Pass, check
 from rapc.analysis.index import INDEX
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.ir import nodes
@@ -33,24 +35,13 @@ done.""",
 )
 
 
-def _run(run: Pass) -> None:
+@check(NOTHING_AWAITED, needs_whole="method")
+def nothing_awaited(run: Pass) -> Iterator[Diagnostic]:
+    """Find primitives that enable skills and wait for no event."""
     for use in run.result(INDEX).of(nodes.Skills):
         if use.node.enable and not use.node.waits:
-            run.report(
-                Diagnostic(
-                    rule=NOTHING_AWAITED.name,
-                    message="this primitive awaits nothing and ends at once",
-                    span=use.node.span,
-                    help="add `(wait-for (:event) :succeed)`",
-                )
+            yield NOTHING_AWAITED.at(
+                use.node.span,
+                "this primitive awaits nothing and ends at once",
+                help="add `(wait-for (:event) :succeed)`",
             )
-
-
-ANALYZER = Analyzer(
-    name="nothing-awaited",
-    doc="Finds primitives that enable skills and wait for no event.",
-    run=_run,
-    needs=(INDEX,),
-    rules=(NOTHING_AWAITED,),
-    needs_whole="method",
-)

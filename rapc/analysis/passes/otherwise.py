@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Pass, check
 from rapc.analysis.index import INDEX
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.ir import nodes
@@ -62,7 +62,9 @@ a method behind it was meant. Put it behind the others.""",
 )
 
 
-def _run(run: Pass) -> None:
+@check(MISPLACED, FIRST)
+def otherwise(run: Pass) -> Iterator[Diagnostic]:
+    """Find `otherwise` where there are no methods that it could speak of."""
     index = run.result(INDEX)
     asked = index.of(nodes.Otherwise)
     if not asked:
@@ -76,25 +78,21 @@ def _run(run: Pass) -> None:
         first = rap.node.methods[0].context if rap.node.methods else None
         for part in _conjuncts(first):
             if isinstance(part, nodes.Otherwise):
-                run.report(_first(part))
+                yield _first(part)
     for one in asked:
         if id(one.node) not in sound:
-            run.report(
-                Diagnostic(
-                    rule=MISPLACED.name,
-                    message="`otherwise` cannot stand here",
-                    span=one.node.span,
-                    help="it stands alone in the context of a method, or is one of the "
-                    "parts of its `and`",
-                )
+            yield MISPLACED.at(
+                one.node.span,
+                "`otherwise` cannot stand here",
+                help="it stands alone in the context of a method, or is one of the "
+                "parts of its `and`",
             )
 
 
 def _first(part: nodes.Otherwise) -> Diagnostic:
-    return Diagnostic(
-        rule=FIRST.name,
-        message="no method stands before this one, so this always holds",
-        span=part.span,
+    return FIRST.at(
+        part.span,
+        "no method stands before this one, so this always holds",
         help="put this method behind the others",
     )
 
@@ -105,12 +103,3 @@ def _conjuncts(formula: nodes.Formula | None) -> Iterator[nodes.Formula]:
             yield from _conjuncts(part)
     elif formula is not None:
         yield formula
-
-
-ANALYZER = Analyzer(
-    name="otherwise",
-    doc="Finds `otherwise` where there are no methods that it could speak of.",
-    run=_run,
-    needs=(INDEX,),
-    rules=(MISPLACED, FIRST),
-)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Fact, Pass, Reported, check
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 from rapc.ir.walk import steps
@@ -34,26 +34,27 @@ else. Mostly another variable was meant; to make sure of a value, compare it in
 )
 
 
-def _run(run: Pass) -> list[int]:
-    """Report, and return the id of the RAP of each finding."""
+def _run(run: Pass) -> Reported[list[int]]:
+    """Return the findings, and the id of the RAP of each."""
+    found: list[Diagnostic] = []
     told: list[int] = []
     for rap in run.library.raps.values():
         inputs = {variable.name: variable for variable in rap.inputs}
         for method in rap.methods:
             for step in steps(method):
-                for found in _taken(step.goal, inputs):
-                    run.report(found)
+                for one in _taken(step.goal, inputs):
+                    found.append(one)
                     told.append(id(rap))
-    return told
+    return Reported(found, told)
 
 
-ANALYZER = Analyzer(
-    name="outputs",
-    doc="Finds outputs of steps in variables that have a value already.",
-    run=_run,
-    rules=(TAKEN,),
-    needs_whole="form",
-)
+OUTPUTS = Fact(_run)
+
+
+@check(TAKEN, needs_whole="form")
+def outputs(run: Pass) -> Iterable[Diagnostic]:
+    """Find outputs of steps in variables that have a value already."""
+    return run.result(OUTPUTS).findings
 
 
 def _taken(goal: nodes.Goal, inputs: dict[str, nodes.Var]) -> Iterator[Diagnostic]:
@@ -63,11 +64,10 @@ def _taken(goal: nodes.Goal, inputs: dict[str, nodes.Var]) -> Iterator[Diagnosti
             continue
         first = given.get(output.name) or inputs.get(output.name)
         if first is not None:
-            yield Diagnostic(
-                rule=TAKEN.name,
-                message=f"`{output.name}` has a value already, which the output of "
+            yield TAKEN.at(
+                output.span,
+                f"`{output.name}` has a value already, which the output of "
                 f"`{goal.name}` would have to be",
-                span=output.span,
                 labels=(Label(first.span, "it comes from here"),),
                 help="name another variable, or write `?`",
             )

@@ -6,11 +6,11 @@ that is one of the results that the primitive declares, or a reason of the inter
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import msgspec
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Pass, check
 from rapc.analysis.index import INDEX
 from rapc.analysis.passes.unknown_result import REASONS
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
@@ -50,7 +50,9 @@ _ASKS = 2
 """How many arguments `result-with-method` has."""
 
 
-def _run(run: Pass) -> None:
+@check(OTHERS, needs_whole="form")
+def own_results(run: Pass) -> Iterator[Diagnostic]:
+    """Find questions about results that the RAP's own methods cannot have."""
     known = {r for form in run.library.primitives.values() for r in results(form)}
     by_name: dict[int, _ByName] = {}
     wrong: dict[int, list[tuple[nodes.Const, Sequence[_Answers]]]] = {}
@@ -68,22 +70,12 @@ def _run(run: Pass) -> None:
         if answers and result.value not in {*own, *REASONS}:
             wrong.setdefault(id(rap), []).append((result, answers))
     for found in wrong.values():
-        run.report(_finding(found))
+        yield _finding(found)
 
 
 def results(form: nodes.DeclarePrimitive) -> set[str]:
     """Return the results that the declaration of a primitive speaks of."""
     return {*form.results, *(on.result for on in form.on)}
-
-
-ANALYZER = Analyzer(
-    name="own-results",
-    doc="Finds questions about results that the RAP's own methods cannot have.",
-    run=_run,
-    needs=(INDEX,),
-    rules=(OTHERS,),
-    needs_whole="form",
-)
 
 
 class _Answers(msgspec.Struct, frozen=True):
@@ -133,10 +125,9 @@ def _finding(wrong: Sequence[tuple[nodes.Const, Sequence[_Answers]]]) -> Diagnos
     others = ", ".join(f"`{name}`" for name in own)
     further = [Label(other.span, "nor with this") for other, _ in wrong[1:]]
     asked = Label(answers[0].request.span, "this is asked for")
-    return Diagnostic(
-        rule=OTHERS.name,
-        message=f"{names} never ends with `{result.value}`",
-        span=result.span,
+    return OTHERS.at(
+        result.span,
+        f"{names} never ends with `{result.value}`",
         labels=(asked, *further),
         help=Suggestions(own).did_you_mean(str(result.value)) or f"it has {others}",
     )

@@ -6,9 +6,11 @@ What the world offers is declared in the library; no world is imported to find o
 
 from __future__ import annotations
 
-from rapc.analysis.analyzer import Analyzer, Pass
-from rapc.analysis.named import MISUSES, report_arguments, report_unknown
-from rapc.base.diagnostics import Rule, Severity
+from collections.abc import Iterator
+
+from rapc.analysis.check import Pass, check
+from rapc.analysis.named import unknown_names, wrong_arity
+from rapc.base.diagnostics import Diagnostic, Rule, Severity
 
 UNDECLARED = Rule(
     code="RAP020",
@@ -53,15 +55,8 @@ no others.""",
 )
 
 
-def _run(run: Pass) -> None:
-    report_unknown(run, UNDECLARED, ("primitive",))
-    report_arguments(run, ARITY, ("primitive",))
-
-
-ANALYZER = Analyzer(
-    name="primitives",
-    doc="Finds requests for primitives that are not declared, or declared otherwise.",
-    run=_run,
-    needs=(MISUSES,),
-    rules=(UNDECLARED, ARITY),
-)
+@check(UNDECLARED, ARITY)
+def primitives(run: Pass) -> Iterator[Diagnostic]:
+    """Find requests for primitives that are not declared, or declared otherwise."""
+    yield from unknown_names(run, UNDECLARED, ("primitive",))
+    yield from wrong_arity(run, ARITY, ("primitive",))

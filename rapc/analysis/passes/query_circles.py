@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Pass, check
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.graph import components
 from rapc.ir import nodes, walk
@@ -32,12 +32,14 @@ asks itself, be it through others, would stand for a formula without end.""",
 )
 
 
-def _run(run: Pass) -> None:
+@check(CIRCLE)
+def query_circles(run: Pass) -> Iterator[Diagnostic]:
+    """Find named queries that stand for a formula without end."""
     queries = run.library.queries
     asked = {name: _asked(query, queries) for name, query in queries.items()}
     for members in components(queries, lambda name: asked[name]):
         if len(members) > 1 or members[0] in asked[members[0]]:
-            run.report(_finding(queries, members))
+            yield _finding(queries, members)
 
 
 def _asked(
@@ -54,20 +56,11 @@ def _finding(
 ) -> Diagnostic:
     first, *others = circle
     through = f", through {', '.join(f'`{name}`' for name in others)}" if others else ""
-    return Diagnostic(
-        rule=CIRCLE.name,
-        message=f"the query `{first}` asks itself{through}",
-        span=queries[first].name_span,
+    return CIRCLE.at(
+        queries[first].name_span,
+        f"the query `{first}` asks itself{through}",
         labels=tuple(
             [Label(queries[n].name_span, "which stands for this") for n in others]
         ),
         help="let a RAP with a `repeat-while` go step by step, or declare a function",
     )
-
-
-ANALYZER = Analyzer(
-    name="query-circles",
-    doc="Finds named queries that stand for a formula without end.",
-    run=_run,
-    rules=(CIRCLE,),
-)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterator, Mapping
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Pass, check
 from rapc.analysis.index import INDEX, Form, Index
-from rapc.analysis.passes.resources import ANALYZER as RESOURCES
+from rapc.analysis.passes.resources import RESOURCES
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,
@@ -46,9 +46,11 @@ It equals no number, stands in no fact, and a request that holds one fails. Step
 )
 
 
-def _run(run: Pass) -> None:
+@check(RESOURCE_AS_VALUE, needs_whole="method")
+def resource_as_value(run: Pass) -> Iterator[Diagnostic]:
+    """Find sets and counters where a plain value is needed."""
     index = run.result(INDEX)
-    wrong = run.result(RESOURCES).wrong
+    wrong = run.result(RESOURCES).value.wrong
     resources: dict[tuple[int, str], tuple[str, nodes.Var]] = {
         (id(use.owner), use.node.variable.name): (use.node.kind, use.node.variable)
         for use in index.of(nodes.Resource)
@@ -63,9 +65,9 @@ def _run(run: Pass) -> None:
         if use.node is declared or isinstance(use.parent, nodes.DefineRap):
             continue
         if _needs_value(use.node, use.parent, run.library.functions):
-            run.report(_finding(use.node, kind, declared))
+            yield _finding(use.node, kind, declared)
     for term, kind, declared in _handed_on(run, index, resources):
-        run.report(_finding(term, kind, declared))
+        yield _finding(term, kind, declared)
 
 
 _Known = Mapping[tuple[int, str], tuple[str, nodes.Var]]
@@ -107,16 +109,6 @@ def _inputs(index: Index) -> Iterator[tuple[tuple[int, str], tuple[str, nodes.Va
                     yield (id(rap), term.name), (kind, variable)
 
 
-ANALYZER = Analyzer(
-    name="resource-as-value",
-    doc="Finds sets and counters where a plain value is needed.",
-    run=_run,
-    needs=(INDEX, RESOURCES),
-    rules=(RESOURCE_AS_VALUE,),
-    needs_whole="method",
-)
-
-
 def _needs_value(
     variable: nodes.Var, parent: nodes.Node, functions: Container[str]
 ) -> bool:
@@ -146,10 +138,9 @@ def _finding(variable: nodes.Var, kind: str, declared: nodes.Var) -> Diagnostic:
     counter = kind == "counter"
     content = f"(value {variable.name})"
     fix = Fix(Applicability.UNSAFE, "take its value", (Edit(variable.span, content),))
-    return Diagnostic(
-        rule=RESOURCE_AS_VALUE.name,
-        message=f"`{variable.name}` is a {kind}, not a plain value",
-        span=variable.span,
+    return RESOURCE_AS_VALUE.at(
+        variable.span,
+        f"`{variable.name}` is a {kind}, not a plain value",
         labels=(Label(declared.span, "declared here"),),
         help=f"write `{content}` for the number it holds"
         if counter

@@ -7,12 +7,12 @@ given elsewhere.
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from typing import Literal
 
 import msgspec
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Fact, Pass, Reported, check
 from rapc.analysis.index import INDEX, Form, Index, Occurrence
 from rapc.analysis.passes.bindings import BINDINGS
 from rapc.analysis.renaming import renaming
@@ -92,8 +92,9 @@ class Mistaken(msgspec.Struct, frozen=True):
     meant: set[tuple[int, str]]
 
 
-def _run(run: Pass) -> Mistaken:
-    """Report, and return the resources that are mixed up."""
+def _run(run: Pass) -> Reported[Mistaken]:
+    """Return the findings, and the resources that are mixed up."""
+    found: list[Diagnostic] = []
     index = run.result(INDEX)
     missing = run.result(BINDINGS).missing
     unbound = {(rap, m.variable.name) for rap, all_ in missing.items() for m in all_}
@@ -109,33 +110,36 @@ def _run(run: Pass) -> Mistaken:
         declared = _resource(rap, term)
         if declared is not None:
             if declared.kind != demand.kind:
-                run.report(_wrong_kind(term, declared, demand))
+                found.append(_wrong_kind(term, declared, demand))
                 wrong.add((id(rap), declared.variable.name))
         elif isinstance(term, nodes.Var) and _is_input(rap, term):
             by_input.setdefault((rap.name, term.name), []).append(demand)
         else:
-            run.report(_no_resource(run, demand))
+            found.append(_no_resource(run, demand))
             meant |= _meant(rap, demand)
     steps = [
         (goal.owner, goal.node)
         for goal in index.of(nodes.Goal)
         if isinstance(goal.owner, nodes.DefineRap)
     ]
-    wanted = _settled(run, by_input, steps) if by_input else {}
+    wanted: dict[tuple[str, str], Demand] = {}
+    if by_input:
+        wanted, mixed = _settled(run, by_input, steps)
+        found += mixed
     for owner, goal in steps if wanted else ():
-        for taken_for in _check_step(run, owner, goal, wanted):
+        for one, taken_for in _check_step(run, owner, goal, wanted):
+            found.append(one)
             meant |= _meant(owner, taken_for)
-    return Mistaken(wrong | _in_place_of(index), meant)
+    return Reported(found, Mistaken(wrong | _in_place_of(index), meant))
 
 
-ANALYZER = Analyzer(
-    name="resources",
-    doc="Finds sets used as counters, counters as sets, and plain values as either.",
-    run=_run,
-    needs=(INDEX, BINDINGS),
-    rules=(WRONG_KIND, NOT_A_RESOURCE),
-    needs_whole="method",
-)
+RESOURCES = Fact(_run)
+
+
+@check(WRONG_KIND, NOT_A_RESOURCE, needs_whole="method")
+def resources(run: Pass) -> Iterable[Diagnostic]:
+    """Find sets used as counters, counters as sets, and plain values as either."""
+    return run.result(RESOURCES).findings
 
 
 def _meant(rap: nodes.DefineRap, demand: Demand) -> set[tuple[int, str]]:
@@ -192,27 +196,28 @@ _Steps = Sequence[tuple[nodes.DefineRap, nodes.Goal]]
 
 def _settled(
     run: Pass, by_input: Mapping[tuple[str, str], Sequence[Demand]], steps: _Steps
-) -> dict[tuple[str, str], Demand]:
-    """Return for each input what it has to be; report uses that contradict the rest.
+) -> tuple[dict[tuple[str, str], Demand], list[Diagnostic]]:
+    """Return for each input what it has to be, and uses that contradict the rest.
 
     Where all steps hand in a resource of one kind, that decides; else the first use.
     """
     given = _given(run, by_input, steps)
     wanted = {}
+    found = []
     for (name, variable), demands in by_input.items():
         kinds = {one.kind for one in demands}
         handed = given.get((name, variable), [])
         sorts = {one.kind for one in handed}
         if len(sorts) == 1 and (kinds != sorts) and (len(kinds) > 1 or handed[1:]):
             wrong = [one for one in demands if one.kind not in sorts]
-            run.report(_wrong_kind(wrong[0].term, handed[0], wrong[0]))
+            found.append(_wrong_kind(wrong[0].term, handed[0], wrong[0]))
             continue
         first = demands[0]
         wanted[name, variable] = first
         other = next((one for one in demands if one.kind != first.kind), None)
         if other is not None and not handed:
-            run.report(_two_kinds(first, other))
-    return wanted
+            found.append(_two_kinds(first, other))
+    return wanted, found
 
 
 def _given(
@@ -232,10 +237,9 @@ def _given(
 
 def _two_kinds(first: Demand, other: Demand) -> Diagnostic:
     assert isinstance(other.term, nodes.Var)
-    return Diagnostic(
-        rule=WRONG_KIND.name,
-        message=f"`{other.term.name}` is a {first.kind}, not a {other.kind}",
-        span=other.term.span,
+    return WRONG_KIND.at(
+        other.term.span,
+        f"`{other.term.name}` is a {first.kind}, not a {other.kind}",
         labels=(Label(first.term.span, f"used as a {first.kind} here"),),
     )
 
@@ -266,11 +270,8 @@ def _check_step(
     rap: nodes.DefineRap,
     goal: nodes.Goal,
     by_input: Mapping[tuple[str, str], Demand],
-) -> Iterator[Demand]:
-    """Hold what a step is given against how the RAP that it asks for uses it.
-
-    Yields the demands that something else was given for.
-    """
+) -> Iterator[tuple[Diagnostic, Demand]]:
+    """Yield the demands of a RAP that a step gives something else for."""
     callee = run.library.raps.get(goal.name)
     for term, taken in zip(goal.args, callee.inputs if callee else (), strict=False):
         demand = by_input.get((goal.name, taken.name))
@@ -278,11 +279,9 @@ def _check_step(
             continue
         declared = _resource(rap, term)
         if declared is not None and declared.kind != demand.kind:
-            run.report(_wrong_kind(term, declared, demand))
-            yield demand
+            yield _wrong_kind(term, declared, demand), demand
         elif isinstance(term, nodes.Const):
-            run.report(_no_resource(run, demand, term))
-            yield demand
+            yield _no_resource(run, demand, term), demand
 
 
 def _wrong_kind(
@@ -292,10 +291,9 @@ def _wrong_kind(
     labels = [Label(declared.variable.span, f"a {declared.kind} is declared here")]
     if demand.term is not term:
         labels.append(Label(demand.term.span, f"used as a {demand.kind} here"))
-    return Diagnostic(
-        rule=WRONG_KIND.name,
-        message=f"`{name}` is a {declared.kind}, not a {demand.kind}",
-        span=term.span,
+    return WRONG_KIND.at(
+        term.span,
+        f"`{name}` is a {declared.kind}, not a {demand.kind}",
         labels=tuple(labels),
     )
 
@@ -312,10 +310,9 @@ def _no_resource(
         name = term.name
         what = f"`{name}`"
         near = nearest(term.name, (r.variable.name for r in demand.rap.resources))
-    return Diagnostic(
-        rule=NOT_A_RESOURCE.name,
-        message=f"{what} is no {demand.kind}",
-        span=term.span,
+    return NOT_A_RESOURCE.at(
+        term.span,
+        f"{what} is no {demand.kind}",
         labels=labels,
         help=f"did you mean `{near}`?"
         if near

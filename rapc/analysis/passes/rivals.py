@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from itertools import combinations
 
-from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.asked import asked_through, through
 from rapc.analysis.certain import done_by_method
+from rapc.analysis.check import Pass, check
 from rapc.analysis.following import follows
 from rapc.analysis.literals import Literal, apart, literals
 from rapc.analysis.passes.crossed_claims import things
@@ -84,7 +84,9 @@ one of them ask for more, so that there is a state in which both sleep.""",
 )
 
 
-def _run(run: Pass) -> None:
+@check(RIVALS, UNDOING)
+def rivals(run: Pass) -> Iterator[Diagnostic]:
+    """Find standing tasks of an agenda that get in each other's way."""
     told: set[tuple[str, str]] = set()
     for agenda in run.library.agendas.values():
         tasks = [one for one in agenda.tasks if one.background]
@@ -95,15 +97,7 @@ def _run(run: Pass) -> None:
                 continue
             for found in _between(run, one, other):
                 told.add((agenda.name, other.goal.name))
-                run.report(found)
-
-
-ANALYZER = Analyzer(
-    name="rivals",
-    doc="Finds standing tasks of an agenda that get in each other's way.",
-    run=_run,
-    rules=(RIVALS, UNDOING),
-)
+                yield found
 
 
 _MOST = 40
@@ -120,10 +114,9 @@ def _between(
     if first.monitor_state is None or second.monitor_state is None:
         return
     if _wakes(run, one.goal, other.goal) and _wakes(run, other.goal, one.goal):
-        yield Diagnostic(
-            rule=UNDOING.name,
-            message=f"`{first.name}` and `{second.name}` wake each other for good",
-            span=second.monitor_state.span,
+        yield UNDOING.at(
+            second.monitor_state.span,
+            f"`{first.name}` and `{second.name}` wake each other for good",
             labels=(Label(first.monitor_state.span, "this one comes true in turn"),),
             help="let one of them ask for more",
         )
@@ -133,11 +126,10 @@ def _between(
             _needed(library, first) & _needed(library, second), key=format_formula
         )
         if shared and both:
-            yield Diagnostic(
-                rule=RIVALS.name,
-                message=f"`{first.name}` and `{second.name}` wake by `{shared[0]}`, "
+            yield RIVALS.at(
+                other.span,
+                f"`{first.name}` and `{second.name}` wake by `{shared[0]}`, "
                 f"need `{format_formula(both[0])}`, and have one priority",
-                span=other.span,
                 labels=(Label(one.span, f"priority {one.priority} too"),),
                 help="give the more urgent one the higher priority",
             )

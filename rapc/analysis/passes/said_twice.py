@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Pass, check
 from rapc.analysis.index import INDEX
 from rapc.base.diagnostics import (
     Applicability,
@@ -49,24 +49,19 @@ argument or another fact was meant, and that is not asked.""",
 )
 
 
-def _run(run: Pass) -> None:
+@check(TWICE)
+def said_twice(run: Pass) -> Iterator[Diagnostic]:
+    """Find parts of an `and` or `or` that say the same."""
     index = run.result(INDEX)
     for conjunction in index.of(nodes.And):
-        _look(run, conjunction.node.parts, joined=True)
+        yield from _look(run, conjunction.node.parts, joined=True)
     for choice in index.of(nodes.Or):
-        _look(run, choice.node.parts, joined=False)
+        yield from _look(run, choice.node.parts, joined=False)
 
 
-ANALYZER = Analyzer(
-    name="said-twice",
-    doc="Finds parts of an `and` or `or` that say the same.",
-    run=_run,
-    needs=(INDEX,),
-    rules=(TWICE,),
-)
-
-
-def _look(run: Pass, parts: tuple[nodes.Formula, ...], *, joined: bool) -> None:
+def _look(
+    run: Pass, parts: tuple[nodes.Formula, ...], *, joined: bool
+) -> Iterator[Diagnostic]:
     if len({_head(part) for part in parts}) == len(parts):
         return
     first: dict[nodes.Formula, nodes.Formula] = {}
@@ -76,14 +71,11 @@ def _look(run: Pass, parts: tuple[nodes.Formula, ...], *, joined: bool) -> None:
             continue
         whole = Span(part.span.file, parts[at - 1].span.end, part.span.end)
         fix = Fix(Applicability.SAFE, "take it away", (Edit(whole, ""),))
-        run.report(
-            Diagnostic(
-                rule=TWICE.name,
-                message=f"`{format_formula(part)}` is said already",
-                span=part.span,
-                labels=(Label(other.span, "here"),),
-                fix=fix,
-            )
+        yield TWICE.at(
+            part.span,
+            f"`{format_formula(part)}` is said already",
+            labels=(Label(other.span, "here"),),
+            fix=fix,
         )
 
 

@@ -6,9 +6,9 @@ fresh variable always holds [L 2.20].
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Fact, Pass, Reported, check
 from rapc.analysis.endless import is_never
 from rapc.analysis.first_values import FirstValues
 from rapc.analysis.literals import literals
@@ -160,28 +160,29 @@ test is the wrong way round.""",
 )
 
 
-def _run(run: Pass) -> set[int]:
-    """Report, and return the ids of the RAPs that succeed at once."""
+def _run(run: Pass) -> Reported[set[int]]:
+    """Return the findings, and the ids of the RAPs that succeed at once."""
     always = Always(run.signatures)
     at_once: set[int] = set()
+    every: list[Diagnostic] = []
     for rap in run.library.forms:
         if isinstance(rap, nodes.DefineRap) and rap.methods:
             given = {v.name for v in rap.inputs}
             given |= {r.variable.name for r in rap.resources}
             for found in (*_copies(rap), *_settled(rap, always, given)):
-                run.report(found)
+                every.append(found)
                 if found.rule == AT_ONCE.name:
                     at_once.add(id(rap))
-    return at_once
+    return Reported(every, at_once)
 
 
-ANALYZER = Analyzer(
-    name="settled",
-    doc="Finds methods that say the same, and clauses whose answer is settled.",
-    run=_run,
-    rules=(COPY, AT_ONCE, NEVER, ALWAYS, NOT_AT_FIRST),
-    needs_whole="form",
-)
+SETTLED = Fact(_run)
+
+
+@check(COPY, AT_ONCE, NEVER, ALWAYS, NOT_AT_FIRST, needs_whole="form")
+def settled(run: Pass) -> Iterable[Diagnostic]:
+    """Find methods that say the same, and clauses whose answer is settled."""
+    return run.result(SETTLED).findings
 
 
 def _copies(rap: nodes.DefineRap) -> Iterator[Diagnostic]:
@@ -201,10 +202,9 @@ def _copies(rap: nodes.DefineRap) -> Iterator[Diagnostic]:
         )
         other = first.setdefault(said, method)
         if other is not method:
-            yield Diagnostic(
-                rule=COPY.name,
-                message=f"this method of `{rap.name}` says what another one says",
-                span=method.span,
+            yield COPY.at(
+                method.span,
+                f"this method of `{rap.name}` says what another one says",
                 labels=(Label(other.span, "the other one"),),
                 help="change it, or take it away",
             )
@@ -220,31 +220,27 @@ def _settled(
     parts = succeed.parts if isinstance(succeed, nodes.Or) else (succeed,)
     if any(part is not None and first.holds(part) for part in parts):
         assert succeed is not None
-        yield Diagnostic(
-            rule=AT_ONCE.name,
-            message=f"`succeed` of `{rap.name}` holds before anything has been changed",
-            span=succeed.span,
+        yield AT_ONCE.at(
+            succeed.span,
+            f"`succeed` of `{rap.name}` holds before anything has been changed",
             labels=tuple(Label(r.variable.span, "begins here") for r in rap.resources),
         )
     elif succeed is not None and always.holds(succeed, given):
-        yield Diagnostic(
-            rule=AT_ONCE.name,
-            message=f"`succeed` of `{rap.name}` holds whatever happens",
-            span=succeed.span,
+        yield AT_ONCE.at(
+            succeed.span,
+            f"`succeed` of `{rap.name}` holds whatever happens",
             help=_ADVICE if not isinstance(succeed, nodes.Truth) else "",
         )
     elif succeed is not None and is_never(succeed) and not _waits(rap):
-        yield Diagnostic(
-            rule=NEVER.name,
-            message=f"`{rap.name}` never succeeds, and has no monitor",
-            span=succeed.span,
+        yield NEVER.at(
+            succeed.span,
+            f"`{rap.name}` never succeeds, and has no monitor",
             help="say in `monitor-state` or `monitor-time` what it waits for",
         )
     if monitor is not None and always.holds(monitor, given):
-        yield Diagnostic(
-            rule=ALWAYS.name,
-            message=f"the monitor of `{rap.name}` holds whatever happens",
-            span=monitor.span,
+        yield ALWAYS.at(
+            monitor.span,
+            f"the monitor of `{rap.name}` holds whatever happens",
             help=_ADVICE if not isinstance(monitor, nodes.Truth) else "",
         )
 
@@ -253,11 +249,10 @@ def _not_at_first(rap: nodes.DefineRap, first: FirstValues) -> Iterator[Diagnost
     for clause, formula in clauses.held(clauses.RAP, rap):
         failing = first.fails(formula) if clause.is_condition else None
         if failing is not None:
-            yield Diagnostic(
-                rule=NOT_AT_FIRST.name,
-                message=f"`{clause.word}` of `{rap.name}` does not hold at first, "
+            yield NOT_AT_FIRST.at(
+                failing.span,
+                f"`{clause.word}` of `{rap.name}` does not hold at first, "
                 "so no method ever begins",
-                span=failing.span,
                 labels=tuple(
                     Label(r.variable.span, "begins here") for r in rap.resources
                 ),

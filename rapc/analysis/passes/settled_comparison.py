@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterator
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Pass, check
 from rapc.analysis.index import INDEX, Index
 from rapc.analysis.literals import holds_between, literals, number_of
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
@@ -39,7 +39,9 @@ depends on it.""",
 )
 
 
-def _run(run: Pass) -> None:
+@check(SETTLED_COMPARISON)
+def settled_comparison(run: Pass) -> Iterator[Diagnostic]:
+    """Find comparisons whose answer stands in the text."""
     index = run.result(INDEX)
     of_ages = {id(test): holds for test, holds in _tests_of_ages(index)}
     for use in index.of(nodes.Compare):
@@ -47,24 +49,11 @@ def _run(run: Pass) -> None:
         if holds is None:
             holds = of_ages.get(id(use.node))
         if holds is not None:
-            run.report(
-                Diagnostic(
-                    rule=SETTLED_COMPARISON.name,
-                    message=f"`{format_formula(use.node)}` "
-                    f"{'always' if holds else 'never'} holds",
-                    span=use.node.span,
-                    help="compare with something else, or leave it out",
-                )
+            yield SETTLED_COMPARISON.at(
+                use.node.span,
+                f"`{format_formula(use.node)}` {'always' if holds else 'never'} holds",
+                help="compare with something else, or leave it out",
             )
-
-
-ANALYZER = Analyzer(
-    name="settled-comparison",
-    doc="Finds comparisons whose answer stands in the text.",
-    run=_run,
-    needs=(INDEX,),
-    rules=(SETTLED_COMPARISON,),
-)
 
 
 def _answer(test: nodes.Compare) -> bool | None:

@@ -6,10 +6,12 @@ Their names are written with a colon.
 
 from __future__ import annotations
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from collections.abc import Iterator
+
+from rapc.analysis.check import Pass, check
 from rapc.analysis.index import INDEX
-from rapc.analysis.named import MISUSES, UnknownNames, misuses, report_arguments
-from rapc.base.diagnostics import Rule, Severity
+from rapc.analysis.named import UnknownNames, misuses, wrong_arity
+from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.ir import nodes
 
 _AS_DECLARED = """\
@@ -62,7 +64,9 @@ sent with those it was declared with: another number of them never matches.""",
 )
 
 
-def _run(run: Pass) -> None:
+@check(UNDECLARED, ARITY)
+def signals(run: Pass) -> Iterator[Diagnostic]:
+    """Find skills and events that are not declared, or declared otherwise."""
     unknown = UnknownNames(UNDECLARED)
     for one in misuses(run, ("skill", "event"), "unknown"):
         unknown.add(one.fault, one.used.place(run.library.files), one.used.owner)
@@ -71,14 +75,5 @@ def _run(run: Pass) -> None:
             if name not in run.signatures.events:
                 fault = run.signatures.unknown("event", name)
                 unknown.add(fault, skill.node.span, skill.owner)
-    unknown.report(run)
-    report_arguments(run, ARITY, ("skill", "event"))
-
-
-ANALYZER = Analyzer(
-    name="signals",
-    doc="Finds skills and events that are not declared, or declared otherwise.",
-    run=_run,
-    needs=(INDEX, MISUSES),
-    rules=(UNDECLARED, ARITY),
-)
+    yield from unknown.findings(run)
+    yield from wrong_arity(run, ARITY, ("skill", "event"))

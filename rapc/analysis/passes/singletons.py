@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Pass, check
 from rapc.analysis.index import INDEX, Form, Index, Occurrence
 from rapc.analysis.named import declared_at
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
@@ -74,38 +74,24 @@ uses; the rule is opt-in for that reason.""",
 )
 
 
-def _run(run: Pass) -> None:
+@check(SINGLE, UNUSED, needs_whole="form")
+def singletons(run: Pass) -> Iterator[Diagnostic]:
+    """Find variables that occur once, and declarations that nobody uses."""
     index = run.result(INDEX)
     for variable in _single(index):
-        run.report(
-            Diagnostic(
-                rule=SINGLE.name,
-                message=f"`{variable.name}` occurs only here",
-                span=variable.span,
-                help="write `?` if anything will do",
-            )
+        yield SINGLE.at(
+            variable.span,
+            f"`{variable.name}` occurs only here",
+            help="write `?` if anything will do",
         )
     read = not any(run.unsure(form.span) for form in run.library.forms)
     if run.complete and read:
         for declared, how in _unused(run, index):
-            run.report(
-                Diagnostic(
-                    rule=UNUSED.name,
-                    message=f"nobody {how} `{declared.name}`",
-                    span=declared_at(run, declared),
-                    help="use it, or take the declaration away",
-                )
+            yield UNUSED.at(
+                declared_at(run, declared),
+                f"nobody {how} `{declared.name}`",
+                help="use it, or take the declaration away",
             )
-
-
-ANALYZER = Analyzer(
-    name="singletons",
-    doc="Finds variables that occur once, and declarations that nobody uses.",
-    run=_run,
-    needs=(INDEX,),
-    rules=(SINGLE, UNUSED),
-    needs_whole="form",
-)
 
 
 def _single(index: Index) -> Iterator[nodes.Var]:

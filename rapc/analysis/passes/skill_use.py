@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Pass, check
 from rapc.analysis.index import INDEX
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.ir import nodes
@@ -102,14 +102,16 @@ stay on.""",
 )
 
 
-def _run(run: Pass) -> None:
+@check(UNTOLD, UNUSED, DISABLED, needs_whole="method")
+def skill_use(run: Pass) -> Iterator[Diagnostic]:
+    """Find events and skills that do not go together."""
     enabled = [found.node for found in run.result(INDEX).of(nodes.Skill)]
-    _report_untold(run)
-    _report_disabled(run)
-    _report_unused(run, {skill.name for skill in enabled})
+    yield from _untold_events(run)
+    yield from _disabled(run)
+    yield from _unused(run, {skill.name for skill in enabled})
 
 
-def _report_untold(run: Pass) -> None:
+def _untold_events(run: Pass) -> Iterator[Diagnostic]:
     skills = run.library.skills
     told = {event for skill in skills.values() for event in skill.events or ()}
     around: set[str] | None = set()
@@ -119,7 +121,7 @@ def _report_untold(run: Pass) -> None:
         own = _joined(around, _told_by(run, primitive.node.enable))
         for wait in primitive.node.waits if own is not None else ():
             if own is not None and wait.signal in told and wait.signal not in own:
-                run.report(_untold(run, wait))
+                yield _untold(run, wait)
 
 
 def _told_by(run: Pass, skills: Iterable[nodes.Skill]) -> set[str] | None:
@@ -139,10 +141,9 @@ def _joined(one: set[str] | None, other: set[str] | None) -> set[str] | None:
 
 def _untold(run: Pass, wait: nodes.WaitFor) -> Diagnostic:
     tellers = list(_tellers(run, wait.signal))
-    return Diagnostic(
-        rule=UNTOLD.name,
-        message=f"no skill that is on here tells `{wait.signal}`",
-        span=wait.span,
+    return UNTOLD.at(
+        wait.span,
+        f"no skill that is on here tells `{wait.signal}`",
         help=f"enable {' or '.join(tellers)}, or wait for another event",
     )
 
@@ -153,22 +154,19 @@ def _tellers(run: Pass, event: str) -> Iterator[str]:
             yield f"`{name}`"
 
 
-def _report_disabled(run: Pass) -> None:
+def _disabled(run: Pass) -> Iterator[Diagnostic]:
     for primitive in run.result(INDEX).of(nodes.Skills):
         on = {skill.name for skill in primitive.node.enable}
         for skill in primitive.node.disable:
             if skill.name not in on:
-                run.report(
-                    Diagnostic(
-                        rule=DISABLED.name,
-                        message=f"this primitive does not enable `{skill.name}`",
-                        span=skill.span,
-                        help="its skills go off by themselves; others it leaves on",
-                    )
+                yield DISABLED.at(
+                    skill.span,
+                    f"this primitive does not enable `{skill.name}`",
+                    help="its skills go off by themselves; others it leaves on",
                 )
 
 
-def _report_unused(run: Pass, enabled: set[str]) -> None:
+def _unused(run: Pass, enabled: set[str]) -> Iterator[Diagnostic]:
     unread = run.unsure
     if not run.complete or not enabled & run.library.skills.keys():
         return
@@ -177,21 +175,8 @@ def _report_unused(run: Pass, enabled: set[str]) -> None:
     with_raps = {rap.span.file for rap in run.library.raps.values()}
     for name, skill in run.library.skills.items():
         if name not in enabled and skill.span.file in with_raps:
-            run.report(
-                Diagnostic(
-                    rule=UNUSED.name,
-                    message=f"nothing enables the skill `{name}`",
-                    span=word_span(run.library.files, skill.span, 1),
-                    help="enable it somewhere, or remove its declaration",
-                )
+            yield UNUSED.at(
+                word_span(run.library.files, skill.span, 1),
+                f"nothing enables the skill `{name}`",
+                help="enable it somewhere, or remove its declaration",
             )
-
-
-ANALYZER = Analyzer(
-    name="skill-use",
-    doc="Finds events and skills that do not go together.",
-    run=_run,
-    needs=(INDEX,),
-    rules=(UNTOLD, UNUSED, DISABLED),
-    needs_whole="method",
-)

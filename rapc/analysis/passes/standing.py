@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
-from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.asked import asked_by, asked_through, is_computed
 from rapc.analysis.certain import fact_name
+from rapc.analysis.check import Fact, Pass, Reported, check
 from rapc.analysis.endless import below_agendas, endless, is_never
 from rapc.analysis.index import INDEX, Form, Index
 from rapc.analysis.literals import literals
@@ -151,10 +151,11 @@ it does not hold.""",
 )
 
 
-def _run(run: Pass) -> set[int]:
-    """Report, and return the ids of the monitors that nothing ever changes."""
+def _run(run: Pass) -> Reported[set[int]]:
+    """Return the findings, and the ids of the monitors that nothing ever changes."""
     library = run.library
     unheard: set[int] = set()
+    every: list[Diagnostic] = []
     never_done = endless(below_agendas(library))
     for agenda in library.agendas.values():
         for task in agenda.tasks:
@@ -164,7 +165,7 @@ def _run(run: Pass) -> set[int]:
                     other.goal.name not in never_done and not other.background
                     for other in agenda.tasks
                 )
-                run.report(_endless(task, cause, work))
+                every.append(_endless(task, cause, work))
     if run.complete and is_described(library):
         changed = _Changed(library, run.result(INDEX))
         idle = _never_asked_for(library, run.result(INDEX))
@@ -173,22 +174,19 @@ def _run(run: Pass) -> set[int]:
             if rap.monitor_state is not None and rap.monitor_time is None:
                 for found in _unheard(library, rap.monitor_state, changed, idle):
                     unheard.add(id(rap.monitor_state))
-                    run.report(found)
-            for found in (
-                *_unready(library, rap, changed, always),
-                *_failing(library, rap, changed, always),
-            ):
-                run.report(found)
-    return unheard
+                    every.append(found)
+            every += _unready(library, rap, changed, always)
+            every += _failing(library, rap, changed, always)
+    return Reported(every, unheard)
 
 
-ANALYZER = Analyzer(
-    name="standing",
-    doc="Finds tasks that never end where they should, and monitors of what never is.",
-    run=_run,
-    needs=(INDEX,),
-    rules=(ENDLESS, UNHEARD, UNREADY, FAILING),
-)
+STANDING = Fact(_run)
+
+
+@check(ENDLESS, UNHEARD, UNREADY, FAILING)
+def standing(run: Pass) -> Iterable[Diagnostic]:
+    """Find tasks that never end where they should, and monitors of what never is."""
+    return run.result(STANDING).findings
 
 
 def _endless(task: nodes.GivenTask, cause: Span, work: bool) -> Diagnostic:
@@ -202,10 +200,9 @@ def _endless(task: nodes.GivenTask, cause: Span, work: bool) -> Diagnostic:
     if not work:
         help_ += ", and give a task that is done: a run lasts as long as that"
     edit = Edit(Span(task.span.file, end, end), " :background true")
-    return Diagnostic(
-        rule=ENDLESS.name,
-        message=f"`{task.goal.name}` is never done, so a run with this task never ends",
-        span=task.goal.span,
+    return ENDLESS.at(
+        task.goal.span,
+        f"`{task.goal.name}` is never done, so a run with this task never ends",
         labels=(Label(cause, "this never succeeds"),),
         help=help_,
         fix=Fix(Applicability.UNSAFE, "let it stand by", (edit,)),
@@ -265,11 +262,10 @@ def _unready(
             continue
         name = fact_name(one)
         if name in changed and name not in asked and not is_computed(library, name):
-            yield Diagnostic(
-                rule=UNREADY.name,
-                message=f"`{rap.name}` has no method where this does not hold, and "
+            yield UNREADY.at(
+                one.span,
+                f"`{rap.name}` has no method where this does not hold, and "
                 "fails for good",
-                span=one.span,
                 labels=(Label(rap.monitor_state.span, "it wakes by this alone"),),
                 help="add a method with `otherwise`, or ask for this in the monitor",
             )
@@ -293,10 +289,9 @@ def _failing(
             continue
         if one.holds and always.holds(one.formula, given):
             continue
-        yield Diagnostic(
-            rule=FAILING.name,
-            message=f"`{rap.name}` fails for good if it wakes where this does not hold",
-            span=one.span,
+        yield FAILING.at(
+            one.span,
+            f"`{rap.name}` fails for good if it wakes where this does not hold",
             labels=(Label(monitor.span, "it wakes by this alone"),),
             help="ask for this in the monitor, or in the contexts of its methods",
         )
@@ -345,17 +340,15 @@ def _unheard(
         return
     names = ", ".join(f"`{name}`" for name in facts)
     if not any(name in changed for name in facts):
-        yield Diagnostic(
-            rule=UNHEARD.name,
-            message=f"nothing in the library ever changes {names}",
-            span=monitor.span,
+        yield UNHEARD.at(
+            monitor.span,
+            f"nothing in the library ever changes {names}",
             help="ask for what a primitive, a datum or a rule changes, or declare that",
         )
     elif all(name in idle for name in facts if name in changed):
         first = next(name for name in facts if name in idle)
-        yield Diagnostic(
-            rule=UNHEARD.name,
-            message=f"no RAP ever asks for what changes {names}",
-            span=monitor.span,
+        yield UNHEARD.at(
+            monitor.span,
+            f"no RAP ever asks for what changes {names}",
             help=f"`{idle[first]}` does: let a RAP ask for it, now and then",
         )

@@ -14,10 +14,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations, islice
 
-from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.census import CENSUS, MOST_PLACES, Census
+from rapc.analysis.check import Pass, check
 from rapc.analysis.index import INDEX, Form, NameUse
-from rapc.analysis.passes.kinds import ANALYZER as KINDS
+from rapc.analysis.passes.kinds import KINDS
 from rapc.analysis.places import PLACES, SPACES, Place, Places
 from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix, Rule, Severity
 from rapc.base.source import Span
@@ -102,9 +102,11 @@ class _Links:
                 yield self._census.beside_elsewhere(word, place, form)
 
 
-def _run(run: Pass) -> None:
+@check(SWAPPED)
+def swapped_arguments(run: Pass) -> Iterator[Diagnostic]:
+    """Find arguments that stand in each other's places."""
     links = _Links(run.result(PLACES), run.result(CENSUS))
-    told = run.result(KINDS)
+    told = run.result(KINDS).value
     best: dict[int, tuple[int, Diagnostic]] = {}
     for used in run.result(INDEX).uses():
         form = used.owner
@@ -114,16 +116,7 @@ def _run(run: Pass) -> None:
             if support > best.get(id(form), (0, found))[0]:
                 best[id(form)] = (support, found)
     for _, found in best.values():
-        run.report(found)
-
-
-ANALYZER = Analyzer(
-    name="swapped-arguments",
-    doc="Finds arguments that stand in each other's places.",
-    run=_run,
-    needs=(CENSUS, INDEX, KINDS, PLACES),
-    rules=(SWAPPED,),
-)
+        yield found
 
 
 def _swapped(links: _Links, used: NameUse) -> Iterator[tuple[int, Diagnostic]]:
@@ -169,10 +162,9 @@ def _is_open(term: nodes.Term) -> bool:
 def _finding(used: NameUse, terms: tuple[nodes.Term, nodes.Term]) -> Diagnostic:
     one, other = (format_term(term) for term in terms)
     spans: Mapping[int, Span] = {0: terms[0].span, 1: terms[1].span}
-    return Diagnostic(
-        rule=SWAPPED.name,
-        message=f"`{one}` and `{other}` seem to be swapped",
-        span=Span(used.span.file, spans[0].start, spans[1].end),
+    return SWAPPED.at(
+        Span(used.span.file, spans[0].start, spans[1].end),
+        f"`{one}` and `{other}` seem to be swapped",
         help=f"everywhere else in the library the arguments of `{used.name}` are used "
         "the other way round",
         fix=Fix(

@@ -6,13 +6,13 @@ nothing [L 4.1, 4.2]. Which variables that order binds is for `bindings` to say.
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from graphlib import CycleError, TopologicalSorter
 from itertools import pairwise
 
 import msgspec
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Fact, Pass, Reported, check
 from rapc.analysis.renaming import renaming
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.names import Suggestions
@@ -170,32 +170,33 @@ Nets = Mapping[int, Net]
 """The net of each task-net node, by the node's `id`."""
 
 
-def _run(run: Pass) -> Nets:
+def _run(run: Pass) -> Reported[Nets]:
     nets = {}
+    found: list[Diagnostic] = []
     for rap in run.library.forms:
         if type(rap) is nodes.DefineRap:
             for method in rap.methods:
                 if type(method.body) is nodes.TaskNet:
-                    nets[id(method.body)] = _net(run, method.body)
-    return nets
+                    nets[id(method.body)] = _net(run, method.body, found)
+    return Reported(found, nets)
 
 
-TASK_NETS = Analyzer(
-    name="task-nets",
-    doc="Works out the order of each task-net; finds unknown and double tags, circles.",
-    run=_run,
-    rules=(UNKNOWN_TAG, DUPLICATE_TAG, CYCLE),
-    needs_whole="method",
-)
+TASK_NETS = Fact(_run)
+
+
+@check(UNKNOWN_TAG, DUPLICATE_TAG, CYCLE, needs_whole="method")
+def task_nets(run: Pass) -> Iterable[Diagnostic]:
+    """Find unknown and duplicate tags, and steps that wait for each other."""
+    return run.result(TASK_NETS).findings
 
 
 def sure_nets(run: Pass) -> Iterator[tuple[tuple[nodes.Step, ...], Net]]:
     """Yield the steps of each task-net with its order, if that is sure.
 
     Args:
-        run: the run of a pass that needs `TASK_NETS`.
+        run: the pass.
     """
-    nets = run.result(TASK_NETS)
+    nets = run.result(TASK_NETS).value
     for rap in run.library.raps.values():
         for method in rap.methods:
             net = nets.get(id(method.body))
@@ -203,8 +204,10 @@ def sure_nets(run: Pass) -> Iterator[tuple[tuple[nodes.Step, ...], Net]]:
                 yield method.body.steps, net
 
 
-def _net(run: Pass, net: nodes.TaskNet) -> Net:
-    tags = _tags(run, net)
+def _net(run: Pass, net: nodes.TaskNet, found: list[Diagnostic]) -> Net:
+    """Return the order of a task-net; what is wrong with it is added to `found`."""
+    tags = {step.tag: at for at, step in reversed(list(enumerate(net.steps)))}
+    found += _duplicates(run, net, tags)
     doubled = broken = len(tags) < len(net.steps)
     edges: list[list[StepOrder]] = [[] for _ in net.steps]
     unknown: dict[str, list[Span]] = {}
@@ -223,11 +226,11 @@ def _net(run: Pass, net: nodes.TaskNet) -> Net:
     names = Suggestions(tags) if unknown else None
     for tag, places in unknown.items() if names and not doubled else ():
         assert names is not None
-        run.report(_unknown_tag(run, places, tag, names))
+        found.append(_unknown_tag(run, places, tag, names))
     by_until = _ended_by_until(net, tags, edges)
     by_signal = {at for at, step in enumerate(net.steps) if _ended_by_signal(step)}
     return Net(
-        _order(run, net, edges, doubled),
+        _order(net, edges, doubled, found),
         tuple(map(tuple, edges)),
         by_until | by_signal,
         by_until,
@@ -268,21 +271,18 @@ def _ended_by_signal(step: nodes.Step) -> bool:
     )
 
 
-def _tags(run: Pass, net: nodes.TaskNet) -> dict[str, int]:
-    tags: dict[str, int] = {}
+def _duplicates(
+    run: Pass, net: nodes.TaskNet, tags: Mapping[str, int]
+) -> Iterator[Diagnostic]:
     for at, step in enumerate(net.steps):
-        first = tags.setdefault(step.tag, at)
+        first = tags[step.tag]
         if first != at:
-            run.report(
-                Diagnostic(
-                    rule=DUPLICATE_TAG.name,
-                    message=f"tag `{step.tag}` names another step already",
-                    span=_tag_span(run, step),
-                    labels=(Label(_tag_span(run, net.steps[first]), "this one"),),
-                    help="give each step a tag of its own",
-                )
+            yield DUPLICATE_TAG.at(
+                _tag_span(run, step),
+                f"tag `{step.tag}` names another step already",
+                labels=(Label(_tag_span(run, net.steps[first]), "this one"),),
+                help="give each step a tag of its own",
             )
-    return tags
 
 
 def _tag_span(run: Pass, step: nodes.Step) -> Span:
@@ -316,10 +316,9 @@ def _place(run: Pass, annotation: nodes.Annotation, tag: str) -> Span:
 def _unknown_tag(
     run: Pass, places: Sequence[Span], tag: str, names: Suggestions
 ) -> Diagnostic:
-    return Diagnostic(
-        rule=UNKNOWN_TAG.name,
-        message=f"no step of this task-net has the tag `{tag}`",
-        span=places[0],
+    return UNKNOWN_TAG.at(
+        places[0],
+        f"no step of this task-net has the tag `{tag}`",
         labels=tuple([Label(other, "named here too") for other in places[1:]]),
         help=names.did_you_mean(tag),
         fix=renaming(run.library.files, tag, names.near(tag), places),
@@ -327,7 +326,7 @@ def _unknown_tag(
 
 
 def _order(
-    run: Pass, net: nodes.TaskNet, edges: Edges, doubled: bool
+    net: nodes.TaskNet, edges: Edges, doubled: bool, found: list[Diagnostic]
 ) -> tuple[int, ...] | None:
     if all(edge.before < at for at, into in enumerate(edges) for edge in into):
         return tuple(range(len(edges)))
@@ -337,7 +336,7 @@ def _order(
     except CycleError as error:
         circle: list[int] = error.args[1]
         if not doubled:
-            run.report(_cycle(net, edges, circle))
+            found.append(_cycle(net, edges, circle))
         return None
 
 
@@ -350,10 +349,9 @@ def _cycle(net: nodes.TaskNet, edges: Edges, circle: Sequence[int]) -> Diagnosti
         message = f"steps {', '.join(tags[:-1])} and {tags[-1]} wait for each other"
     else:
         message = f"{len(tags)} steps wait for each other, {tags[0]} among them"
-    return Diagnostic(
-        rule=CYCLE.name,
-        message=message,
-        span=links[-1].annotation.span,
+    return CYCLE.at(
+        links[-1].annotation.span,
+        message,
         label=_says(net, links[-1]),
         labels=tuple(
             Label(e.annotation.span, _says(net, e)) for e in links[:-1][:_MOST]

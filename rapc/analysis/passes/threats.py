@@ -10,10 +10,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.certain import contradict, done, fact_name, put_in
+from rapc.analysis.check import Pass, check
 from rapc.analysis.literals import Literal, literals
-from rapc.analysis.passes.task_nets import TASK_NETS, Net, sure_nets
+from rapc.analysis.passes.task_nets import Net, sure_nets
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import clauses, nodes
 from rapc.ir.printer import format_formula, format_goal
@@ -90,20 +90,11 @@ its priority.""",
 )
 
 
-def _run(run: Pass) -> None:
+@check(THREAT, RACING, needs_whole="method")
+def threats(run: Pass) -> Iterator[Diagnostic]:
+    """Find steps that undo what another step protects, or needs to begin."""
     for steps, net in sure_nets(run):
-        for found in (*_threats(run, steps, net), *_races(run, steps, net)):
-            run.report(found)
-
-
-ANALYZER = Analyzer(
-    name="threats",
-    doc="Finds steps that undo what another step protects, or needs to begin.",
-    run=_run,
-    needs=(TASK_NETS,),
-    rules=(THREAT, RACING),
-    needs_whole="method",
-)
+        yield from (*_threats(run, steps, net), *_races(run, steps, net))
 
 
 def _threats(run: Pass, steps: Sequence[nodes.Step], net: Net) -> Iterator[Diagnostic]:
@@ -181,11 +172,9 @@ def _needed(run: Pass, goal: nodes.Goal) -> Iterator[Literal]:
 
 
 def _race(needed: Literal, step: nodes.Step, by: nodes.Step) -> Diagnostic:
-    return Diagnostic(
-        rule=RACING.name,
-        message=f"step `{by.tag}` may undo `{_written(needed)}`, which "
-        f"`{step.tag}` needs",
-        span=by.goal.span,
+    return RACING.at(
+        by.goal.span,
+        f"step `{by.tag}` may undo `{_written(needed)}`, which `{step.tag}` needs",
         labels=(
             Label(step.goal.span, f"`{format_goal(step.goal)}` may come later"),
             Label(needed.span, "asked here"),
@@ -219,11 +208,9 @@ def _written(fact: Literal) -> str:
 
 
 def _finding(note: nodes.For, undone: Literal, step: nodes.Step) -> Diagnostic:
-    return Diagnostic(
-        rule=THREAT.name,
-        message=f"step `{step.tag}` may undo `{_written(undone)}` before "
-        f"`{note.tag}` begins",
-        span=note.span,
+    return THREAT.at(
+        note.span,
+        f"step `{step.tag}` may undo `{_written(undone)}` before `{note.tag}` begins",
         labels=(
             Label(step.goal.span, f"`{format_goal(step.goal)}` may run in between"),
         ),

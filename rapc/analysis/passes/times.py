@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Pass, check
 from rapc.analysis.endless import is_never
 from rapc.analysis.index import INDEX
 from rapc.analysis.literals import number_of
@@ -97,38 +97,26 @@ STALE = Rule(
 )
 
 
-def _run(run: Pass) -> None:
+@check(WINDOW, RESTLESS, STALE)
+def times(run: Pass) -> Iterator[Diagnostic]:
+    """Find windows that are never open, and times that let nobody wait."""
     index = run.result(INDEX)
     for one in index.of(nodes.Window):
         step = one.parent
         assert isinstance(step, nodes.Step)
-        for found in _window(run, one.node, step):
-            run.report(found)
+        yield from _window(run, one.node, step)
     for timed in index.of(nodes.MonitorTime):
         rap = timed.parent
         assert isinstance(rap, nodes.DefineRap)
-        for found in _monitor(timed.node, rap):
-            run.report(found)
+        yield from _monitor(timed.node, rap)
     for believe in index.of(nodes.Believe):
         age = number_of(believe.node.age)
         if age is not None and age <= 0:
-            run.report(
-                Diagnostic(
-                    rule=STALE.name,
-                    message=f"no belief is younger than {format_atom(age)}",
-                    span=believe.node.age.span,
-                    help="say how old it may be, in time units",
-                )
+            yield STALE.at(
+                believe.node.age.span,
+                f"no belief is younger than {format_atom(age)}",
+                help="say how old it may be, in time units",
             )
-
-
-ANALYZER = Analyzer(
-    name="times",
-    doc="Finds windows that are never open, and times that let nobody wait.",
-    run=_run,
-    needs=(INDEX,),
-    rules=(WINDOW, RESTLESS, STALE),
-)
 
 
 def _window(run: Pass, window: nodes.Window, step: nodes.Step) -> Iterator[Diagnostic]:
@@ -142,11 +130,10 @@ def _window(run: Pass, window: nodes.Window, step: nodes.Step) -> Iterator[Diagn
     takes = number_of(rap.duration) if rap is not None else None
     if rap is not None and takes is not None and start + takes > stop:
         assert rap.duration is not None
-        yield Diagnostic(
-            rule=WINDOW.name,
-            message=f"the window is open for {format_atom(stop - start)}, and "
+        yield WINDOW.at(
+            window.span,
+            f"the window is open for {format_atom(stop - start)}, and "
             f"`{rap.name}` takes {format_atom(takes)}",
-            span=window.span,
             labels=(Label(rap.duration.span, "said here"),),
             help="open it earlier, or close it later",
         )
@@ -158,11 +145,10 @@ def _turned_round(
     what = "window" if isinstance(timed, nodes.Window) else "`monitor-time`"
     one, other = timed.start.span, timed.stop.span
     edits = (Edit(one, format_atom(stop)), Edit(other, format_atom(start)))
-    return Diagnostic(
-        rule=WINDOW.name,
-        message=f"this {what} closes at {format_atom(stop)}, before it opens at "
+    return WINDOW.at(
+        Span(one.file, one.start, other.end),
+        f"this {what} closes at {format_atom(stop)}, before it opens at "
         f"{format_atom(start)}",
-        span=Span(one.file, one.start, other.end),
         help="the time at which it opens comes first",
         fix=Fix(Applicability.UNSAFE, "swap the two times", edits),
     )
@@ -175,9 +161,8 @@ def _monitor(timed: nodes.MonitorTime, rap: nodes.DefineRap) -> Iterator[Diagnos
     waits = rap.monitor_state is not None or timed.reference != "now"
     stands = rap.succeed is not None and is_never(rap.succeed)
     if start is not None and start <= 0 and stands and not waits:
-        yield Diagnostic(
-            rule=RESTLESS.name,
-            message=f"`{rap.name}` never pauses between its methods",
-            span=timed.start.span,
+        yield RESTLESS.at(
+            timed.start.span,
+            f"`{rap.name}` never pauses between its methods",
             help="say how long it is to wait after each",
         )

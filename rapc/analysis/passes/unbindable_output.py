@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from collections.abc import Iterator
+
 from rapc.analysis.binding_sites import sites
+from rapc.analysis.check import Pass, check
 from rapc.analysis.endless import is_never
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.names import nearest
@@ -40,7 +42,9 @@ _LOST = {c.word for c in clauses.RAP if c.required and not c.hands_on}
 """Clauses of which nothing reads the bindings."""
 
 
-def _run(run: Pass) -> None:
+@check(UNBINDABLE, needs_whole="form")
+def unbindable_output(run: Pass) -> Iterator[Diagnostic]:
+    """Find outputs that neither `succeed` nor any method can bind."""
     for rap in run.library.forms:
         if not isinstance(rap, nodes.DefineRap) or not rap.outputs or not rap.methods:
             continue
@@ -53,24 +57,14 @@ def _run(run: Pass) -> None:
         }
         for output in rap.outputs:
             if output.name not in names:
-                run.report(_unbindable(output, names))
-
-
-ANALYZER = Analyzer(
-    name="unbindable-output",
-    doc="Finds outputs that neither `succeed` nor any method can bind.",
-    run=_run,
-    rules=(UNBINDABLE,),
-    needs_whole="form",
-)
+                yield _unbindable(output, names)
 
 
 def _unbindable(output: nodes.Var, names: set[str]) -> Diagnostic:
     near = nearest(output.name, names)
-    return Diagnostic(
-        rule=UNBINDABLE.name,
-        message=f"nothing binds the output `{output.name}`",
-        span=output.span,
+    return UNBINDABLE.at(
+        output.span,
+        f"nothing binds the output `{output.name}`",
         help=f"did you mean `{near}`?"
         if near
         else "bind it in `succeed`, in a context, or as the output of a step",

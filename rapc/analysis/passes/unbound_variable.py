@@ -10,8 +10,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import msgspec
 
-from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.binding_sites import SIGNALS, Site, sites_by_name
+from rapc.analysis.check import Pass, check
 from rapc.analysis.endless import NeverDone
 from rapc.analysis.index import Form
 from rapc.analysis.passes.bindings import BINDINGS, Missing
@@ -82,9 +82,11 @@ _BIND = {
 """Where to bind what these clauses need."""
 
 
-def _run(run: Pass) -> None:
+@check(UNBOUND, needs_whole="method")
+def unbound_variable(run: Pass) -> Iterator[Diagnostic]:
+    """Find variables that lack a value where one is needed."""
     missing = run.result(BINDINGS).missing
-    nets = run.result(TASK_NETS)
+    nets = run.result(TASK_NETS).value
     for form in (*run.library.forms, *run.library.tests):
         lacking: Iterable[Missing] = missing.get(id(form), ())
         if lacking:
@@ -94,17 +96,7 @@ def _run(run: Pass) -> None:
                 net = None if first.method is None else nets.get(id(first.method.body))
                 if net is None or not net.broken or not _by_steps(first, places):
                     found = _explain(first, further, places, net)
-                    run.report(_with_fix(run, found, first, further, places))
-
-
-ANALYZER = Analyzer(
-    name="unbound-variable",
-    doc="Finds variables that lack a value where one is needed.",
-    run=_run,
-    needs=(BINDINGS, EXPLAINED, TASK_NETS),
-    rules=(UNBOUND,),
-    needs_whole="method",
-)
+                    yield _with_fix(run, found, first, further, places)
 
 
 class _Places:
@@ -172,10 +164,9 @@ def _explain(
         labels = [Label(site.span, _close(site))]
         help_ = f"did you mean `{near}`?"
     labels += [Label(m.variable.span, "nor here") for m in further[:_MOST]]
-    return Diagnostic(
-        rule=UNBOUND.name,
-        message=f"`{name}` is not bound here",
-        span=first.variable.span,
+    return UNBOUND.at(
+        first.variable.span,
+        f"`{name}` is not bound here",
         labels=tuple(labels),
         help=help_,
     )

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Pass, check
 from rapc.analysis.index import INDEX, Form, Index
-from rapc.analysis.named import MISUSES, UnknownNames, misuses, report_kind
-from rapc.base.diagnostics import Rule, Severity
+from rapc.analysis.named import UnknownNames, misuses, wrong_kind
+from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.source import Span
 from rapc.ir import nodes
 from rapc.library.signatures import Use
@@ -62,25 +62,17 @@ effect or an `:on`, and it has no age.""",
 _FACTS: tuple[Use, ...] = ("test", "believed", "asserted", "erased")
 
 
-def _run(run: Pass) -> None:
+@check(UNDECLARED, NOT_A_FACT)
+def undeclared_predicate(run: Pass) -> Iterator[Diagnostic]:
+    """Find facts and tests that are not declared, and what is taken for facts."""
     unknown = UnknownNames(UNDECLARED)
     for one in misuses(run, _FACTS, "unknown"):
         unknown.add(one.fault, one.used.place(run.library.files), one.used.owner)
     for name, place, owner in _further(run.result(INDEX)):
         if name not in run.signatures.predicates:
             unknown.add(run.signatures.unknown("test", name), place, owner)
-    unknown.report(run)
-    for one in misuses(run, _FACTS, "kind"):
-        report_kind(run, NOT_A_FACT, one)
-
-
-ANALYZER = Analyzer(
-    name="undeclared-predicate",
-    doc="Finds facts and tests that are not declared, and what is taken for facts.",
-    run=_run,
-    needs=(INDEX, MISUSES),
-    rules=(UNDECLARED, NOT_A_FACT),
-)
+    yield from unknown.findings(run)
+    yield from wrong_kind(run, NOT_A_FACT, _FACTS)
 
 
 def _further(index: Index) -> Iterator[tuple[str, Span, Form]]:

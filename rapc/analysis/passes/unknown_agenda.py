@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from collections.abc import Iterator
+
+from rapc.analysis.check import Pass, check
 from rapc.analysis.named import UnknownNames
-from rapc.base.diagnostics import Rule, Severity
+from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.names import Suggestions
 from rapc.library.library import word_span
 from rapc.library.signatures import Fault
@@ -34,7 +36,9 @@ the agenda there would be none of them.""",
 )
 
 
-def _run(run: Pass) -> None:
+@check(UNKNOWN)
+def unknown_agenda(run: Pass) -> Iterator[Diagnostic]:
+    """Find tests that name an agenda that is not defined."""
     known = run.library.agendas
     unknown = UnknownNames(UNKNOWN)
     near = Suggestions(known)
@@ -47,12 +51,4 @@ def _run(run: Pass) -> None:
             fault = Fault("unknown", message, help, name=name, meant=meant)
             place = word_span(run.library.files, test.span, 1)
             unknown.add(fault, place, test)
-    unknown.report(run)
-
-
-ANALYZER = Analyzer(
-    name="unknown-agenda",
-    doc="Finds tests that name an agenda that is not defined.",
-    run=_run,
-    rules=(UNKNOWN,),
-)
+    yield from unknown.findings(run)

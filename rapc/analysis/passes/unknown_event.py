@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from rapc import events
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Pass, check
 from rapc.analysis.index import INDEX
 from rapc.analysis.renaming import renaming
-from rapc.base.diagnostics import Diagnostic, Fix, Rule, Severity
+from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.names import Suggestions
-from rapc.base.source import Span
 from rapc.ir import nodes
 from rapc.library.library import word_span
 
@@ -37,7 +38,9 @@ otherwise is never found.""",
 )
 
 
-def _run(run: Pass) -> None:
+@check(UNKNOWN)
+def unknown_event(run: Pass) -> Iterator[Diagnostic]:
+    """Find events and keys of events in tests that no trace ever holds."""
     known_kinds = events.kinds()
     near_kinds = Suggestions(known_kinds)
     keys: dict[str, Suggestions] = {}
@@ -52,7 +55,8 @@ def _run(run: Pass) -> None:
                 [place],
             )
             help_ = near_kinds.did_you_mean(pattern.event, "`docs/trace.md` lists them")
-            _report(run, f"no event is called `{pattern.event}`", place, help_, fix)
+            message = f"no event is called `{pattern.event}`"
+            yield UNKNOWN.at(place, message, help=help_, fix=fix)
             continue
         if pattern.event not in keys:
             keys[pattern.event] = Suggestions(events.keys(known_kinds[pattern.event]))
@@ -64,17 +68,5 @@ def _run(run: Pass) -> None:
                 fix = renaming(
                     run.library.files, f":{key}", near and f":{near}", [place]
                 )
-                _report(run, message, place, known.did_you_mean(key), fix)
-
-
-def _report(run: Pass, message: str, place: Span, help_: str, fix: Fix | None) -> None:
-    run.report(Diagnostic(UNKNOWN.name, message, place, help=help_, fix=fix))
-
-
-ANALYZER = Analyzer(
-    name="unknown-event",
-    doc="Finds events and keys of events in tests that no trace ever holds.",
-    run=_run,
-    needs=(INDEX,),
-    rules=(UNKNOWN,),
-)
+                help_ = known.did_you_mean(key)
+                yield UNKNOWN.at(place, message, help=help_, fix=fix)

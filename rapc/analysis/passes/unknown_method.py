@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from collections.abc import Iterator
+
+from rapc.analysis.check import Pass, check
 from rapc.analysis.index import INDEX
 from rapc.analysis.renaming import renaming
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
@@ -52,7 +54,9 @@ def _names_in_traces(rap: nodes.DefineRap) -> Suggestions:
     )
 
 
-def _run(run: Pass) -> None:
+@check(UNKNOWN, needs_whole="form")
+def unknown_method(run: Pass) -> Iterator[Diagnostic]:
+    """Find questions about methods that the RAP does not have."""
     index = run.result(INDEX)
     known: dict[int, Suggestions] = {}
     for found in index.of(nodes.HistoryTest):
@@ -64,7 +68,7 @@ def _run(run: Pass) -> None:
             if id(rap) not in known:
                 known[id(rap)] = _names(rap)
             word = format_atom(asked.value)
-            _look(run, rap, word, asked.span, known[id(rap)])
+            yield from _look(run, rap, word, asked.span, known[id(rap)])
     traced: dict[int, Suggestions] = {}
     for chosen in index.of(nodes.MethodChosen):
         named, test = run.library.raps.get(chosen.node.rap), chosen.owner
@@ -73,32 +77,19 @@ def _run(run: Pass) -> None:
             if id(named) not in traced:
                 traced[id(named)] = _names_in_traces(named)
             place = word_span(run.library.files, chosen.node.span, 2)
-            _look(run, named, chosen.node.method, place, traced[id(named)])
-
-
-ANALYZER = Analyzer(
-    name="unknown-method",
-    doc="Finds questions about methods that the RAP does not have.",
-    run=_run,
-    needs=(INDEX,),
-    rules=(UNKNOWN,),
-    needs_whole="form",
-)
+            yield from _look(run, named, chosen.node.method, place, traced[id(named)])
 
 
 def _look(
     run: Pass, rap: nodes.DefineRap, name: str, place: Span, known: Suggestions
-) -> None:
-    """Report a method's name if the RAP does not have it."""
+) -> Iterator[Diagnostic]:
+    """Yield a method's name if the RAP does not have it."""
     if name not in known:
         counted = f"#{name}"
         meant = counted if counted in known else known.near(name)
-        run.report(
-            Diagnostic(
-                rule=UNKNOWN.name,
-                message=f"`{rap.name}` has no method called `{name}`",
-                span=place,
-                help=f"did you mean `{meant}`?" if meant else "",
-                fix=renaming(run.library.files, name, meant, [place]),
-            )
+        yield UNKNOWN.at(
+            place,
+            f"`{rap.name}` has no method called `{name}`",
+            help=f"did you mean `{meant}`?" if meant else "",
+            fix=renaming(run.library.files, name, meant, [place]),
         )

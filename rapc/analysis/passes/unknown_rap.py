@@ -5,9 +5,11 @@ T 4.2 and 4.5.2: a step is a pattern that must match the index of a RAP.
 
 from __future__ import annotations
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from collections.abc import Iterator
+
+from rapc.analysis.check import Pass, check
 from rapc.analysis.index import INDEX
-from rapc.analysis.named import MISUSES, Misuse, UnknownNames, misuses
+from rapc.analysis.named import Misuse, UnknownNames, misuses
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.values import format_list
 from rapc.ir import nodes
@@ -57,7 +59,9 @@ after `=>` as many outputs. An output that is not needed is written `?`.""",
 )
 
 
-def _run(run: Pass) -> None:
+@check(UNKNOWN, ARITY)
+def unknown_rap(run: Pass) -> Iterator[Diagnostic]:
+    """Find steps and memory rules whose RAP is not defined, or is not met."""
     unknown = UnknownNames(UNKNOWN)
     for one in misuses(run, ("goal",), "unknown"):
         unknown.add(one.fault, one.used.place(run.library.files), one.used.owner)
@@ -66,18 +70,9 @@ def _run(run: Pass) -> None:
         if name not in run.signatures.raps:
             place = word_span(run.library.files, chosen.node.span, 1)
             unknown.add(run.signatures.unknown("goal", name), place, chosen.owner)
-    unknown.report(run)
+    yield from unknown.findings(run)
     for one in misuses(run, ("goal",), "arguments"):
-        run.report(_misfit(run, one))
-
-
-ANALYZER = Analyzer(
-    name="unknown-rap",
-    doc="Finds steps and memory rules whose RAP is not defined, or is not met.",
-    run=_run,
-    needs=(INDEX, MISUSES),
-    rules=(UNKNOWN, ARITY),
-)
+        yield _misfit(run, one)
 
 
 def _misfit(run: Pass, one: Misuse) -> Diagnostic:
@@ -85,10 +80,9 @@ def _misfit(run: Pass, one: Misuse) -> Diagnostic:
     arrow = ["=>", *(v.name for v in rap.outputs)] if rap.outputs else []
     index = format_list([rap.name, *(v.name for v in rap.inputs), *arrow])
     lacks_outputs = used.outputs == 0 and rap.outputs
-    return Diagnostic(
-        rule=ARITY.name,
-        message=one.fault.message,
-        span=used.span,
+    return ARITY.at(
+        used.span,
+        one.fault.message,
         labels=(Label(rap.name_span, f"its index is `{index}`"),),
         help="write `?` after `=>` for an output that is not needed"
         if lacks_outputs

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Pass, check
 from rapc.analysis.index import INDEX, Form, Index
 from rapc.analysis.named import UnknownNames, declared_at
 from rapc.analysis.renaming import renaming
@@ -50,7 +50,9 @@ REASONS = ("okay", "no-method", "interference", "futile-loop", "signal")
 """The results that come from the interpreter itself."""
 
 
-def _run(run: Pass) -> None:
+@check(UNKNOWN)
+def unknown_result(run: Pass) -> Iterator[Diagnostic]:
+    """Find questions about results that nothing can return."""
     known = {*REASONS, *_declared(run.library)}
     names = Suggestions(known)
     unknown = UnknownNames(UNKNOWN)
@@ -62,27 +64,18 @@ def _run(run: Pass) -> None:
             help_, meant = names.did_you_mean(word), names.near(word)
             fault = Fault("unknown", message, help_, name=word, meant=meant)
             unknown.add(fault, constant.span, owner)
-    unknown.report(run)
+    yield from unknown.findings(run)
     for row in run.result(INDEX).of(nodes.ScriptRow):
         answered = row.node.kind == "request" and not row.node.refused
         result = row.node.result or "okay"
         wrong = run.signatures.no_result(row.node.request.name, result)
         if wrong is not None and answered:
-            run.report(_no_result(run, row.node, wrong))
+            yield _no_result(run, row.node, wrong)
     for primitive in run.library.primitives.values():
         for on in primitive.on:
             wrong = run.signatures.no_result(primitive.name, on.result)
             if wrong is not None:
-                run.report(_no_result(run, on, wrong))
-
-
-ANALYZER = Analyzer(
-    name="unknown-result",
-    doc="Finds questions about results that nothing can return.",
-    run=_run,
-    needs=(INDEX,),
-    rules=(UNKNOWN,),
-)
+                yield _no_result(run, on, wrong)
 
 
 def _declared(library: Library) -> Iterator[str]:
@@ -123,10 +116,9 @@ def _no_result(
 ) -> Diagnostic:
     assert wrong.declared is not None
     declared = declared_at(run, wrong.declared)
-    return Diagnostic(
-        rule=UNKNOWN.name,
-        message=wrong.message,
-        span=place.span,
+    return UNKNOWN.at(
+        place.span,
+        wrong.message,
         labels=(Label(declared, "its results are declared here"),),
         help=wrong.help,
         fix=renaming(run.library.files, wrong.name, wrong.meant, [place.span]),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Pass, check
 from rapc.analysis.index import INDEX
 from rapc.analysis.literals import literals
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
@@ -40,7 +40,9 @@ ask `(know-sensor-name ?thing true)` in its context.""",
 )
 
 
-def _run(run: Pass) -> None:
+@check(UNNAMED, needs_whole="form")
+def unnamed_item(run: Pass) -> Iterator[Diagnostic]:
+    """Find requests about items whose sensor name the method does not ask for."""
     asked = run.result(INDEX).of(nodes.SensorName)
     for rap in run.library.raps.values() if asked else ():
         unknown = dict(_unknown(rap))
@@ -49,18 +51,7 @@ def _run(run: Pass) -> None:
         silent = [method for method in rap.methods if not _asks(rap, method)]
         alone = len(silent) == 1 and len(rap.methods) > _ENOUGH
         for method in silent:
-            for found in _unnamed(method, unknown, alone=alone):
-                run.report(found)
-
-
-ANALYZER = Analyzer(
-    name="unnamed-item",
-    doc="Finds requests about items whose sensor name the method does not ask for.",
-    run=_run,
-    needs=(INDEX,),
-    rules=(UNNAMED,),
-    needs_whole="form",
-)
+            yield from _unnamed(method, unknown, alone=alone)
 
 
 def _unknown(rap: nodes.DefineRap) -> Iterator[tuple[str, nodes.SensorName]]:
@@ -85,10 +76,9 @@ def _unnamed(
             continue
         if term.name in unknown:
             told.add(term.name)
-            yield Diagnostic(
-                rule=UNNAMED.name,
-                message=f"the sensors may have no name for `{term.name}` here",
-                span=term.span,
+            yield UNNAMED.at(
+                term.span,
+                f"the sensors may have no name for `{term.name}` here",
                 labels=(
                     Label(unknown[term.name].span, "there is a method for that case"),
                 ),

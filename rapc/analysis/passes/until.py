@@ -10,10 +10,10 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import msgspec
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Pass, check
 from rapc.analysis.endless import endless, may_end
 from rapc.analysis.index import INDEX
-from rapc.analysis.passes.task_nets import TASK_NETS, Net, sure_nets
+from rapc.analysis.passes.task_nets import Net, sure_nets
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.source import Span
 from rapc.ir import nodes
@@ -142,7 +142,9 @@ class _Mark(msgspec.Struct, frozen=True):
     by: int
 
 
-def _run(run: Pass) -> None:
+@check(ITSELF, BOTH, IDLE, AT_ONCE, NEVER, needs_whole="method")
+def until(run: Pass) -> Iterator[Diagnostic]:
+    """Find steps that are to go on until something that never ends one of them."""
     index = run.result(INDEX)
     if not index.of(nodes.UntilStart) and not index.of(nodes.UntilEnd):
         return
@@ -155,22 +157,10 @@ def _run(run: Pass) -> None:
             for note in step.annotations
             if isinstance(note, _Until)
         ]
-        for found in _of_net(run, steps, net, marks, never_done) if marks else ():
-            run.report(found)
+        yield from _of_net(run, steps, net, marks, never_done) if marks else ()
     for rap in run.library.forms:
         if type(rap) is nodes.DefineRap:
-            for found in _by_themselves(rap):
-                run.report(found)
-
-
-ANALYZER = Analyzer(
-    name="until",
-    doc="Finds steps that are to go on until something that never ends one of them.",
-    run=_run,
-    needs=(INDEX, TASK_NETS),
-    rules=(ITSELF, BOTH, IDLE, AT_ONCE, NEVER),
-    needs_whole="method",
-)
+            yield from _by_themselves(rap)
 
 
 def _of_net(
@@ -210,10 +200,9 @@ def _by_themselves(rap: nodes.DefineRap) -> Iterator[Diagnostic]:
             for note in step.annotations if often[step.tag] == 1 else ():
                 if isinstance(note, _Until) and note.tag == step.tag:
                     does = "ends" if type(note) is nodes.UntilEnd else "starts"
-                    yield Diagnostic(
-                        rule=ITSELF.name,
-                        message=f"step `{step.tag}` is to go on until it {does} itself",
-                        span=note.span,
+                    yield ITSELF.at(
+                        note.span,
+                        f"step `{step.tag}` is to go on until it {does} itself",
                         help="name another step, or take the annotation away",
                     )
 
@@ -225,11 +214,10 @@ def _each_other(
     if any(net.edges[at] for at in (mark.at, mark.by)):
         return
     if not may_wait(run, one) and not may_wait(run, other):
-        yield Diagnostic(
-            rule=BOTH.name,
-            message=f"steps `{other.tag}` and `{one.tag}` end each other by starting, "
+        yield BOTH.at(
+            mark.note.span,
+            f"steps `{other.tag}` and `{one.tag}` end each other by starting, "
             "so only one of them is ever carried out",
-            span=mark.note.span,
             labels=(Label(back.note.span, "and the other way round here"),),
             help="leave one of the two out, or write `until-end`",
         )
@@ -246,10 +234,9 @@ def may_wait(run: Pass, step: nodes.Step) -> bool:
 
 
 def _idle(mark: _Mark, by: nodes.Step, why: str) -> Diagnostic:
-    return Diagnostic(
-        rule=IDLE.name,
-        message=f"this never ends a step at work: {why}",
-        span=mark.note.span,
+    return IDLE.at(
+        mark.note.span,
+        f"this never ends a step at work: {why}",
         labels=(Label(by.span, "the other step"),),
         help="leave this out, or what puts the two steps in order",
     )
@@ -261,10 +248,9 @@ def _begins_together(
     late = other.priority < step.priority
     if net.edges[mark.by] or may_wait(run, other) or late:
         return
-    yield Diagnostic(
-        rule=AT_ONCE.name,
-        message=f"`{other.tag}` can start at once, and takes `{step.tag}` away then",
-        span=mark.note.span,
+    yield AT_ONCE.at(
+        mark.note.span,
+        f"`{other.tag}` can start at once, and takes `{step.tag}` away then",
         labels=(Label(other.span, "nothing keeps this one back"),),
         help=f"write `(until-end {other.tag})`, or let that step wait",
     )
@@ -289,10 +275,9 @@ def _never_comes(
 
 def _never(mark: _Mark, by: nodes.Step, cause: Span) -> Diagnostic:
     does = "ends" if isinstance(mark.note, nodes.UntilEnd) else "starts"
-    return Diagnostic(
-        rule=NEVER.name,
-        message=f"`{by.tag}` never {does}, so this step goes on for good",
-        span=mark.note.span,
+    return NEVER.at(
+        mark.note.span,
+        f"`{by.tag}` never {does}, so this step goes on for good",
         labels=(Label(cause, "this never succeeds"),),
         help="name a step that is done some time, or turn the `until` round",
     )

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Pass, check
 from rapc.analysis.close_names import Close, is_row
 from rapc.analysis.index import INDEX, Occurrence
 from rapc.analysis.renaming import renaming
@@ -78,9 +78,14 @@ _Places = Mapping[_Sort, Sequence[Occurrence[nodes.Thing]]]
 """Where things are named, each once for each method or declaration."""
 
 
-def _run(run: Pass) -> None:
+@check(UNUSED, MISSPELT)
+def unused_claim(run: Pass) -> Iterator[Diagnostic]:
+    """Find things that nothing else uses or claims, and names of things misspelt."""
     places = _places(run.result(INDEX).of(nodes.Thing))
-    settled = _misspelt(run, places)
+    settled: set[_Sort] = set()
+    for one, other in _misspelt(places):
+        settled |= {_sort(one), _sort(other)}
+        yield _close(run, one.node, other.node)
     users_known = not any(run.unsure(one.span) for one in _offers(run))
     if not run.complete or not users_known:
         return
@@ -88,7 +93,7 @@ def _run(run: Pass) -> None:
     callers = _callers(run)
     for sort, named in places.items():
         if sort not in settled and _is_unused(named, places, callers):
-            run.report(_finding(run, named[0].node, near, places))
+            yield _finding(run, named[0].node, near, places)
 
 
 def _places(things: Iterable[Occurrence[nodes.Thing]]) -> _Places:
@@ -99,8 +104,10 @@ def _places(things: Iterable[Occurrence[nodes.Thing]]) -> _Places:
     return {sort: list(named.values()) for sort, named in found.items()}
 
 
-def _misspelt(run: Pass, places: _Places) -> set[_Sort]:
-    """Report things named once whose names are close to another; return all of these.
+def _misspelt(
+    places: _Places,
+) -> Iterator[tuple[Occurrence[nodes.Thing], Occurrence[nodes.Thing]]]:
+    """Yield things named once whose names are close to another, with that other.
 
     What several name is meant by all of them. Of two that are named once each, a claim
     is taken for the slip, and of two claims the one further down.
@@ -109,7 +116,6 @@ def _misspelt(run: Pass, places: _Places) -> set[_Sort]:
     for count in {count for _, count in places}:
         names = sorted(name for name, number in places if number == count)
         close[count] = Close(names, _LEAST)
-    settled = set[_Sort]()
     for (name, count), named in places.items():
         others = [
             places[other, count]
@@ -117,9 +123,7 @@ def _misspelt(run: Pass, places: _Places) -> set[_Sort]:
             if not is_row(name, other) and _is_meant(places[other, count], named)
         ]
         if others:
-            settled |= {(name, count), _sort(others[0][0])}
-            run.report(_close(run, named[0].node, others[0][0].node))
-    return settled
+            yield named[0], others[0][0]
 
 
 def _is_meant(
@@ -140,10 +144,9 @@ def _is_above(one: Occurrence[nodes.Thing], other: Occurrence[nodes.Thing]) -> b
 
 
 def _close(run: Pass, thing: nodes.Thing, other: nodes.Thing) -> Diagnostic:
-    return Diagnostic(
-        rule=MISSPELT.name,
-        message=f"nothing else uses or claims `{format_formula(thing)}`",
-        span=thing.span,
+    return MISSPELT.at(
+        thing.span,
+        f"nothing else uses or claims `{format_formula(thing)}`",
         labels=(Label(other.span, "a thing with a close name"),),
         help=f"did you mean `{other.name}`?",
         fix=renaming(run.library.files, thing.name, other.name, [thing.span]),
@@ -223,19 +226,9 @@ def _finding(
         meant = None
         amount = plural(others[0], "argument") if others[0] else "no arguments"
         help_ = f"`{thing.name}` is named with {amount} elsewhere"
-    return Diagnostic(
-        rule=UNUSED.name,
-        message=f"nothing else uses or claims `{written}`",
-        span=thing.span,
+    return UNUSED.at(
+        thing.span,
+        f"nothing else uses or claims `{written}`",
         help=help_,
         fix=renaming(run.library.files, thing.name, meant, [thing.span]),
     )
-
-
-ANALYZER = Analyzer(
-    name="unused-claim",
-    doc="Finds things that nothing else uses or claims, and names of things misspelt.",
-    run=_run,
-    needs=(INDEX,),
-    rules=(UNUSED, MISSPELT),
-)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterator, Mapping, Sequence
 
-from rapc.analysis.analyzer import Analyzer, Pass
 from rapc.analysis.asked import is_computed
 from rapc.analysis.binding_sites import MayBeBound
 from rapc.analysis.certain import contradict, done, fact_name
+from rapc.analysis.check import Pass, check
 from rapc.analysis.effects import EFFECTS, Effect, Effects
 from rapc.analysis.literals import Literal, literals
 from rapc.analysis.passes.hopeless import can_come
@@ -55,8 +55,10 @@ effect is not declared.""",
 )
 
 
-def _run(run: Pass) -> None:
-    nets = run.result(TASK_NETS)
+@check(VAIN, needs_whole="form")
+def vain_protection(run: Pass) -> Iterator[Diagnostic]:
+    """Find formulas with `for` that no step before them can bring about."""
+    nets = run.result(TASK_NETS).value
     known: dict[str, _ByName | None] = {}
     for rap in run.library.raps.values() if run.complete else ():
         for method in rap.methods:
@@ -65,18 +67,7 @@ def _run(run: Pass) -> None:
                 continue
             if net.broken or net.order is None or not _protects(method.body):
                 continue
-            for found in _of_net(run, rap, method, net, known):
-                run.report(found)
-
-
-ANALYZER = Analyzer(
-    name="vain-protection",
-    doc="Finds formulas with `for` that no step before them can bring about.",
-    run=_run,
-    needs=(EFFECTS, TASK_NETS),
-    rules=(VAIN,),
-    needs_whole="form",
-)
+            yield from _of_net(run, rap, method, net, known)
 
 
 def _asked(rap: nodes.DefineRap) -> set[str]:
@@ -237,12 +228,11 @@ def _comes(
 
 def _finding(one: Literal, step: nodes.Step) -> Diagnostic:
     written = format_formula(one.formula)
-    return Diagnostic(
-        rule=VAIN.name,
-        message=f"nothing up to here brings `{written}` about"
+    return VAIN.at(
+        one.span,
+        f"nothing up to here brings `{written}` about"
         if one.holds
         else f"this step brings `{written}` about, and not the contrary",
-        span=one.span,
         labels=(
             Label(
                 step.goal.span,

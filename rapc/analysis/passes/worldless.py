@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rapc.analysis.analyzer import Analyzer, Pass
+from rapc.analysis.check import Pass, check
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.source import Span
 from rapc.ir import nodes
@@ -38,12 +38,14 @@ world that a test names by `(world name)`; so do the functions of a library, unl
 )
 
 
-def _run(run: Pass) -> None:
+@check(WORLDLESS)
+def worldless_test(run: Pass) -> Iterator[Diagnostic]:
+    """Find tests without a world that need what only a world brings along."""
     for test in run.library.tests:
         if test.world is None:
             for place, message in _lacking(run.library, test):
                 help = "name the world by `(world name)`"
-                run.report(Diagnostic(WORLDLESS.name, message, place, help=help))
+                yield WORLDLESS.at(place, message, help=help)
 
 
 def _lacking(library: Library, test: nodes.DefineTest) -> Iterator[tuple[Span, str]]:
@@ -71,11 +73,3 @@ def _lacking(library: Library, test: nodes.DefineTest) -> Iterator[tuple[Span, s
     named += [node.function for node in library.comparators]
     for comparator in dict.fromkeys(filter(None, named)):
         yield test.name_span, f"no comparator is registered as `{comparator}`"
-
-
-ANALYZER = Analyzer(
-    name="worldless-test",
-    doc="Finds tests without a world that need what only a world brings along.",
-    run=_run,
-    rules=(WORLDLESS,),
-)

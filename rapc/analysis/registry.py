@@ -1,0 +1,133 @@
+"""The checks and their rules.
+
+A module of checks is imported when one of its rules is wanted: before a library is run
+only errors count, and only the modules that find some are imported.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from functools import cache
+from importlib import import_module
+from types import MappingProxyType
+
+from rapc.analysis import suppressions
+from rapc.analysis.check import Check
+from rapc.base.diagnostics import Rule, Severity
+from rapc.library import library, loader
+from rapc.parser.rules import table as parser
+
+_WITH_ERRORS = (
+    "anonymous_variable",
+    "data",
+    "fact_arity",
+    "functions",
+    "impossible_row",
+    "kinds",
+    "not_a_number",
+    "otherwise",
+    "primitives",
+    "query_circles",
+    "resource_as_value",
+    "resources",
+    "signals",
+    "task_nets",
+    "unbound_variable",
+    "undeclared_predicate",
+    "unknown_agenda",
+    "unknown_event",
+    "unknown_method",
+    "unknown_rap",
+    "unknown_result",
+    "worldless",
+)
+"""The modules with a rule that finds errors."""
+
+_OTHERS = (
+    "age_in_monitor",
+    "agenda_bands",
+    "constants",
+    "constraints",
+    "contradictions",
+    "crossed_claims",
+    "dead_case",
+    "declared_effects",
+    "facts",
+    "failures",
+    "freshness",
+    "hopeless",
+    "idle_loops",
+    "idle_resources",
+    "joined",
+    "leftovers",
+    "marked_constant",
+    "missing_require",
+    "misspelt_variable",
+    "needs_itself",
+    "never_holds",
+    "nothing_awaited",
+    "outputs",
+    "own_results",
+    "rivals",
+    "said_twice",
+    "settled",
+    "settled_comparison",
+    "singletons",
+    "skill_use",
+    "standing",
+    "swapped_arguments",
+    "threats",
+    "times",
+    "unbindable_output",
+    "unnamed_item",
+    "until",
+    "unused_claim",
+    "vain_protection",
+)
+
+
+@cache
+def checks(*, errors_only: bool = False) -> tuple[Check, ...]:
+    """Return all checks, or those of the modules that find errors."""
+    modules = _WITH_ERRORS if errors_only else (*_WITH_ERRORS, *_OTHERS)
+    return tuple(
+        one
+        for name in modules
+        for one in vars(import_module(f"rapc.analysis.passes.{name}")).values()
+        if isinstance(one, Check)
+    )
+
+
+@cache
+def rules(*, errors_only: bool = False) -> Mapping[str, Rule]:
+    """Return the rules of checks, reading and linking by name, in order of codes.
+
+    Args:
+        errors_only: leave out the rules of modules that find no errors, and those about
+            suppressions.
+    """
+    every = [rule for one in checks(errors_only=errors_only) for rule in one.rules]
+    every += (*parser.RULES, *library.RULES, *loader.RULES)
+    if not errors_only:
+        every += suppressions.RULES
+    every.sort(key=lambda rule: rule.code)
+    return MappingProxyType({rule.name: rule for rule in every})
+
+
+@cache
+def errors() -> frozenset[str]:
+    """Return the names of the rules that keep a library from being run."""
+    every = rules(errors_only=True).values()
+    found = (r for r in every if r.severity is Severity.ERROR and not r.opt_in)
+    return frozenset(rule.name for rule in found)
+
+
+def are_errors(enabled: Collection[str]) -> bool:
+    """Whether all of some rules keep a library from being run."""
+    return errors().issuperset(enabled)
+
+
+def checks_for(enabled: Collection[str]) -> list[Check]:
+    """Return the checks that may report by one of the enabled rules."""
+    among = checks(errors_only=are_errors(enabled))
+    return [one for one in among if any(rule.name in enabled for rule in one.rules)]
