@@ -4,7 +4,7 @@
 is surely bound; `not` exports nothing; comparisons, computed terms, tests of sets and
 functions used as tests bind nothing and need theirs bound; a named query does to the
 terms it is given what its formula does. Where these formulas stand
-and what is bound beforehand is for `rapc.analysis.passes.bindings` to say.
+and what is bound beforehand is for `rapc.analysis.checks.bindings` to say.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The places of a RAP where a variable gets a value, or may get one.
 
-Slower and simpler than `rapc.analysis.passes.bindings`, and asked only about RAPs in
+Slower and simpler than `rapc.analysis.checks.bindings`, and asked only about RAPs in
 which something may be wrong: it says where a name is bound and what is special about
 the place, not whether it is surely bound where somebody needs it.
 """

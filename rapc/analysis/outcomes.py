@@ -4,7 +4,7 @@ Both are summed up along the calls, as `rapc.analysis.effects` sums up facts. A 
 whose failures cannot be known has a method that is still to be written, asks for a
 primitive or a RAP that nobody declares, or leaves its methods to a problem solver. What
 the interpreter itself fails a task with is not told here
-(`rapc.analysis.passes.unknown_result`).
+(`rapc.analysis.checks.unknown_result`).
 """
 
 from __future__ import annotations

@@ -93,7 +93,7 @@ def checks(*, errors_only: bool = False) -> tuple[Check, ...]:
     return tuple(
         one
         for name in modules
-        for one in vars(import_module(f"rapc.analysis.passes.{name}")).values()
+        for one in vars(import_module(f"rapc.analysis.checks.{name}")).values()
         if isinstance(one, Check)
     )
 

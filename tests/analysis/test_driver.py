@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import rapc
-from rapc.analysis import passes, registry
+from rapc.analysis import checks, registry
 from rapc.analysis.check import Fact, Pass
 from rapc.analysis.driver import check_library
 from rapc.analysis.selection import Selection, errors
@@ -69,7 +69,7 @@ def test_rules_that_find_errors_are_those_of_the_modules_imported_for_a_run() ->
 
 
 def test_each_module_of_checks_is_registered() -> None:
-    folder = Path(passes.__file__).parent
+    folder = Path(checks.__file__).parent
     registered = {one.find.__module__.rpartition(".")[2] for one in registry.checks()}
     facts = {"__init__", "bindings", "explained"}
     assert registered == {path.stem for path in folder.glob("*.py")} - facts

@@ -24,7 +24,7 @@ CHECKING = ("analysis", "ir", "loader", "parser", "render")
 FOR_FEW = ("importlib.metadata", "difflib", "shutil")
 SELDOM = (
     *("runtime.saving.save", "testing.faults", "worlds.scripted"),
-    "analysis.passes.threats",
+    "analysis.checks.threats",
 )
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.passes.bindings import BINDINGS
-from rapc.analysis.passes.explained import EXPLAINED
+from rapc.analysis.checks.bindings import BINDINGS
+from rapc.analysis.checks.explained import EXPLAINED
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 
 ANONYMOUS = Rule(

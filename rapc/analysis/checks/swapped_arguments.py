@@ -16,8 +16,8 @@ from itertools import combinations, islice
 
 from rapc.analysis.census import CENSUS, MOST_PLACES, Census
 from rapc.analysis.check import Pass, check
+from rapc.analysis.checks.kinds import KINDS
 from rapc.analysis.index import INDEX, Form, NameUse
-from rapc.analysis.passes.kinds import KINDS
 from rapc.analysis.places import PLACES, SPACES, Place, Places
 from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix, Rule, Severity
 from rapc.base.source import Span

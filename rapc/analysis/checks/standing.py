@@ -7,10 +7,10 @@ from collections.abc import Iterable, Iterator, Mapping
 from rapc.analysis.asked import asked_by, asked_through, is_computed
 from rapc.analysis.certain import fact_name
 from rapc.analysis.check import Fact, Pass, Reported, check
+from rapc.analysis.checks.settled import Always
 from rapc.analysis.endless import below_agendas, endless, is_never
 from rapc.analysis.index import INDEX, Form, Index
 from rapc.analysis.literals import literals
-from rapc.analysis.passes.settled import Always
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,

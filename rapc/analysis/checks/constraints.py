@@ -12,9 +12,9 @@ import msgspec
 
 from rapc.analysis.certain import contradict, done, fact_name
 from rapc.analysis.check import Pass, check
+from rapc.analysis.checks.task_nets import TASK_NETS, Net
+from rapc.analysis.checks.threats import WORLD
 from rapc.analysis.literals import Literal, literals
-from rapc.analysis.passes.task_nets import TASK_NETS, Net
-from rapc.analysis.passes.threats import WORLD
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula, format_goal

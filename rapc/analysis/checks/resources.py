@@ -13,8 +13,8 @@ from typing import Literal
 import msgspec
 
 from rapc.analysis.check import Fact, Pass, Reported, check
+from rapc.analysis.checks.bindings import BINDINGS
 from rapc.analysis.index import INDEX, Form, Index, Occurrence
-from rapc.analysis.passes.bindings import BINDINGS
 from rapc.analysis.renaming import renaming
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.names import nearest

@@ -14,9 +14,9 @@ import msgspec
 
 from rapc.analysis.census import CENSUS, sort_of
 from rapc.analysis.check import Fact, Pass, Reported, check
+from rapc.analysis.checks.kinds import KINDS
 from rapc.analysis.close_names import Close, is_row
 from rapc.analysis.index import Form
-from rapc.analysis.passes.kinds import KINDS
 from rapc.analysis.place_kinds import PLACE_KINDS, PlaceKinds
 from rapc.analysis.places import PLACES, Place, place_parts
 from rapc.base.diagnostics import (

@@ -13,11 +13,11 @@ from collections.abc import Callable, Iterable, Mapping
 import msgspec
 
 from rapc.analysis.check import Fact, Pass
+from rapc.analysis.checks.bindings import Missing
+from rapc.analysis.checks.constants import CONSTANTS
+from rapc.analysis.checks.outputs import OUTPUTS
 from rapc.analysis.index import INDEX, NameUse
 from rapc.analysis.named import MISUSES
-from rapc.analysis.passes.bindings import Missing
-from rapc.analysis.passes.constants import CONSTANTS
-from rapc.analysis.passes.outputs import OUTPUTS
 from rapc.ir import nodes
 from rapc.ir.walk import subterms
 

@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rapc.analysis.check import Pass, check
+from rapc.analysis.checks.resources import RESOURCES
 from rapc.analysis.first_values import FirstValues
 from rapc.analysis.index import INDEX
 from rapc.analysis.literals import literals, number_of
-from rapc.analysis.passes.resources import RESOURCES
 from rapc.analysis.resource_flow import Flow, flows, overall_use
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes

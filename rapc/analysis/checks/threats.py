@@ -12,8 +12,8 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from rapc.analysis.certain import contradict, done, fact_name, put_in
 from rapc.analysis.check import Pass, check
+from rapc.analysis.checks.task_nets import Net, sure_nets
 from rapc.analysis.literals import Literal, literals
-from rapc.analysis.passes.task_nets import Net, sure_nets
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import clauses, nodes
 from rapc.ir.printer import format_formula, format_goal

@@ -8,9 +8,9 @@ from itertools import combinations
 from rapc.analysis.asked import asked_through, through
 from rapc.analysis.certain import done_by_method
 from rapc.analysis.check import Pass, check
+from rapc.analysis.checks.crossed_claims import things
 from rapc.analysis.following import follows
 from rapc.analysis.literals import Literal, apart, literals
-from rapc.analysis.passes.crossed_claims import things
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula

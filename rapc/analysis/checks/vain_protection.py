@@ -8,10 +8,10 @@ from rapc.analysis.asked import is_computed
 from rapc.analysis.binding_sites import MayBeBound
 from rapc.analysis.certain import contradict, done, fact_name
 from rapc.analysis.check import Pass, check
+from rapc.analysis.checks.hopeless import can_come
+from rapc.analysis.checks.task_nets import TASK_NETS, Net
 from rapc.analysis.effects import EFFECTS, Effect, Effects
 from rapc.analysis.literals import Literal, literals
-from rapc.analysis.passes.hopeless import can_come
-from rapc.analysis.passes.task_nets import TASK_NETS, Net
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import clauses, nodes
 from rapc.ir.printer import format_formula, format_goal

@@ -13,9 +13,9 @@ import msgspec
 
 from rapc.analysis.asking import Asking, asking
 from rapc.analysis.check import Pass, check
+from rapc.analysis.checks.standing import is_described
 from rapc.analysis.index import INDEX
 from rapc.analysis.literals import number_of
-from rapc.analysis.passes.standing import is_described
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.source import Span
 from rapc.base.values import Number, format_atom

@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from rapc.analysis.check import Pass, check
+from rapc.analysis.checks.bindings import BINDINGS
 from rapc.analysis.close_names import Close
 from rapc.analysis.index import INDEX, VariableAt
-from rapc.analysis.passes.bindings import BINDINGS
 from rapc.analysis.renaming import renaming
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes

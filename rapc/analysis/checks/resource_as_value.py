@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Container, Iterator, Mapping
 
 from rapc.analysis.check import Pass, check
+from rapc.analysis.checks.resources import RESOURCES
 from rapc.analysis.index import INDEX, Form, Index
-from rapc.analysis.passes.resources import RESOURCES
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,

@@ -20,9 +20,9 @@ import msgspec
 from rapc.analysis.binding_rules import BindingWalker, Bound, Findings
 from rapc.analysis.binding_sites import rules_over_memory
 from rapc.analysis.check import Fact, Pass
+from rapc.analysis.checks.task_nets import TASK_NETS, Net, Nets
 from rapc.analysis.endless import NeverDone
 from rapc.analysis.named_bindings import query_arguments
-from rapc.analysis.passes.task_nets import TASK_NETS, Net, Nets
 from rapc.ir import clauses, nodes
 
 

@@ -12,11 +12,11 @@ import msgspec
 
 from rapc.analysis.binding_sites import SIGNALS, Site, sites_by_name
 from rapc.analysis.check import Pass, check
+from rapc.analysis.checks.bindings import BINDINGS, Missing
+from rapc.analysis.checks.explained import EXPLAINED
+from rapc.analysis.checks.task_nets import TASK_NETS, Net
 from rapc.analysis.endless import NeverDone
 from rapc.analysis.index import Form
-from rapc.analysis.passes.bindings import BINDINGS, Missing
-from rapc.analysis.passes.explained import EXPLAINED
-from rapc.analysis.passes.task_nets import TASK_NETS, Net
 from rapc.analysis.renaming import renaming
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.names import Suggestions

@@ -12,13 +12,13 @@ from collections.abc import Container, Iterator, Sequence
 from rapc.analysis.asked import asked_by, asked_through, is_computed, is_known
 from rapc.analysis.certain import done_by_method
 from rapc.analysis.check import Pass, check
+from rapc.analysis.checks.kinds import KINDS
+from rapc.analysis.checks.settled import SETTLED
+from rapc.analysis.checks.standing import STANDING
 from rapc.analysis.effects import EFFECTS, Effect, calls_of
 from rapc.analysis.endless import is_never
 from rapc.analysis.following import follows
 from rapc.analysis.literals import Literal, apart, literals
-from rapc.analysis.passes.kinds import KINDS
-from rapc.analysis.passes.settled import SETTLED
-from rapc.analysis.passes.standing import STANDING
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.graph import components
 from rapc.ir import nodes

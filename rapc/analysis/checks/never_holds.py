@@ -13,17 +13,17 @@ from collections.abc import Container, Iterator, Sequence
 import msgspec
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.conjunction import Clash
-from rapc.analysis.following import follows
-from rapc.analysis.literals import Literal, apart, literals
-from rapc.analysis.passes.contradictions import (
+from rapc.analysis.checks.contradictions import (
     CONTRADICTIONS,
     clash_at,
     first_clash,
     one_for_each_place,
     said,
 )
-from rapc.analysis.passes.settled import SETTLED
+from rapc.analysis.checks.settled import SETTLED
+from rapc.analysis.conjunction import Clash
+from rapc.analysis.following import follows
+from rapc.analysis.literals import Literal, apart, literals
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.source import Span
 from rapc.ir import clauses, nodes

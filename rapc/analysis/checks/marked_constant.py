@@ -6,9 +6,9 @@ from collections.abc import Iterator, Sequence
 
 from rapc.analysis.census import CENSUS, Census, sort_of
 from rapc.analysis.check import Pass, check
+from rapc.analysis.checks.bindings import BINDINGS
+from rapc.analysis.checks.constants import CONSTANTS
 from rapc.analysis.index import INDEX, Form, VariableAt
-from rapc.analysis.passes.bindings import BINDINGS
-from rapc.analysis.passes.constants import CONSTANTS
 from rapc.analysis.place_kinds import PLACE_KINDS, PlaceKinds
 from rapc.analysis.places import PLACES, Constant, Place
 from rapc.base.diagnostics import (
