@@ -26,7 +26,6 @@ from rapc.base.writing import remove_parts
 from rapc.cli.check_options import Chosen, Options, settle
 from rapc.cli.common import (
     FOR_PEOPLE,
-    FORMATS,
     STATISTICS,
     diff,
     findings_text,
@@ -35,7 +34,7 @@ from rapc.cli.common import (
     rewrite,
     write_output,
 )
-from rapc.cli.options import USAGE, command, fail, say, settings
+from rapc.cli.options import USAGE, command, fail, options_of, say, settings
 from rapc.library.loader import STANDARD_INPUT, Units
 
 EXAMPLES = """\b
@@ -52,48 +51,10 @@ Examples:
 _OF_LIBRARY = "is a file of the library"
 _SETTLED = "says what is reported"
 
-RULES: dict[str, Any] = {"multiple": True, "metavar": "RULES"}
-FILE: dict[str, Any] = {"metavar": "FILE", "type": click.Path(dir_okay=False)}
-
 
 @command(EXAMPLES)
 @click.argument("paths", metavar="PATH...", nargs=-1, required=True)
-@click.option("--select", **RULES, help="Only these rules; ALL: every rule.")
-@click.option("--extend-select", **RULES, help="These rules besides.")
-@click.option("--ignore", **RULES, help="Not these rules.")
-@click.option(
-    "--per-file-ignores",
-    multiple=True,
-    metavar="PATTERN:RULES",
-    help="Not these rules in files of a name.",
-)
-@click.option("--fix", is_flag=True, help="Carry out fixes that are safe.")
-@click.option(
-    "--unsafe-fixes", is_flag=True, help="With --fix or --diff: the others, too."
-)
-@click.option("--diff", is_flag=True, help="Show what --fix would change.")
-@click.option("--statistics", is_flag=True, help="Count the findings of each rule.")
-@click.option(
-    "--output-format",
-    type=click.Choice(FORMATS),
-    help="How findings are printed (full).",
-)
-@click.option("--output-file", **FILE, help="Write the findings there.")
-@click.option("--write-baseline", **FILE, help="Note all findings as known.")
-@click.option("--baseline", **FILE, help="Leave out the findings noted there.")
-@click.option(
-    "--fail-level",
-    type=click.Choice(["error", "warning", "info"]),
-    help="The least grave finding that makes the exit status 1 (warning).",
-)
-@click.option("--exit-zero", is_flag=True, help="Exit with 0 whatever is found.")
-@click.option(
-    "--stdin-filename", metavar="NAME", help="What to call the text on standard input."
-)
-@click.option("--no-cache", is_flag=True, help="No effect (kept for older scripts).")
-@click.option("--watch", is_flag=True, help="Check again whenever a file changes.")
-@click.option("--config", **FILE, help="The configuration to use.")
-@click.option("--isolated", is_flag=True, help="Use no configuration.")
+@options_of(Options)
 def check(**given: Any) -> None:
     """Check RAP libraries: files, folders with RAP files, or - for standard input.
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
+from typing import Annotated, Any
 
+import click
 import msgspec
 
 from rapc.analysis import config
@@ -12,32 +14,57 @@ from rapc.analysis.config import Configured
 from rapc.analysis.selection import PerFile, Selection, by_default, chosen_rules
 from rapc.base.diagnostics import Severity
 from rapc.cli.common import FORMATS
-from rapc.cli.options import fail, say
+from rapc.cli.options import Opt, fail, say
+
+_RULES: Mapping[str, Any] = {"metavar": "RULES"}
+_FILE: Mapping[str, Any] = {"metavar": "FILE", "type": click.Path(dir_okay=False)}
+_LEVELS = click.Choice(["error", "warning", "info"])
+_Words = tuple[str, ...]
 
 
 class Options(msgspec.Struct, frozen=True, kw_only=True):
-    """The options of `rapc check`, as they were given."""
+    """The options of `rapc check`, as they were given; click makes them of this table.
+
+    A field that is described is the option `--NAME`.
+    """
 
     paths: tuple[str, ...]
-    select: tuple[str, ...]
-    extend_select: tuple[str, ...]
-    ignore: tuple[str, ...]
-    per_file_ignores: tuple[str, ...]
-    fix: bool
-    unsafe_fixes: bool
-    diff: bool
-    statistics: bool
-    output_format: str | None
-    output_file: str | None
-    write_baseline: str | None
-    baseline: str | None
-    fail_level: str | None
-    exit_zero: bool
-    stdin_filename: str | None
-    no_cache: bool
-    watch: bool
-    config: str | None
-    isolated: bool
+    select: Annotated[_Words, Opt(help="Only these rules; ALL: every rule.", **_RULES)]
+    extend_select: Annotated[_Words, Opt(help="These rules besides.", **_RULES)]
+    ignore: Annotated[_Words, Opt(help="Not these rules.", **_RULES)]
+    per_file_ignores: Annotated[
+        _Words, Opt(help="Not these rules in files of a name.", metavar="PATTERN:RULES")
+    ]
+    fix: Annotated[bool, Opt(help="Carry out fixes that are safe.")]
+    unsafe_fixes: Annotated[bool, Opt(help="With --fix or --diff: the others, too.")]
+    diff: Annotated[bool, Opt(help="Show what --fix would change.")]
+    statistics: Annotated[bool, Opt(help="Count the findings of each rule.")]
+    output_format: Annotated[
+        str | None,
+        Opt(help="How findings are printed (full).", type=click.Choice(FORMATS)),
+    ]
+    output_file: Annotated[str | None, Opt(help="Write the findings there.", **_FILE)]
+    write_baseline: Annotated[
+        str | None, Opt(help="Note all findings as known.", **_FILE)
+    ]
+    baseline: Annotated[
+        str | None, Opt(help="Leave out the findings noted there.", **_FILE)
+    ]
+    fail_level: Annotated[
+        str | None,
+        Opt(
+            help="The least grave finding that makes the exit status 1 (warning).",
+            type=_LEVELS,
+        ),
+    ]
+    exit_zero: Annotated[bool, Opt(help="Exit with 0 whatever is found.")]
+    stdin_filename: Annotated[
+        str | None, Opt(help="What to call the text on standard input.", metavar="NAME")
+    ]
+    no_cache: Annotated[bool, Opt(help="No effect (kept for older scripts).")]
+    watch: Annotated[bool, Opt(help="Check again whenever a file changes.")]
+    config: Annotated[str | None, Opt(help="The configuration to use.", **_FILE)]
+    isolated: Annotated[bool, Opt(help="Use no configuration.")]
     #: Texts that stand for files: that on standard input, by its name.
     texts: Mapping[str, str] = {}
 

@@ -9,13 +9,22 @@ import math
 import os
 import sys
 from collections.abc import Callable, Mapping
-from typing import Any, NoReturn, TypeVar
+from typing import (
+    Annotated,
+    Any,
+    NoReturn,
+    TypeVar,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
 
 import click
 
 from rapc.base.visible import visible
 
 C = TypeVar("C", bound=click.Command)
+F = TypeVar("F", bound=Callable[..., Any])
 
 USAGE = 2
 """The exit status of what could not be tried."""
@@ -80,6 +89,31 @@ def command(examples: str) -> Callable[[Callable[..., None]], click.Command]:
         return with_common_options(make(does))
 
     return made
+
+
+class Opt(dict[str, Any]):
+    """What `click.option` takes for an option, but for its name and sort."""
+
+
+def options_of(table: type) -> Callable[[F], F]:
+    """Return what adds to a command an option for each field with an `Opt`.
+
+    A field of type `bool` becomes a flag, a tuple an option that may be repeated.
+    """
+
+    def add(does: F) -> F:
+        hints = get_type_hints(table, include_extras=True)
+        for name, hint in reversed(hints.items()):
+            if get_origin(hint) is Annotated:
+                kind, more = get_args(hint)
+                flag, multiple = kind is bool, get_origin(kind) is tuple
+                option = "--" + name.replace("_", "-")
+                does = click.option(option, is_flag=flag, multiple=multiple, **more)(
+                    does
+                )
+        return does
+
+    return add
 
 
 def with_common_options(command: C) -> C:

@@ -5,9 +5,12 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import click
 import pytest
 
 from rapc.analysis.registry import rules
+from rapc.cli.check import check
+from rapc.cli.check_options import Options
 
 from .command import rapc
 
@@ -175,3 +178,9 @@ def test_options_that_do_not_exist_are_refused(option: str, program: Path) -> No
     done = rapc("check", str(program), option)
     assert (done.returncode, done.stdout) == (2, "")
     assert f"there is no option `{option}`" in done.stderr
+
+
+def test_each_option_of_check_is_a_field_of_one_table() -> None:
+    made = {param.name for param in check.params if isinstance(param, click.Option)}
+    common = {"color", "quiet", "verbose"}
+    assert made - common == {*Options.__struct_fields__} - {"paths", "texts"}
