@@ -6,15 +6,18 @@ part of the state of the run, so that it is taken back with it.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import msgspec
 
-from rapc.base.values import Fact, format_list, match_pattern, number
+from rapc.base.values import Fact, format_list, match_pattern
 from rapc.debug.acts import Act
 from rapc.errors import ArgumentError
 from rapc.library.signatures import Signatures
 from rapc.runtime.interpreter import Interpreter
-from rapc.world import Refused, Reply, Savable, Skilled, World, Wrapper
-from rapc.worlds.faults import InjectedFault, problem, usual_time
+from rapc.world import Refused, Reply, Savable, Skilled, World
+from rapc.worlds.faults import InjectedFault, SubstituteWorld, problem
 
 
 class Forced(msgspec.Struct):
@@ -30,12 +33,15 @@ class _Saved(msgspec.Struct, frozen=True):
     forced: list[Forced]
 
 
-class ForcedWorld(Wrapper):
+class ForcedWorld(SubstituteWorld):
     """A world some of whose next requests end as the user wants.
 
     A request that is forced never reaches the world behind. It takes as long as such a
     request usually does, where that world can say.
     """
+
+    Saved = _Saved
+    has = "results"
 
     def __init__(self, world: World) -> None:
         super().__init__(world)
@@ -48,23 +54,16 @@ class ForcedWorld(Wrapper):
             if match_pattern(one.pattern, request) is not None:
                 one.left -= 1
                 self.forced = [other for other in self.forced if other.left > 0]
-                self.advance(number(self.now() + usual_time(self.behind, request)))
-                return Reply(one.result)
+                return self.answer(request, one.result)
         return super().perform(ticket, request)
 
-    def _save(self) -> bytes:
-        state: bytes = self.behind.save()
-        if not isinstance(state, bytes):
-            return state  # the interpreter says so
-        return msgspec.json.encode(_Saved(state, self.forced))
+    def own(self) -> tuple[list[Forced]]:
+        """Return what is still forced."""
+        return (self.forced,)
 
-    def _restore(self, state: bytes) -> None:
-        try:
-            saved = msgspec.json.decode(state, type=_Saved)
-        except ValueError as error:
-            raise ValueError(f"no state of a world with results: {error}") from error
-        self.behind.restore(saved.world)
-        self.forced = saved.forced
+    def read(self, saved: _Saved) -> Mapping[str, Any]:
+        """Return what is still forced."""
+        return {"forced": saved.forced}
 
 
 class ForceResult(Act, frozen=True):

@@ -2,15 +2,20 @@
 
 A faulted request never reaches the world. It takes the time that the world says such
 requests usually take (`Timed.usual_time`) and holds the robot meanwhile; then its
-result, and the handler for it, are what the fault says. No data come with it. What may
-happen to signals is in `rapc.worlds.signal_faults`.
+result, and the handler for it, are what the fault says. No data come with it.
+
+A late signal comes some time after it was sent, if an activation under which it arose
+is still on by then; a spurious one that time after an activation came on for which
+it might be told, though nothing has told it.
 """
 
 from __future__ import annotations
 
 import math
 import random
-from collections.abc import Container, Sequence
+from abc import abstractmethod
+from collections.abc import Container, Mapping, Sequence
+from typing import Any, ClassVar
 
 import msgspec
 
@@ -23,12 +28,20 @@ from rapc.world import (
     Message,
     Refused,
     Reply,
+    Signal,
     Time,
     Timed,
     World,
     Wrapper,
 )
-from rapc.worlds.signal_faults import HOW, SPURIOUS, Held, SignalFaults, Struck
+
+LOST = "lost"
+LATE = "late"
+DOUBLED = "doubled"
+SPURIOUS = "spurious"
+
+HOW = (LOST, LATE, DOUBLED, SPURIOUS)
+"""What can happen to a signal."""
 
 
 class InjectedFault(msgspec.Struct, frozen=True):
@@ -68,53 +81,92 @@ def problem(
         signatures: what the world offers.
         told: the events that may be told for skills, if that is known.
     """
-    name = str(fault.request[0])
-    if fault.of_signal:
-        wrong = signatures.fault("event", name, len(fault.request) - 1)
-        if wrong is None and fault.result not in HOW:
-            return f"a signal is {', '.join(HOW[:-1])} or {HOW[-1]}, not {fault.result}"
-        if wrong is None and fault.result == SPURIOUS and _open(fault.request):
-            return f"a spurious signal has no variables: {format_list(fault.request)}"
-        if wrong is None and fault.result == SPURIOUS and told is not None:
-            return (
-                None if name in told else f"`{name}` is told for no skills that come on"
-            )
+    name, count = str(fault.request[0]), len(fault.request) - 1
+    if not fault.of_signal:
+        wrong = signatures.fault("primitive", name, count)
+        wrong = wrong or signatures.no_result(name, fault.result)
         return None if wrong is None else str(wrong)
-    found = signatures.fault("primitive", name, len(fault.request) - 1)
-    found = found or signatures.no_result(name, fault.result)
-    return None if found is None else str(found)
+    if wrong := signatures.fault("event", name, count):
+        return str(wrong)
+    if fault.result not in HOW:
+        return f"a signal is {', '.join(HOW[:-1])} or {HOW[-1]}, not {fault.result}"
+    if fault.result == SPURIOUS:
+        if any(map(is_variable, fault.request)):
+            return f"a spurious signal has no variables: {format_list(fault.request)}"
+        if told is not None and name not in told:
+            return f"`{name}` is told for no skills that come on"
+    return None
 
 
-def _open(signal: Fact) -> bool:
-    return any(is_variable(part) for part in signal)
+class SubstituteWorld(Wrapper):
+    """A world round another one, which answers some requests in its place.
+
+    A subclass says in `own` and `read` what it saves beside the world behind.
+    """
+
+    #: What `save` writes: a struct whose first field is the state of the world behind.
+    Saved: ClassVar[type[Any]]
+    #: What the world has, as messages say it.
+    has: ClassVar[str]
+
+    @abstractmethod
+    def own(self) -> tuple[Any, ...]:
+        """Return the other fields of `Saved`."""
+
+    @abstractmethod
+    def read(self, saved: Any) -> Mapping[str, Any]:
+        """Return the attributes that a saved state stands for. Raises ValueError."""
+
+    def answer(self, request: Fact, result: str) -> Reply:
+        """Let a request end with a result, after the time that it usually takes.
+
+        Raises:
+            PortError: if the world behind says what is no time.
+        """
+        takes: Time = 0
+        if isinstance(self.behind, Timed):
+            takes = self.behind.usual_time(request)
+            if type(takes) not in (int, float) or not 0 <= takes < math.inf:
+                place = place_of(self.behind.usual_time)
+                said = f"the usual time of {format_list(request)} is `{takes!a}`"
+                raise PortError(f"{said}; see `usual_time`{place}")
+        if takes:
+            self.advance(number(self.now() + takes))
+        return Reply(result)
+
+    def _save(self) -> bytes:
+        state: bytes = self.behind.save()
+        if not isinstance(state, bytes):
+            return state  # the interpreter says so
+        return msgspec.json.encode(self.Saved(state, *self.own()))
+
+    def _restore(self, state: bytes) -> None:
+        try:
+            saved = msgspec.json.decode(state, type=self.Saved)
+            read = self.read(saved)
+        except ValueError as error:
+            said = f"no state of a world with {self.has}: {error}"
+            raise ValueError(said) from error
+        self.behind.restore(saved.world)
+        vars(self).update(read)
+
+
+class HeldSignal(msgspec.Struct, frozen=True):
+    """A signal that is still to come, and when."""
+
+    time: Time
+    content: Fact
+    #: The activations that it belongs to, if it belongs to any.
+    tickets: tuple[int, ...] = ()
 
 
 class _Saved(msgspec.Struct, frozen=True):
-    """What `save` writes: the state of the world behind, and of the random stream."""
-
     world: bytes
     rng: Stream
-    #: The signals that are still to come.
-    held: tuple[Held, ...] = ()
+    held: tuple[HeldSignal, ...] = ()
 
 
-def usual_time(world: World, request: Fact) -> Time:
-    """Return how long a request usually takes; 0 if the world is not `Timed`.
-
-    Raises:
-        PortError: for what is no time.
-    """
-    if not isinstance(world, Timed):
-        return 0
-    takes = world.usual_time(request)
-    if type(takes) not in (int, float) or not 0 <= takes < math.inf:
-        place = place_of(world.usual_time)
-        said = f"the usual time of {format_list(request)} is `{takes!a}`"
-        raise PortError(f"{said}; see `usual_time`{place}")
-    return takes
-
-
-class FaultyWorld(Wrapper):
+class FaultyWorld(SubstituteWorld):
     """A world some of whose requests fail.
 
     Args:
@@ -124,45 +176,74 @@ class FaultyWorld(Wrapper):
             once for each fault of a chance below 1 that concerns a request.
     """
 
+    Saved = _Saved
+    has = "faults"
+
     def __init__(
         self, world: World, faults: Sequence[InjectedFault], seed: int
     ) -> None:
         super().__init__(world)
         self._faults = tuple(faults)
         self._rng = random.Random(f"{seed}:faults")
-        self._signals = SignalFaults(self._strike)
+        #: The signals that are still to come, soonest first.
+        self._held: list[HeldSignal] = []
 
     def perform(self, ticket: int, request: Fact) -> Reply | Refused | None:
         """Fail as a fault says, or hand the request on."""
-        now = self.now()
-        for fault in self._faults:
-            if fault.concerns(request, now) and self._hits(fault):
-                if takes := usual_time(self.behind, request):
-                    self.advance(number(now + takes))
-                return Reply(fault.result)
+        fault = self._hit(request, [f for f in self._faults if not f.of_signal])
+        if fault is not None:
+            return self.answer(request, fault.result)
         return super().perform(ticket, request)
+
+    def _hit(
+        self, request: Fact, faults: Sequence[InjectedFault]
+    ) -> InjectedFault | None:
+        """Return the first fault that hits a request, or a signal, now."""
+        now = self.now()
+        for fault in faults:
+            if fault.concerns(request, now) and self._hits(fault):
+                return fault
+        return None
 
     def _hits(self, fault: InjectedFault) -> bool:
         return fault.p >= 1 or self._rng.random() < fault.p
 
     def next_time(self) -> Time | None:
         """Return when the world behind, or a signal held back, will send something."""
-        times = (super().next_time(), self._signals.next_time())
+        times = (super().next_time(), self._held[0].time if self._held else None)
         return min((time for time in times if time is not None), default=None)
 
     def messages(self) -> Sequence[Message]:
-        """Return the messages of the world behind, as faults of signals change them."""
-        sent = super().messages()
-        if not (sent or self._signals.held) or not isinstance(sent, tuple | list):
-            return sent
-        return self._signals.pass_on(sent, self.now())
+        """Return the messages of the world behind, as faults of signals change them.
 
-    def _strike(self, signal: Fact, now: Time) -> Struck | None:
-        for fault in self._faults:
-            meant = fault.of_signal and fault.result != SPURIOUS
-            if meant and fault.concerns(signal, now) and self._hits(fault):
-                return Struck(fault.result, fault.by)
-        return None
+        Then come the signals that were held back until now.
+        """
+        sent = super().messages()
+        if not (sent or self._held) or not isinstance(sent, tuple | list):
+            return sent
+        found: list[Message] = []
+        faults = [f for f in self._faults if f.of_signal and f.result != SPURIOUS]
+        for message in sent:
+            fault = None
+            if isinstance(message, Signal):
+                fault = self._hit(message.content, faults)
+            if fault is None:
+                found.append(message)
+            elif fault.result == DOUBLED:
+                found += [message, message]
+            elif fault.result == LATE:
+                self._hold(fault, message.content, message.tickets)
+        due = [held for held in self._held if held.time <= self.now()]
+        self._held = self._held[len(due) :]
+        return [*found, *(Signal(held.content, held.tickets) for held in due)]
+
+    def _hold(
+        self, fault: InjectedFault, content: Fact, tickets: tuple[int, ...]
+    ) -> None:
+        """Let a signal come as much later as a fault says."""
+        time = number(self.now() + fault.by)
+        self._held.append(HeldSignal(time, content, tickets))
+        self._held.sort(key=lambda held: held.time)
 
     def _activate(
         self, ticket: int, skills: Sequence[Fact], events: Sequence[str]
@@ -173,27 +254,23 @@ class FaultyWorld(Wrapper):
         for fault in self._faults if refused is None else ():
             told = fault.result == SPURIOUS and fault.request[0] in events
             if told and fault.concerns(fault.request, now) and self._hits(fault):
-                time = number(now + fault.by)
-                self._signals.hold(time, fault.request, (ticket,))
+                self._hold(fault, fault.request, (ticket,))
         return refused
 
     def _deactivate(self, ticket: int) -> None:
+        """Switch off in the world behind, and forget what would come for it alone."""
         self.behind.deactivate(ticket)
-        self._signals.deactivate(ticket)
+        kept = []
+        for held in self._held:
+            left = tuple([one for one in held.tickets if one != ticket])
+            if left or not held.tickets:
+                kept.append(msgspec.structs.replace(held, tickets=left))
+        self._held = kept
 
-    def _save(self) -> bytes:
-        state: bytes = self.behind.save()
-        if not isinstance(state, bytes):
-            return state  # the interpreter says so
-        held = tuple(self._signals.held)
-        return msgspec.json.encode(_Saved(state, stream_state(self._rng), held))
+    def own(self) -> tuple[Stream, tuple[HeldSignal, ...]]:
+        """Return the random stream and the signals to come."""
+        return stream_state(self._rng), tuple(self._held)
 
-    def _restore(self, state: bytes) -> None:
-        try:
-            saved = msgspec.json.decode(state, type=_Saved)
-            rng = stream_in(saved.rng)
-        except ValueError as error:
-            raise ValueError(f"no state of a world with faults: {error}") from error
-        self.behind.restore(saved.world)
-        self._rng = rng
-        self._signals.held = list(saved.held)
+    def read(self, saved: _Saved) -> Mapping[str, Any]:
+        """Return the random stream and the signals to come."""
+        return {"_rng": stream_in(saved.rng), "_held": list(saved.held)}

@@ -8,24 +8,15 @@ not used up answers it, and its variables serve its effects. Symbols that begin 
 from __future__ import annotations
 
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
-from typing import Any, Literal, Protocol
+from typing import Any, Literal
 
 import msgspec
 
-from rapc.base.values import (
-    Atom,
-    Bindings,
-    Fact,
-    format_list,
-    is_variable,
-    match_pattern,
-)
+from rapc.base.values import Atom, Fact, format_list, is_variable
 from rapc.errors import FactError
-from rapc.ir.nodes import DeclareDatum, DeclareEvent, DeclarePrimitive, DeclareSkill
+from rapc.library.library import Library
 from rapc.library.signatures import Fault, Signatures, Use
 from rapc.world import OKAY, HandlerMemory, Offer, Time
-
-_AS_THEY_ARE: Mapping[Atom, Atom] = {}
 
 _EFFECTS = ("asserts", "erases", "moves", "loses", "data", "signals")
 """What of a row may have its variables."""
@@ -71,6 +62,9 @@ class Row(msgspec.Struct, frozen=True):
     pauses: tuple[Time, ...] = ()
     every: Time | None = None
 
+    def __str__(self) -> str:
+        return f"row {format_list(self.pattern)}"
+
     def pause(self, at: int) -> Time:
         """Return how long the signal `at` waits for the one before it."""
         return self.pauses[at] if self.pauses else 0
@@ -89,25 +83,8 @@ class At(msgspec.Struct, frozen=True):
     loses: tuple[Atom, ...] = ()
     signals: tuple[Fact, ...] = ()
 
-
-class Declarations(Protocol):
-    """What a library says of its world: the part of a `Library` needed."""
-
-    @property
-    def primitives(self) -> Mapping[str, DeclarePrimitive]:
-        """The primitives declared, by name."""
-
-    @property
-    def data(self) -> Mapping[str, DeclareDatum]:
-        """The data declared, by name."""
-
-    @property
-    def skills(self) -> Mapping[str, DeclareSkill]:
-        """The skills declared, by name."""
-
-    @property
-    def events(self) -> Mapping[str, DeclareEvent]:
-        """The events declared, by name."""
+    def __str__(self) -> str:
+        return f"at {self.time}"
 
 
 def fillers(row: Row) -> tuple[str, ...]:
@@ -142,49 +119,8 @@ def _put(bound: Mapping[Any, Any], part: Atom | Fact) -> Any:
     return bound.get(part, part)
 
 
-FoundRow = tuple[int, Bindings]
-"""The number of a row that matches, and what it binds."""
-
-
-class Script:
-    """The rows of a script; how often each has been used is kept outside."""
-
-    def __init__(self, rows: Sequence[Row]) -> None:
-        self.rows = tuple(rows)
-        self._fillers = [fillers(row) for row in self.rows]
-
-    def find(self, kind: str, asked: Fact, used: Sequence[int]) -> FoundRow | None:
-        """Return the first row of a kind that matches and is not used up.
-
-        Args:
-            kind: `request`, `enable` or `disable`.
-            asked: the request or the skill.
-            used: how often each row has been used.
-        """
-        for index, row in enumerate(self.rows):
-            if row.kind != kind or used[index] == row.times:
-                continue
-            bound = match_pattern(row.pattern, asked)
-            if bound is not None:
-                return index, bound
-        return None
-
-    def use(self, found: FoundRow, used: list[int], asked: Fact | None = None) -> Row:
-        """Use a row that was found, with what it binds; return it filled in.
-
-        Args:
-            found: the row.
-            used: how often each row has been used; one more for this.
-            asked: the request that it answers, to be its pattern; a skill's row keeps
-                its own.
-        """
-        (index, bound), row = found, self.rows[found[0]]
-        used[index] += 1
-        return fill(row, self._fillers[index], bound, asked or row.pattern)
-
-
 def change(
-    memory: HandlerMemory, effects: Row | At, names: Mapping[Atom, Atom] = _AS_THEY_ARE
+    memory: HandlerMemory, effects: Row | At, names: Mapping[Atom, Atom] | None = None
 ) -> None:
     """Do to memory what a row or an entry says: erase, assert, move and lose.
 
@@ -196,73 +132,47 @@ def change(
     Raises:
         FactError: for an item that no handler has introduced, naming the row.
     """
-    for fact in effects.erases:
-        memory.erase(*_by_names(fact, names))
-    for fact in effects.asserts:
-        memory.assert_fact(*_by_names(fact, names))
+    names = names or {}
+    for name, *args in effects.erases:
+        memory.erase(name, *[names.get(part, part) for part in args])
+    for name, *args in effects.asserts:
+        memory.assert_fact(name, *[names.get(part, part) for part in args])
     try:
         for item, place in effects.moves:
             memory.move(str(names.get(item, item)), names.get(place, place))
         for item in effects.loses:
             memory.lose(str(names.get(item, item)))
     except FactError as error:
-        raise FactError(f"{_named(effects)}: {error}") from error
+        raise FactError(f"{effects}: {error}") from error
 
 
-def _by_names(fact: Fact, names: Mapping[Atom, Atom]) -> Fact:
-    """Return a fact with memory's names of items."""
-    if not names:
-        return fact
-    return (fact[0], *[names.get(part, part) for part in fact[1:]])
-
-
-def _named(effects: Row | At) -> str:
-    """Return a row or an entry as a message names it."""
-    if isinstance(effects, At):
-        return f"at {effects.time}"
-    return f"row {format_list(effects.pattern)}"
-
-
-def offer_of(declared: Declarations) -> Offer:
-    """All that a library declares."""
+def offer_of(declared: Library) -> Offer:
+    """Return all that a library declares."""
+    forms = declared.primitives
     return Offer(
-        primitives={
-            name: (len(form.args), form.results)
-            for name, form in declared.primitives.items()
-        },
-        data={name: len(form.args) for name, form in declared.data.items()},
-        skills={name: len(form.args) for name, form in declared.skills.items()},
-        events={name: len(form.args) for name, form in declared.events.items()},
-        not_atomic=tuple(
-            [name for name, form in declared.primitives.items() if not form.atomic]
-        ),
+        {name: (len(form.args), form.results) for name, form in forms.items()},
+        {name: len(form.args) for name, form in declared.data.items()},
+        {name: len(form.args) for name, form in declared.skills.items()},
+        {name: len(form.args) for name, form in declared.events.items()},
+        not_atomic=tuple([name for name, form in forms.items() if not form.atomic]),
     )
 
 
 def mentioned(rows: Sequence[Row], at: Sequence[At]) -> Offer:
-    """All that a script mentions."""
+    """Return all that a script mentions."""
+    requests = [row for row in rows if row.kind == "request"]
     results: dict[str, dict[str, None]] = {}
-    arity: dict[str, int] = {}
-    for row in rows:
-        name = str(row.pattern[0])
-        if row.kind != "request":
-            continue
-        arity.setdefault(name, len(row.pattern) - 1)
-        results.setdefault(name, {OKAY: None})[row.result] = None
-    signals = [signal for row in rows for signal in row.signals]
-    signals += [signal for entry in at for signal in entry.signals]
+    for row in requests:
+        results.setdefault(str(row.pattern[0]), {OKAY: None})[row.result] = None
+    arity = _arities(row.pattern for row in reversed(requests))
+    script: list[Row | At] = [*rows, *at]
+    ends_later = [str(row.pattern[0]) for row in requests if row.after is not None]
     return Offer(
-        primitives={name: (arity[name], tuple(results[name])) for name in results},
-        data=_arities(datum for row in rows for datum in row.data),
-        skills=_arities(row.pattern for row in rows if row.kind != "request"),
-        events=_arities(signals),
-        not_atomic=tuple(
-            {
-                str(row.pattern[0]): None
-                for row in rows
-                if row.kind == "request" and row.after is not None
-            }
-        ),
+        {name: (arity[name], tuple(found)) for name, found in results.items()},
+        _arities(datum for row in rows for datum in row.data),
+        _arities(row.pattern for row in rows if row.kind != "request"),
+        _arities(signal for one in script for signal in one.signals),
+        not_atomic=tuple(dict.fromkeys(ends_later)),
     )
 
 
@@ -281,37 +191,36 @@ def check_script(
         ValueError: with the first row or entry that does not, and why.
     """
     signatures = Signatures.offered(offer)
-    for row in rows:
-        for problem in _row_problems(row, signatures, handled, offer):
-            raise ValueError(f"row {format_list(row.pattern)}: {problem}")
-    for entry in at:
-        facts = (*entry.asserts, *entry.erases, *entry.moves, entry.loses)
-        facts = (*facts, *entry.signals)
-        unknown = _faults(signatures, "event", entry.signals)
-        for problem in (*_unbound(facts, ()), *unknown):
-            raise ValueError(f"at {entry.time}: {problem}")
+    script: list[Row | At] = [*rows, *at]
+    for one in script:
+        for problem in _problems(one, signatures, handled, offer):
+            raise ValueError(f"{one}: {problem}")
 
 
-def _row_problems(
-    row: Row, signatures: Signatures, handled: Container[str], offer: Offer
+def _problems(
+    one: Row | At, signatures: Signatures, handled: Container[str], offer: Offer
 ) -> Iterator[object]:
-    """Yield what is wrong with a row of a script."""
-    if row.kind == "request":
-        yield from _faults(signatures, "primitive", [row.pattern])
-        no_result = signatures.no_result(str(row.pattern[0]), row.result)
+    """Yield what is wrong with a row or an entry of a script."""
+    facts = (*one.asserts, *one.erases, *one.moves, one.loses, *one.signals)
+    if isinstance(one, At):
+        yield from _unbound(facts, ())
+        yield from _faults(signatures, "event", one.signals)
+        return
+    name = str(one.pattern[0])
+    yield from _faults(
+        signatures, "primitive" if one.kind == "request" else "skill", [one.pattern]
+    )
+    if one.kind == "request":
+        no_result = signatures.no_result(name, one.result)
         if no_result is not None:
             yield no_result
-        if row.after is not None and row.pattern[0] not in offer.not_atomic:
-            name = row.pattern[0]
+        if one.after is not None and name not in offer.not_atomic:
             wrong = "is declared atomic, so it does not end `:after` its request"
             yield f"`{name}` {wrong}"
-    else:
-        yield from _faults(signatures, "skill", [row.pattern])
-    changes = (*row.asserts, *row.erases, *row.moves, row.loses)
-    yield from _unbound((*changes, *row.data, *row.signals), row.pattern)
-    yield from _faults(signatures, "event", row.signals)
-    yield from _faults(signatures, "datum", row.data)
-    for datum in row.data:
+    yield from _unbound((*facts, *one.data), one.pattern)
+    yield from _faults(signatures, "event", one.signals)
+    yield from _faults(signatures, "datum", one.data)
+    for datum in one.data:
         if datum[0] not in handled:
             yield f"there is no handler for the datum `{datum[0]}`"
 

@@ -1,19 +1,21 @@
 """A world that answers requests from a script: what tests of a library run against.
 
 Every symbol is its own sensor name. What a script does to memory its handlers do,
-with the result it belongs to. What a row may say is in `rapc.worlds.script`, what
-skills tell while they are on in `rapc.worlds.script_skills`.
+with the result it belongs to. Skills tell while they are on what their rows say. What
+a row may say is in `rapc.worlds.script`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import msgspec
 
-from rapc.base.values import Fact, format_list, number
+from rapc.base.values import Bindings, Fact, format_list, match_pattern, number
 from rapc.errors import Error
+from rapc.library.library import Library
 from rapc.world import (
+    Datum,
     Finished,
     HandlerMemory,
     Handlers,
@@ -21,30 +23,29 @@ from rapc.world import (
     Message,
     Refused,
     Reply,
+    Signal,
     Time,
     World,
 )
 from rapc.worlds.script import (
     At,
-    Declarations,
     Row,
-    Script,
     change,
     check_script,
+    fill,
+    fillers,
     mentioned,
     offer_of,
 )
-from rapc.worlds.script_skills import ScriptedSkills
-from rapc.worlds.script_state import (
-    AT,
-    ENTRY,
-    Due,
-    ScriptState,
-    SentMessage,
-    time_of,
-)
 
+AT = "at"
+"""The datum by which an `At` reaches its handler; no library declares it."""
+
+_ENTRY = Datum((AT,))
 _NO_KIT = Kit()
+
+_FoundRow = tuple[int, Bindings]
+"""The number of a row that matches, and what it binds."""
 
 
 class UnansweredRequest(Error):
@@ -53,6 +54,68 @@ class UnansweredRequest(Error):
     def __init__(self, request: Fact) -> None:
         super().__init__(f"no row of the script answers {format_list(request)}")
         self.request = request
+
+
+class Due(msgspec.Struct, frozen=True):
+    """Something to come: an entry of `at`, the end of a primitive, or of a skill."""
+
+    time: Time
+    entry: At | None = None
+    #: The row of a primitive that ends, or of a skill that is on.
+    row: Row | None = None
+    ticket: int = 0
+    #: The skill that has something to tell, and which of its signals it is.
+    skill: Fact | None = None
+    signal: int = 0
+
+
+class SkillOn(msgspec.Struct):
+    """A skill that is on, and the activations that have it, the oldest first."""
+
+    skill: Fact
+    tickets: list[int]
+
+
+class ScriptState(msgspec.Struct):
+    """All that changes in a scripted world."""
+
+    #: How often each row has been used.
+    used: list[int]
+    now: Time = 0
+    #: What is to come, soonest first.
+    coming: list[Due] = []
+    #: The messages not yet fetched.
+    sent: list[Message] = []
+    #: The entries of `at` whose handler has not run.
+    entries: list[At] = []
+    #: Rows whose end is among `sent`.
+    ends: list[Row] = []
+    #: Rows whose end was fetched and whose handler has not run.
+    told: list[Row] = []
+    #: The entries of `at` that fell into the primitive that `answered` answers.
+    before: list[At] = []
+    #: The row that has just answered, its handler not yet run.
+    answered: Row | None = None
+    #: The skills that are on, in the order in which they came on.
+    on: list[SkillOn] = []
+
+    def found(self, skill: Fact | None) -> SkillOn | None:
+        """Return the skill if it is on, else None."""
+        return next((on for on in self.on if on.skill == skill), None)
+
+    def expect(self, due: Due) -> None:
+        """Put something among what is to come."""
+        self.coming.append(due)
+        self.coming.sort(key=lambda due: due.time)
+
+    def change_memory(self, entry: At) -> None:
+        """Have the handler of entries do what an entry does to memory."""
+        self.entries.append(entry)
+        self.sent.append(_ENTRY)
+
+    def send(self, signals: Iterable[Fact], tickets: tuple[int, ...] = ()) -> None:
+        """Send signals that arose under activations or a request, `tickets`."""
+        self.sent += (Signal(content, tickets) for content in signals)
 
 
 class ScriptedWorld(World):
@@ -79,12 +142,12 @@ class ScriptedWorld(World):
         rows: Sequence[Row],
         at: Sequence[At] = (),
         *,
-        declared: Declarations | None = None,
+        declared: Library | None = None,
         kit: Kit = _NO_KIT,
         leaving: Callable[[], None] | None = None,
     ) -> None:
-        self._script = Script(rows)
-        self._skills = ScriptedSkills(self._script)
+        self._rows = tuple(rows)
+        self._fillers = [fillers(row) for row in rows]
         self._leaving = leaving
         offer = offer_of(declared) if declared else mentioned(rows, at)
         handled = kit.handlers.data
@@ -93,8 +156,9 @@ class ScriptedWorld(World):
         offer = msgspec.structs.replace(offer, data={**offer.data, AT: 0})
         handlers = Handlers(results, {**handled, AT: self._handle_at})
         self.kit = msgspec.structs.replace(kit, offer=offer, handlers=handlers)
-        coming = sorted((Due(entry.time, entry) for entry in at), key=time_of)
-        self._state = ScriptState([0] * len(rows), coming=coming)
+        self._state = ScriptState([0] * len(rows))
+        for entry in at:
+            self._state.expect(Due(entry.time, entry))
 
     def now(self) -> Time:
         """Return the time of the clock."""
@@ -107,12 +171,12 @@ class ScriptedWorld(World):
             UnansweredRequest: if there is none.
         """
         state = self._state
-        found = self._script.find("request", request, state.used)
+        found = self._find("request", request)
         if found is None:
             raise UnansweredRequest(request)
-        row = self._script.use(found, state.used, request)
+        row = self._use(found, request)
         if row.refused:
-            return Refused(state.under_way())
+            return self._refusal()
         end = number(state.now + row.takes)
         if row.after is not None:
             due = Due(number(end + row.after), row=row, ticket=ticket)
@@ -122,7 +186,7 @@ class ScriptedWorld(World):
         self.advance(end)
         state.before, state.entries = state.entries, []
         if state.sent:
-            state.sent = [m for m in state.sent if m != ENTRY]
+            state.sent = [message for message in state.sent if message != _ENTRY]
         if row.signals:
             state.send(row.signals)
         state.answered = row
@@ -137,6 +201,35 @@ class ScriptedWorld(World):
             if due.row is None or due.skill is not None or due.ticket != ticket
         ]
 
+    # --- rows ---------------------------------------------------------------------
+
+    def _find(self, kind: str, asked: Fact) -> _FoundRow | None:
+        """Return the first row of a kind that matches and is not used up."""
+        used = self._state.used
+        for index, row in enumerate(self._rows):
+            if row.kind != kind or used[index] == row.times:
+                continue
+            bound = match_pattern(row.pattern, asked)
+            if bound is not None:
+                return index, bound
+        return None
+
+    def _use(self, found: _FoundRow, asked: Fact | None = None) -> Row:
+        """Use a row that was found; return it filled in with what it binds.
+
+        The request that it answers, if there is one, is its pattern then.
+        """
+        index, bound = found
+        self._state.used[index] += 1
+        row = self._rows[index]
+        return fill(row, self._fillers[index], bound, asked or row.pattern)
+
+    def _refusal(self) -> Refused:
+        """Return a conflict with all requests and activations under way."""
+        state = self._state
+        requests = [due.ticket for due in state.coming if due.row and not due.skill]
+        return Refused((*requests, *sorted({t for on in state.on for t in on.tickets})))
+
     # --- skills -------------------------------------------------------------------
 
     def activate(
@@ -146,18 +239,67 @@ class ScriptedWorld(World):
 
         One that is on already goes on as it is. No row is needed.
         """
-        return self._skills.switch_on(self._state, ticket, skills)
+        state = self._state
+        coming = [skill for skill in skills if state.found(skill) is None]
+        found = {skill: self._find("enable", skill) for skill in coming}
+        for row in found.values():
+            if row is not None and self._rows[row[0]].refused:
+                self._use(row)
+                return self._refusal()
+        for skill in dict.fromkeys(skills):
+            on = state.found(skill)
+            if on is None:
+                on = SkillOn(skill, [])
+                state.on.append(on)
+                if (row := found[skill]) is not None:
+                    used = self._use(row)
+                    self._tell_later(used, skill, 0, used.after or 0)
+            on.tickets.append(ticket)
+        return None
 
     def deactivate(self, ticket: int) -> None:
         """Switch off the skills that only this activation has."""
-        self._skills.switch_off(self._state, ticket)
+        state = self._state
+        for on in [on for on in state.on if ticket in on.tickets]:
+            on.tickets.remove(ticket)
+            if on.tickets:
+                continue
+            state.on.remove(on)
+            state.coming = [due for due in state.coming if due.skill != on.skill]
+            found = self._find("disable", on.skill)
+            if found is not None:
+                row = self._use(found)
+                self._change_memory(row)
+                state.send(row.signals, (ticket,))
+
+    def _tell(self, row: Row, on: SkillOn, signal: int) -> None:
+        """Send a signal of a skill, and plan the next one."""
+        if signal == 0:
+            self._change_memory(row)
+        self._state.send(row.signals[signal : signal + 1], tuple(on.tickets))
+        if signal + 1 < len(row.signals):
+            self._tell_later(row, on.skill, signal + 1, 0)
+        elif row.every is not None:
+            self._tell_later(row, on.skill, 0, row.every)
+
+    def _tell_later(self, row: Row, skill: Fact, signal: int, wait: Time) -> None:
+        """Let a skill tell a signal of its row after a wait, and its pause."""
+        pause = row.pause(signal) if row.signals else 0
+        time = number(self._state.now + wait + pause)
+        self._state.expect(Due(time, row=row, skill=skill, signal=signal))
+
+    def _change_memory(self, row: Row) -> None:
+        """Have the handler of entries do what the row of a skill does to memory."""
+        changes = (row.asserts, row.erases, row.moves, row.loses)
+        if any(changes):
+            self._state.change_memory(At(self._state.now, *changes))
 
     # --- time ---------------------------------------------------------------------
 
     def usual_time(self, request: Fact) -> Time:
         """Return how long the row that would answer holds the robot; 0 without one."""
-        found = self._script.find("request", request, self._state.used)
-        return 0 if found is None else self._script.rows[found[0]].takes
+        found = self._find("request", request)
+        return 0 if found is None else self._rows[found[0]].takes
 
     def next_time(self) -> Time | None:
         """Return when the next entry of `at` or the end of a primitive is due."""
@@ -173,21 +315,17 @@ class ScriptedWorld(World):
             self._leaving()
         while state.coming and state.coming[0].time <= to:
             due = state.coming.pop(0)
-            signals: tuple[Fact, ...] = ()
-            if due.skill is not None:
-                state.now = max(state.now, due.time)
-                self._skills.tell(state, due)
-                continue
+            row = due.row
             if due.entry is not None:
-                signals = due.entry.signals
-                state.entries.append(due.entry)
-                state.sent.append(ENTRY)
-            if due.row is not None:
-                signals = due.row.signals
-                state.ends.append(due.row)
-                reply = Reply(due.row.result, due.row.data)
-                state.sent.append(SentMessage(finished=Finished(due.ticket, reply)))
-            state.send(signals, (due.ticket,) if due.row is not None else ())
+                state.change_memory(due.entry)
+                state.send(due.entry.signals)
+            elif row is not None and due.skill is None:
+                state.ends.append(row)
+                state.sent.append(Finished(due.ticket, Reply(row.result, row.data)))
+                state.send(row.signals, (due.ticket,))
+            elif row is not None and (on := state.found(due.skill)) is not None:
+                state.now = max(state.now, due.time)
+                self._tell(row, on, due.signal)
         state.now = max(state.now, to)
 
     def messages(self) -> Sequence[Message]:
@@ -195,7 +333,7 @@ class ScriptedWorld(World):
         state = self._state
         if not state.sent and not state.ends:
             return ()
-        found, state.sent = tuple([sent.message() for sent in state.sent]), []
+        found, state.sent = tuple(state.sent), []
         state.told.extend(state.ends)
         state.ends.clear()
         return found
@@ -214,9 +352,11 @@ class ScriptedWorld(World):
             saved = msgspec.json.decode(state, type=ScriptState)
         except ValueError as error:
             raise ValueError(f"no state of a scripted world: {error}") from error
-        if len(saved.used) != len(self._script.rows):
+        if len(saved.used) != len(self._rows):
             raise ValueError("the state is that of a world with another script")
         self._state = saved
+
+    # --- handlers -----------------------------------------------------------------
 
     def _handle_result(self, memory: HandlerMemory, request: Fact, _: str) -> None:
         """Handle the answer just given and what came before it, else the next end told.
@@ -233,11 +373,10 @@ class ScriptedWorld(World):
         if row is None and state.told:
             row = state.told.pop(0)
         if row is not None:
-            if row.pattern == request:
-                change(memory, row)
-            else:
+            names = None
+            if row.pattern != request:
                 names = dict(zip(row.pattern[1:], request[1:], strict=True))
-                change(memory, row, names)
+            change(memory, row, names)
 
     def _handle_at(self, memory: HandlerMemory, _: Fact) -> None:
         change(memory, self._state.entries.pop(0))

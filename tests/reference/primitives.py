@@ -8,7 +8,7 @@ from rapc import events
 from rapc.base.values import Atom, Fact, format_list
 from rapc.ir import nodes
 from rapc.world import OKAY, Datum, Finished, Refused, Reply
-from rapc.worlds.script_state import AT
+from rapc.worlds.scripted import AT
 from tests.reference.endings import method_badly, method_well
 from tests.reference.kinds import (
     Broken,
