@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 
 import msgspec
 
-from rapc.analysis.index import Index, NameUse, Occurrence
+from rapc.analysis.facts.index import Index, NameUse, Occurrence
 from rapc.base.source import SourceFile, Span
 from rapc.ir import nodes
 from rapc.library.library import Library, word_span

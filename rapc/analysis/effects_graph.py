@@ -1,7 +1,8 @@
 """What a RAP may do with all that lies below it, as a graph around it.
 
-What it may bring about is summed up in `rapc.analysis.effects`; what it may sense, wait
-for, request, use and claim is gathered here, along the steps of its methods.
+What it may bring about is summed up in `rapc.analysis.facts.effects`. What it may
+sense, wait for, request, use and claim is gathered here, along the steps of its
+methods.
 """
 
 from __future__ import annotations
@@ -9,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from rapc.analysis.effects import Effect, Effects
+from rapc.analysis.facts.effects import Effect, Effects
 from rapc.analysis.graphs import GraphDrawing, Kind, facts_of
 from rapc.base.graph import Graph
 from rapc.base.values import Atom, format_atom, format_list

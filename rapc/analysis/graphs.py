@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
-from rapc.analysis.asked import through
+from rapc.analysis.facts.logic import through
 from rapc.base.graph import Edge, Graph, Vertex
 from rapc.ir import nodes
 from rapc.ir.printer import format_node

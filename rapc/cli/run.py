@@ -10,7 +10,7 @@ from typing import Any, TextIO
 
 import click
 
-from rapc.analysis.endless import endless, reached
+from rapc.analysis.facts.effects import endless, reached
 from rapc.base.interrupts import interrupts_held
 from rapc.base.outputs import TRACE
 from rapc.base.values import format_list, number, readable

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import msgspec
 
-from rapc.analysis.index import Index
+from rapc.analysis.facts.index import Index
 from rapc.base.values import Fact, match_pattern
 from rapc.compiler.watches import WatchKey
 from rapc.debug.clause import Support, support

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rapc.analysis.index import Index
+from rapc.analysis.facts.index import Index
 from rapc.ir import nodes
 from rapc.library.loader import load_text
 

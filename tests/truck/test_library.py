@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from rapc.analysis.driver import check_library
-from rapc.analysis.index import Index
+from rapc.analysis.facts.index import Index
 from rapc.base.files import TEST_SUFFIX
 from rapc.console.testing.explain import failure_lines
 from rapc.ir import nodes

@@ -7,7 +7,7 @@ hand out, what `for` formulas pointing at it or at those bind, and the signals t
 they wait for. A step that an `until` may end early surely hands nothing on, not even
 what steps before it did: they may be running still. A step that a signal may end hands
 on what each way to end binds: its own work, if that can end it, and each such signal.
-How a formula binds is in `rapc.analysis.binding_rules`; what is said about it is in the
+How a formula binds is in `rapc.analysis.facts.bindings`; what is said of it is in the
 passes `unbound-variable`, `anonymous-variable` and `age-in-monitor`.
 """
 
@@ -17,12 +17,16 @@ from collections.abc import Container, Iterable, Mapping
 
 import msgspec
 
-from rapc.analysis.binding_rules import BindingWalker, Bound, Findings
-from rapc.analysis.binding_sites import rules_over_memory
 from rapc.analysis.check import Fact, Pass
 from rapc.analysis.checks.task_nets import TASK_NETS, Net, Nets
-from rapc.analysis.endless import NeverDone
-from rapc.analysis.named_bindings import query_arguments
+from rapc.analysis.facts.bindings import (
+    BindingWalker,
+    Bound,
+    Findings,
+    query_arguments,
+    rules_over_memory,
+)
+from rapc.analysis.facts.effects import NeverDone
 from rapc.ir import clauses, nodes
 
 

@@ -12,13 +12,19 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 
 import msgspec
 
-from rapc.analysis.census import CENSUS, sort_of
 from rapc.analysis.check import Fact, Pass, Reported, check
 from rapc.analysis.checks.kinds import KINDS
-from rapc.analysis.close_names import Close, is_row
-from rapc.analysis.index import Form
-from rapc.analysis.place_kinds import PLACE_KINDS, PlaceKinds
-from rapc.analysis.places import PLACES, Place, place_parts
+from rapc.analysis.facts.index import Form
+from rapc.analysis.facts.names import Close, is_row
+from rapc.analysis.facts.usage import (
+    CENSUS,
+    PLACE_KINDS,
+    PLACES,
+    Place,
+    PlaceKinds,
+    place_parts,
+    sort_of,
+)
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,

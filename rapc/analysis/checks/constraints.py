@@ -10,11 +10,11 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import msgspec
 
-from rapc.analysis.certain import contradict, done, fact_name
 from rapc.analysis.check import Pass, check
 from rapc.analysis.checks.task_nets import TASK_NETS, Net
 from rapc.analysis.checks.threats import WORLD
-from rapc.analysis.literals import Literal, literals
+from rapc.analysis.facts.effects import done
+from rapc.analysis.facts.logic import Literal, contradict, fact_name, literals
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula, format_goal

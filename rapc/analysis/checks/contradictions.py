@@ -1,6 +1,6 @@
 """RAP110: formulas that never hold, whatever happens.
 
-A conjunction is taken apart into literals (`rapc.analysis.literals`), of which two
+A conjunction is taken apart into literals (`rapc.analysis.facts.logic`), of which two
 never hold together; each branch of an `or` is asked with what stands around it.
 """
 
@@ -9,11 +9,9 @@ from __future__ import annotations
 from collections.abc import Container, Iterable, Iterator, Sequence
 from typing import NamedTuple
 
-from rapc.analysis.binding_rules import Bound
-from rapc.analysis.binding_sites import whole_formulas
 from rapc.analysis.check import Fact, Pass, Reported, check
-from rapc.analysis.conjunction import Clash, Conjunction, may_clash
-from rapc.analysis.literals import Literal, literals
+from rapc.analysis.facts.bindings import Bound, whole_formulas
+from rapc.analysis.facts.logic import Clash, Conjunction, Literal, literals, may_clash
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.source import Span
 from rapc.ir import nodes

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from rapc.analysis.check import Pass, check
 from rapc.analysis.checks.unknown_result import REASONS
-from rapc.analysis.index import INDEX
-from rapc.analysis.outcomes import Outcomes
+from rapc.analysis.facts.effects import Outcomes
+from rapc.analysis.facts.index import INDEX
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.source import Span
 from rapc.ir import nodes

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rapc.analysis.certain import done_by_method, fact_name
 from rapc.analysis.check import Pass, check
 from rapc.analysis.checks.hopeless import can_come
-from rapc.analysis.effects import EFFECTS
-from rapc.analysis.literals import Literal, literals
+from rapc.analysis.facts.effects import EFFECTS, done_by_method
+from rapc.analysis.facts.logic import Literal, fact_name, literals
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula

@@ -16,8 +16,8 @@ from rapc.analysis.check import Fact, Pass
 from rapc.analysis.checks.bindings import Missing
 from rapc.analysis.checks.constants import CONSTANTS
 from rapc.analysis.checks.outputs import OUTPUTS
-from rapc.analysis.index import INDEX, NameUse
-from rapc.analysis.named import MISUSES
+from rapc.analysis.facts.index import INDEX, NameUse
+from rapc.analysis.facts.names import MISUSES
 from rapc.ir import nodes
 from rapc.ir.walk import subterms
 

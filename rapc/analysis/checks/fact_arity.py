@@ -8,11 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rapc.analysis.census import CENSUS, TRUTH
 from rapc.analysis.check import Pass, check
-from rapc.analysis.index import INDEX, NameUse
-from rapc.analysis.named import declared_at, wrong_arity
-from rapc.analysis.places import argument_place
+from rapc.analysis.facts.index import INDEX, NameUse
+from rapc.analysis.facts.names import declared_at, wrong_arity
+from rapc.analysis.facts.usage import CENSUS, TRUTH, argument_place
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,

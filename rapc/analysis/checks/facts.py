@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import msgspec
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.index import INDEX, Index, NameUse
+from rapc.analysis.facts.index import INDEX, Index, NameUse
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.source import Span
 from rapc.ir import nodes

@@ -11,11 +11,11 @@ from collections.abc import Container, Iterator, Sequence
 
 import msgspec
 
-from rapc.analysis.asking import Asking, asking
 from rapc.analysis.check import Pass, check
 from rapc.analysis.checks.standing import is_described
-from rapc.analysis.index import INDEX
-from rapc.analysis.literals import number_of
+from rapc.analysis.facts.effects import Asking, asking
+from rapc.analysis.facts.index import INDEX
+from rapc.analysis.facts.logic import number_of
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.source import Span
 from rapc.base.values import Number, format_atom

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.named import (
+from rapc.analysis.facts.names import (
     unknown_names,
     wrong_arity,
     wrong_kind,

@@ -1,24 +1,35 @@
 """RAP140 to RAP142: goals and promises that nothing a RAP does has to do with.
 
-Told where all that the RAP may bring about is known (`rapc.analysis.effects`). A fact
-that is asked for may be true already; so a goal is hopeless only if nothing in it can
-be brought about.
+Told where all that the RAP may bring about is known (`rapc.analysis.facts.effects`). A
+fact that is asked for may be true already; so a goal is hopeless only if nothing in it
+can be brought about.
 """
 
 from __future__ import annotations
 
 from collections.abc import Container, Iterator, Sequence
 
-from rapc.analysis.asked import asked_by, asked_through, is_computed, is_known
-from rapc.analysis.certain import done_by_method
 from rapc.analysis.check import Pass, check
 from rapc.analysis.checks.kinds import KINDS
 from rapc.analysis.checks.settled import SETTLED
 from rapc.analysis.checks.standing import STANDING
-from rapc.analysis.effects import EFFECTS, Effect, calls_of
-from rapc.analysis.endless import is_never
-from rapc.analysis.following import follows
-from rapc.analysis.literals import Literal, apart, literals
+from rapc.analysis.facts.effects import (
+    EFFECTS,
+    Effect,
+    calls_of,
+    done_by_method,
+    is_never,
+)
+from rapc.analysis.facts.logic import (
+    Literal,
+    apart,
+    asked_by,
+    asked_through,
+    follows,
+    is_computed,
+    is_known,
+    literals,
+)
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.graph import components
 from rapc.ir import nodes

@@ -10,13 +10,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from rapc.analysis.asked import asked_by, is_known, through
-from rapc.analysis.certain import done_by_method
 from rapc.analysis.check import Pass, check
-from rapc.analysis.effects import EFFECTS, Effect
-from rapc.analysis.endless import is_never
-from rapc.analysis.following import follows
-from rapc.analysis.literals import apart, literals
+from rapc.analysis.facts.effects import EFFECTS, Effect, done_by_method, is_never
+from rapc.analysis.facts.logic import (
+    apart,
+    asked_by,
+    follows,
+    is_known,
+    literals,
+    through,
+)
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,

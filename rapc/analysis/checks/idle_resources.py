@@ -1,7 +1,7 @@
 """RAP124 and RAP164: resources that nobody changes, or asks about.
 
 What becomes of a resource that is handed to steps is looked up in their RAPs
-(`rapc.analysis.resource_flow`); of one that goes elsewhere nothing is said.
+(`rapc.analysis.facts.resources`); of one that goes elsewhere nothing is said.
 """
 
 from __future__ import annotations
@@ -10,10 +10,9 @@ from collections.abc import Iterator
 
 from rapc.analysis.check import Pass, check
 from rapc.analysis.checks.resources import RESOURCES
-from rapc.analysis.first_values import FirstValues
-from rapc.analysis.index import INDEX
-from rapc.analysis.literals import literals, number_of
-from rapc.analysis.resource_flow import Flow, flows, overall_use
+from rapc.analysis.facts.index import INDEX
+from rapc.analysis.facts.logic import literals, number_of
+from rapc.analysis.facts.resources import FirstValues, Flow, flows, overall_use
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 

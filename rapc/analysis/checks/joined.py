@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Container, Iterator, Sequence
 
-from rapc.analysis.binding_sites import whole_formulas
 from rapc.analysis.check import Pass, check
-from rapc.analysis.literals import Literal, literals
+from rapc.analysis.facts.bindings import whole_formulas
+from rapc.analysis.facts.logic import Literal, literals
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 from rapc.ir.walk import variable_names, variables

@@ -11,9 +11,9 @@ from __future__ import annotations
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 
 from rapc.analysis.check import Fact, Pass, Reported, check
-from rapc.analysis.index import INDEX, Index, NameUse
-from rapc.analysis.inferred_kinds import INFERRED, KindClash, Learned
-from rapc.analysis.named import UnknownNames, declared_at
+from rapc.analysis.facts.index import INDEX, Index, NameUse
+from rapc.analysis.facts.kinds import INFERRED, KindClash, Learned
+from rapc.analysis.facts.names import UnknownNames, declared_at
 from rapc.analysis.renaming import renaming
 from rapc.base.diagnostics import Diagnostic, Fix, Label, Rule, Severity
 from rapc.base.names import Suggestions

@@ -4,13 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from rapc.analysis.census import CENSUS, Census, sort_of
 from rapc.analysis.check import Pass, check
 from rapc.analysis.checks.bindings import BINDINGS
 from rapc.analysis.checks.constants import CONSTANTS
-from rapc.analysis.index import INDEX, Form, VariableAt
-from rapc.analysis.place_kinds import PLACE_KINDS, PlaceKinds
-from rapc.analysis.places import PLACES, Constant, Place
+from rapc.analysis.facts.index import INDEX, Form, VariableAt
+from rapc.analysis.facts.usage import (
+    CENSUS,
+    PLACE_KINDS,
+    PLACES,
+    Census,
+    Constant,
+    Place,
+    PlaceKinds,
+    sort_of,
+)
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from os.path import basename, dirname
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.index import INDEX, NameUse
-from rapc.analysis.places import SPACES
+from rapc.analysis.facts.index import INDEX, NameUse
+from rapc.analysis.facts.usage import SPACES
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,

@@ -1,6 +1,6 @@
 """RAP111: methods that are never chosen.
 
-That is told by literals (`rapc.analysis.literals`). Where a method is chosen the
+That is told by literals (`rapc.analysis.facts.logic`). Where a method is chosen the
 monitor, preconditions and constraints of its RAP hold, `succeed` has no solution, and
 `repeat-while` holds together with the context; what clauses of the RAP bind stays
 theirs.
@@ -21,9 +21,7 @@ from rapc.analysis.checks.contradictions import (
     said,
 )
 from rapc.analysis.checks.settled import SETTLED
-from rapc.analysis.conjunction import Clash
-from rapc.analysis.following import follows
-from rapc.analysis.literals import Literal, apart, literals
+from rapc.analysis.facts.logic import Clash, Literal, apart, follows, literals
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.source import Span
 from rapc.ir import clauses, nodes

@@ -12,7 +12,7 @@ import msgspec
 
 from rapc.analysis.check import Pass, check
 from rapc.analysis.checks.unknown_result import REASONS
-from rapc.analysis.index import INDEX
+from rapc.analysis.facts.index import INDEX
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.names import Suggestions
 from rapc.ir import nodes

@@ -6,7 +6,7 @@ from collections.abc import Container, Iterator, Mapping
 
 from rapc.analysis.check import Pass, check
 from rapc.analysis.checks.resources import RESOURCES
-from rapc.analysis.index import INDEX, Form, Index
+from rapc.analysis.facts.index import INDEX, Form, Index
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,

@@ -14,7 +14,7 @@ import msgspec
 
 from rapc.analysis.check import Fact, Pass, Reported, check
 from rapc.analysis.checks.bindings import BINDINGS
-from rapc.analysis.index import INDEX, Form, Index, Occurrence
+from rapc.analysis.facts.index import INDEX, Form, Index, Occurrence
 from rapc.analysis.renaming import renaming
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.names import nearest

@@ -5,12 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from itertools import combinations
 
-from rapc.analysis.asked import asked_through, through
-from rapc.analysis.certain import done_by_method
 from rapc.analysis.check import Pass, check
 from rapc.analysis.checks.crossed_claims import things
-from rapc.analysis.following import follows
-from rapc.analysis.literals import Literal, apart, literals
+from rapc.analysis.facts.effects import done_by_method
+from rapc.analysis.facts.logic import (
+    Literal,
+    apart,
+    asked_through,
+    follows,
+    literals,
+    through,
+)
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula

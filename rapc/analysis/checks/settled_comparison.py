@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Container, Iterator
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.index import INDEX, Index
-from rapc.analysis.literals import holds_between, literals, number_of
+from rapc.analysis.facts.index import INDEX, Index
+from rapc.analysis.facts.logic import holds_between, literals, number_of
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.values import Number
 from rapc.ir import nodes

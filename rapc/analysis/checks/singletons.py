@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.index import INDEX, Form, Index, Occurrence
-from rapc.analysis.named import declared_at
+from rapc.analysis.facts.index import INDEX, Form, Index, Occurrence
+from rapc.analysis.facts.names import declared_at
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.ir import nodes
 from rapc.library.signature import Signature

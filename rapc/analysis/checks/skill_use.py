@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.index import INDEX
+from rapc.analysis.facts.index import INDEX
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.ir import nodes
 from rapc.library.library import word_span

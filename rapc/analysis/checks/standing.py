@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 
-from rapc.analysis.asked import asked_by, asked_through, is_computed
-from rapc.analysis.certain import fact_name
 from rapc.analysis.check import Fact, Pass, Reported, check
 from rapc.analysis.checks.settled import Always
-from rapc.analysis.endless import below_agendas, endless, is_never
-from rapc.analysis.index import INDEX, Form, Index
-from rapc.analysis.literals import literals
+from rapc.analysis.facts.effects import below_agendas, endless, is_never
+from rapc.analysis.facts.index import INDEX, Form, Index
+from rapc.analysis.facts.logic import (
+    asked_by,
+    asked_through,
+    fact_name,
+    is_computed,
+    literals,
+)
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,

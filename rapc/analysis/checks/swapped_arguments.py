@@ -14,11 +14,18 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import combinations, islice
 
-from rapc.analysis.census import CENSUS, MOST_PLACES, Census
 from rapc.analysis.check import Pass, check
 from rapc.analysis.checks.kinds import KINDS
-from rapc.analysis.index import INDEX, Form, NameUse
-from rapc.analysis.places import PLACES, SPACES, Place, Places
+from rapc.analysis.facts.index import INDEX, Form, NameUse
+from rapc.analysis.facts.usage import (
+    CENSUS,
+    MOST_PLACES,
+    PLACES,
+    SPACES,
+    Census,
+    Place,
+    Places,
+)
 from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix, Rule, Severity
 from rapc.base.source import Span
 from rapc.ir import nodes

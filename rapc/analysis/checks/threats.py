@@ -10,10 +10,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from rapc.analysis.certain import contradict, done, fact_name, put_in
 from rapc.analysis.check import Pass, check
 from rapc.analysis.checks.task_nets import Net, sure_nets
-from rapc.analysis.literals import Literal, literals
+from rapc.analysis.facts.effects import done, put_in
+from rapc.analysis.facts.logic import Literal, contradict, fact_name, literals
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import clauses, nodes
 from rapc.ir.printer import format_formula, format_goal

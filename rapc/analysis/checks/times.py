@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.endless import is_never
-from rapc.analysis.index import INDEX
-from rapc.analysis.literals import number_of
+from rapc.analysis.facts.effects import is_never
+from rapc.analysis.facts.index import INDEX
+from rapc.analysis.facts.logic import number_of
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,

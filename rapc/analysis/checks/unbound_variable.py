@@ -10,13 +10,13 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import msgspec
 
-from rapc.analysis.binding_sites import SIGNALS, Site, sites_by_name
 from rapc.analysis.check import Pass, check
 from rapc.analysis.checks.bindings import BINDINGS, Missing
 from rapc.analysis.checks.explained import EXPLAINED
 from rapc.analysis.checks.task_nets import TASK_NETS, Net
-from rapc.analysis.endless import NeverDone
-from rapc.analysis.index import Form
+from rapc.analysis.facts.bindings import SIGNALS, Site, sites_by_name
+from rapc.analysis.facts.effects import NeverDone
+from rapc.analysis.facts.index import Form
 from rapc.analysis.renaming import renaming
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.names import Suggestions

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.index import INDEX, Form, Index
-from rapc.analysis.named import UnknownNames, misuses, wrong_kind
+from rapc.analysis.facts.index import INDEX, Form, Index
+from rapc.analysis.facts.names import UnknownNames, misuses, wrong_kind
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.source import Span
 from rapc.ir import nodes

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.named import UnknownNames
+from rapc.analysis.facts.names import UnknownNames
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.names import Suggestions
 from rapc.library.library import word_span

@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.index import INDEX
-from rapc.analysis.named import Misuse, UnknownNames, misuses
+from rapc.analysis.facts.index import INDEX
+from rapc.analysis.facts.names import Misuse, UnknownNames, misuses
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.values import format_list
 from rapc.ir import nodes

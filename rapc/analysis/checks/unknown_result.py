@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.index import INDEX, Form, Index
-from rapc.analysis.named import UnknownNames, declared_at
+from rapc.analysis.facts.index import INDEX, Form, Index
+from rapc.analysis.facts.names import UnknownNames, declared_at
 from rapc.analysis.renaming import renaming
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.names import Suggestions

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.index import INDEX
-from rapc.analysis.literals import literals
+from rapc.analysis.facts.index import INDEX
+from rapc.analysis.facts.logic import literals
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import clauses, nodes
 from rapc.ir.walk import steps, subformulas

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.close_names import Close, is_row
-from rapc.analysis.index import INDEX, Occurrence
+from rapc.analysis.facts.index import INDEX, Occurrence
+from rapc.analysis.facts.names import Close, is_row
 from rapc.analysis.renaming import renaming
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.names import Suggestions, plural

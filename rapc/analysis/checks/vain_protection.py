@@ -4,14 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterator, Mapping, Sequence
 
-from rapc.analysis.asked import is_computed
-from rapc.analysis.binding_sites import MayBeBound
-from rapc.analysis.certain import contradict, done, fact_name
 from rapc.analysis.check import Pass, check
 from rapc.analysis.checks.hopeless import can_come
 from rapc.analysis.checks.task_nets import TASK_NETS, Net
-from rapc.analysis.effects import EFFECTS, Effect, Effects
-from rapc.analysis.literals import Literal, literals
+from rapc.analysis.facts.bindings import MayBeBound
+from rapc.analysis.facts.effects import EFFECTS, Effect, Effects, done
+from rapc.analysis.facts.logic import (
+    Literal,
+    contradict,
+    fact_name,
+    is_computed,
+    literals,
+)
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import clauses, nodes
 from rapc.ir.printer import format_formula, format_goal

@@ -22,7 +22,7 @@ from typing import Literal
 import msgspec
 
 from rapc.analysis.check import Fact, Pass
-from rapc.analysis.literals import literals
+from rapc.analysis.facts.logic import literals
 from rapc.base.source import Span
 from rapc.ir import clauses, nodes
 from rapc.ir.walk import steps

@@ -1,0 +1,1 @@
+"""What a library says, gathered once for all checks."""

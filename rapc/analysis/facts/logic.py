@@ -1,0 +1,658 @@
+"""Formulas as conjunctions of literals: entailment, contradiction, facts asked for.
+
+A literal is a formula that is to hold, or that is to have no solution. Which literals
+follow from others is a search (`follows`), which cannot hold together is a sum over
+the literals in order (`Conjunction`). Both say yes only where that is certain.
+
+A conjunction follows if some choice of its own variables makes each of its literals one
+of those that hold. So `(at ?any)` follows from `(at home)`. And a formula that has no
+solution rules out the literals from which it follows.
+
+An example: a RAP with `(succeed (at ?place))` comes to choose a method only where this
+has no solution. A context `(and (at ?place) (open ?door))` lets it follow, with nothing
+to choose for `?place`, an input: the method is never chosen.
+
+Variables with the same name are one variable, unless they are listed as free: whatever
+a free variable stands for will do. A variable takes a value only where memory has a
+fact for it: the default of a property holds of an index that is known, and no query
+or function says of what it holds [L 2.21].
+
+A denial follows from another one the other way round: `(not (at ?place))` follows from
+`(not (at ?))`, for `(at ?)` follows from `(at ?place)`.
+
+Two literals contradict each other if one fact is asked and denied, if a property has
+two values, or if no value passes both of two tests.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+
+import msgspec
+
+from rapc.base.source import Span
+from rapc.base.values import Atom, Number
+from rapc.ir import nodes
+from rapc.ir.walk import subformulas, substitute, variable_names
+from rapc.library.library import Library
+from rapc.library.signature import CONSTANT_DEFAULTS, Signature
+from rapc.library.signatures import Signatures
+
+
+class Literal(msgspec.Struct, frozen=True):
+    """A formula that is to hold, or to have no solution."""
+
+    formula: nodes.Formula
+    holds: bool
+
+    @property
+    def span(self) -> Span:
+        """Return where the formula stands."""
+        return self.formula.span
+
+
+def fact_name(literal: Literal) -> str:
+    """Return the name of the fact that a literal is about; nothing if about none."""
+    fact = literal.formula
+    return fact.name if isinstance(fact, nodes.Proposition) else ""
+
+
+def literals(formula: nodes.Formula | None) -> Iterator[Literal]:
+    """Yield the literals of a conjunction, from left to right."""
+    stack = [] if formula is None else [formula]
+    while stack:
+        here = stack.pop()
+        if type(here) is nodes.And:
+            stack.extend(reversed(here.parts))
+        elif type(here) is nodes.Not:
+            yield Literal(here.part, False)
+        else:
+            yield Literal(here, True)
+
+
+def apart(formula: nodes.Formula, kept: Container[str], mark: str) -> nodes.Formula:
+    """Return a formula whose variables that are not kept have names of their own."""
+    new = {n: nodes.Var(f"{n}{mark}") for n in variable_names(formula) if n not in kept}
+    return substitute(formula, new) if new else formula
+
+
+def number_of(term: nodes.Term | None) -> Number | None:
+    """Return the number that a term is; None for other terms."""
+    value = term.value if isinstance(term, nodes.Const) else None
+    return value if isinstance(value, int | float) else None
+
+
+def holds_between(op: str, left: Number, right: Number) -> bool:
+    """Whether a test of two numbers holds."""
+    match op:
+        case "<":
+            return left < right
+        case ">":
+            return left > right
+        case "<=":
+            return left <= right
+        case ">=":
+            return left >= right
+        case "=":
+            return left == right
+    return left != right
+
+
+_TRIES = 300
+"""How many pairs of literals are held against each other for one question."""
+
+Relations = Mapping[str, Signature]
+"""The propositions and properties of a library."""
+
+
+def follows(
+    wanted: Sequence[Literal],
+    held: Sequence[Literal],
+    free: Container[str],
+    relations: Relations,
+    given: Container[str] | None = None,
+) -> list[Literal] | None:
+    """Return the literals from which a conjunction follows, or None if it may not.
+
+    Args:
+        wanted: the literals of the conjunction.
+        held: what holds, in the order in which it is asked.
+        free: the variables of `wanted` for which anything will do.
+        relations: the propositions and properties.
+        given: the variables of `held` that have values before; None: all of them.
+    """
+    if not wanted or len(wanted) > len(held) + _TRUE_LITERALS:
+        return None
+    return _Search(relations, given, _TRIES).find(_Aim(wanted, held, free))
+
+
+_TRUE_LITERALS = 8
+"""How many literals that hold by themselves a conjunction may have."""
+
+_Choice = dict[str, nodes.Term]
+
+
+def has_a_chance(goal: Literal, held: Iterable[Literal]) -> bool:
+    """Whether a literal holds by itself, or one that holds looks like it."""
+    return _is_true(goal) or any(may_be(goal, other) for other in held)
+
+
+def _is_true(goal: Literal) -> bool:
+    return isinstance(goal.formula, nodes.Truth) and goal.formula.value is goal.holds
+
+
+def may_be(goal: Literal, other: Literal) -> bool:
+    """Whether a literal is of the kind and name that another has, whatever the rest."""
+    if goal.holds is not other.holds:
+        return False
+    one, two = goal.formula, _fact(goal, other)
+    if type(one) is nodes.Proposition:
+        return type(two) is nodes.Proposition and one.name == two.name
+    if type(one) is nodes.Compare:
+        return type(two) is nodes.Compare and one.op == two.op
+    return type(one) is type(two)
+
+
+def _fact(goal: Literal, other: Literal) -> nodes.Formula:
+    """Return what a literal says; what is believed of a fact, where one is wanted."""
+    fact = other.formula
+    if type(fact) is nodes.Believe and type(goal.formula) is nodes.Proposition:
+        return fact.pattern if other.holds else fact
+    return fact
+
+
+class _Aim(msgspec.Struct, frozen=True):
+    """What is to follow, from what, and which variables may stand for anything."""
+
+    wanted: Sequence[Literal]
+    held: Sequence[Literal]
+    free: Container[str]
+
+
+class _Match(msgspec.Struct, frozen=True):
+    """What is known where a wanted literal is held against one that holds."""
+
+    #: The variables of the wanted one that may take a value.
+    free: Container[str]
+    #: The variables of the other one that have no value where it is asked.
+    late: Container[str]
+    #: What variables have taken so far.
+    choice: _Choice
+
+
+class _Search:
+    """A search for values of free variables, with a bound on its work.
+
+    Args:
+        relations: the propositions and properties.
+        given: the variables of what holds that have values before; None: all.
+        tries: how many pairs of literals may be held against each other.
+    """
+
+    def __init__(
+        self, relations: Relations, given: Container[str] | None, tries: int
+    ) -> None:
+        self._relations = relations
+        self._given = given
+        self._left = tries
+
+    def find(self, aim: _Aim) -> list[Literal] | None:
+        """Return the literals that the wanted ones become, or None."""
+        used: list[Literal] = []
+        return used if self._find(aim, 0, {}, used) else None
+
+    def _find(self, aim: _Aim, at: int, choice: _Choice, used: list[Literal]) -> bool:
+        if at == len(aim.wanted):
+            return True
+        goal = aim.wanted[at]
+        if _is_true(goal):
+            return self._find(aim, at + 1, choice, used)
+        for other in aim.held:
+            self._left -= 1
+            if self._left < 0:
+                return False
+            if not may_be(goal, other):
+                continue
+            extended = dict(choice)
+            if goal.holds:
+                late = self._late(other, aim.held)
+                match = _Match(aim.free, late, extended)
+                found = self._alike(goal.formula, _fact(goal, other), match)
+            else:
+                found = self._denies(goal, other, aim, choice)
+            if found:
+                used.append(other)
+                if self._find(aim, at + 1, extended, used):
+                    return True
+                used.pop()
+        return False
+
+    def _denies(
+        self, goal: Literal, other: Literal, aim: _Aim, choice: _Choice
+    ) -> bool:
+        """Whether a denial follows from another: what it denies leads to the other."""
+        denied = list(literals(substitute(goal.formula, choice)))
+        inner = _Search(self._relations, None, self._left)
+        late = self._late(other, aim.held)
+        turned = _Aim(list(literals(other.formula)), denied, late)
+        found = inner.find(turned) is not None
+        self._left = inner._left
+        return found
+
+    def _late(self, held: Literal, before: Iterable[Literal]) -> set[str]:
+        """The variables of what holds that have no value where it is asked."""
+        return set() if self._given is None else unbound(held, before, self._given)
+
+    def _alike(self, one: object, two: object, match: _Match) -> bool:
+        """Whether a wanted formula is one that holds, by a choice of variables."""
+        if isinstance(one, nodes.Proposition) and isinstance(two, nodes.Proposition):
+            return self._one_fact(one, two, match)
+        if isinstance(one, nodes.Believe) and isinstance(two, nodes.Believe):
+            return self._one_fact(one.pattern, two.pattern, match) and self._one_age(
+                one, two, match
+            )
+        if isinstance(one, nodes.HistoryTest) and isinstance(two, nodes.HistoryTest):
+            return (
+                one.query == two.query
+                and _same_row(one.args[:-1], two.args[:-1], None, match.choice)
+                and _same_row(one.args[-1:], two.args[-1:], match.free, match.choice)
+            )
+        if isinstance(one, nodes.Or | nodes.And) and isinstance(two, type(one)):
+            pairs = zip(one.parts, two.parts, strict=False)
+            return len(one.parts) == len(two.parts) and all(
+                self._alike(a, b, match) for a, b in pairs
+            )
+        return _same(one, two, None, match.choice)
+
+    def _one_fact(
+        self, one: nodes.Proposition, two: nodes.Proposition, match: _Match
+    ) -> bool:
+        """Whether a fact is another one; a default holds of a known index alone."""
+        choice, declared = match.choice, self._relations.get(one.name)
+        if one.name != two.name or declared is None:
+            return one.name == two.name and _same_row(one.args, two.args, None, choice)
+        terms, others = declared.full(one.args), declared.full(two.args)
+        index = match.free if self._is_stored(two) else None
+        return _same_row(terms[:-1], others[:-1], index, choice) and _same_row(
+            terms[-1:], others[-1:], match.free, choice
+        )
+
+    def _one_age(self, one: nodes.Believe, two: nodes.Believe, match: _Match) -> bool:
+        """Whether an age is another one.
+
+        A variable without a value takes the age of a fact that is stored; one with a
+        value is a bound, and no fact is younger than its own age [L 2.51, 2.56].
+        """
+        choice, age, other = match.choice, one.age, two.age
+        is_free = isinstance(age, nodes.Var) and (
+            age.anonymous or (age.name in match.free and age.name not in choice)
+        )
+        if not is_free:
+            known = not isinstance(other, nodes.Var)
+            return known and _same(age, other, None, choice)
+        if not isinstance(other, nodes.Var) or other.name not in match.late:
+            other = nodes.Var("?")
+        return self._is_stored(two.pattern) and _same(age, other, match.free, choice)
+
+    def _is_stored(self, fact: nodes.Proposition) -> bool:
+        """Whether memory has a fact where one holds: no default can be meant."""
+        declared = self._relations.get(fact.name)
+        if declared is None or not declared.is_property:
+            return declared is not None
+        terms = declared.full(fact.args)
+        value = terms[-1] if len(terms) == declared.most else None
+        return (
+            isinstance(value, nodes.Const)
+            and declared.default in CONSTANT_DEFAULTS
+            and value.value != declared.default
+        )
+
+
+def unbound(
+    literal: Literal, held: Iterable[Literal], given: Container[str]
+) -> set[str]:
+    """Return the variables of a literal that have no value where it is asked.
+
+    Args:
+        literal: the literal.
+        held: what is asked before it, up to the literal itself if it is among them.
+        given: the variables that have values before all of that.
+    """
+    own = {name for name in variable_names(literal.formula) if name not in given}
+    for other in held if own else ():
+        if other is literal:
+            break
+        if other.holds:
+            own.difference_update(variable_names(other.formula))
+    return own
+
+
+def _same_row(
+    ones: Sequence[nodes.Term],
+    twos: Sequence[nodes.Term],
+    free: Container[str] | None,
+    choice: _Choice,
+) -> bool:
+    pairs = zip(ones, twos, strict=False)
+    return len(ones) == len(twos) and all(_same(a, b, free, choice) for a, b in pairs)
+
+
+def _same(
+    one: object, two: object, free: Container[str] | None, choice: _Choice
+) -> bool:
+    """Whether two terms, or formulas, are one by a choice of variables.
+
+    Args:
+        one: what is wanted.
+        two: what holds.
+        free: the variables that may take what is there; None: nothing may, not even
+            a bare `?`.
+        choice: what variables have taken; what they take here is put in.
+    """
+    if isinstance(one, nodes.Var):
+        if one.name in choice or one.name not in (free or ()):
+            wanted = choice.get(one.name, one)
+            return wanted == two or (one.anonymous and free is not None)
+        assert isinstance(two, nodes.Term)
+        is_open = isinstance(two, nodes.Var) and two.anonymous
+        choice[one.name] = nodes.Var(f"{one.name} ?") if is_open else two
+        return True
+    if isinstance(one, tuple) and isinstance(two, tuple):
+        pairs = zip(one, two, strict=False)
+        same = len(one) == len(two)
+        return same and all(_same(a, b, free, choice) for a, b in pairs)
+    if type(one) is type(two) and isinstance(one, nodes.Node):
+        return all(
+            _same(getattr(one, field), getattr(two, field), free, choice)
+            for field in nodes.compared_fields(type(one))
+        )
+    return one == two
+
+
+class Clash(msgspec.Struct, frozen=True):
+    """Two literals that never hold together, the later one in the text second."""
+
+    first: Literal
+    second: Literal
+
+
+def may_clash(found: Sequence[Literal]) -> bool:
+    """Whether some literals may contradict each other, as far as their names tell.
+
+    Two facts of one name may, or two tests of one term, or what has no solution and
+    literals that look like all of its parts.
+    """
+    topics: set[object] = set()
+    for literal in found:
+        formula = literal.formula
+        topic: object = None
+        if not literal.holds:
+            goals = literals(formula)
+            if all(has_a_chance(goal, found) for goal in goals):
+                return True
+            continue
+        if type(formula) is nodes.Believe:
+            formula = formula.pattern
+        if type(formula) is nodes.Proposition:
+            topic = formula.name
+        elif type(formula) is nodes.Compare:
+            topic = _turned(formula).left
+        if topic is not None and topic in topics:
+            return True
+        topics.add(topic)
+    return False
+
+
+MOST = 24
+"""A conjunction with more literals than this is not looked at."""
+
+
+class _Denial(msgspec.Struct, frozen=True):
+    """What has no solution, and the literals that then do not all hold."""
+
+    literal: Literal
+    wanted: Sequence[Literal]
+    #: The variables of `wanted` that have no value: whatever they stand for will do.
+    free: Container[str]
+
+
+class Conjunction:
+    """Literals that hold together, added in the order of evaluation.
+
+    Args:
+        relations: the propositions and properties.
+        given: the variables that have values before the first literal is asked.
+    """
+
+    def __init__(self, relations: Relations, given: Container[str]) -> None:
+        self.held: list[Literal] = []
+        self._relations = relations
+        self._given = given
+        self._denials: list[_Denial] = []
+        #: By name: the first fact that holds, and what says so.
+        self._earliest: dict[str, tuple[nodes.Proposition, Literal]] = {}
+        #: By name and arguments of a property: the first literal that says its value.
+        self._values: dict[tuple[object, ...], Literal] = {}
+        self._numbers: dict[nodes.Term, list[tuple[nodes.Compare, Literal]]] = {}
+
+    def add(self, literal: Literal) -> Clash | None:
+        """Put in a literal; return what it contradicts, if it does."""
+        if len(self.held) >= MOST:
+            return None
+        found = self._against(literal)
+        self.held.append(literal)
+        return Clash(found, literal) if found is not None else None
+
+    def _against(self, literal: Literal) -> Literal | None:
+        formula = literal.formula
+        if not literal.holds:
+            return self._ruled_out(literal)
+        if isinstance(formula, nodes.Believe):
+            formula = formula.pattern
+        if isinstance(formula, nodes.Proposition):
+            found = self._other_value(formula, literal)
+            if found is not None:
+                return found
+        if isinstance(formula, nodes.Compare):
+            found = self._other_bound(formula, literal)
+            if found is not None:
+                return found
+        return self._denied(literal) if self._denials else None
+
+    def _ruled_out(self, literal: Literal) -> Literal | None:
+        """A literal from which a formula that has no solution would follow."""
+        own = unbound(literal, self.held, self._given)
+        new = {name: nodes.Var(f"{name}@not") for name in own}
+        wanted = list(literals(substitute(literal.formula, new)))
+        denial = _Denial(literal, wanted, {one.name for one in new.values()})
+        self._denials.append(denial)
+        if not all(has_a_chance(goal, self.held) for goal in wanted):
+            return None
+        used = self._follows(denial, self.held)
+        return used[-1] if used else None
+
+    def _denied(self, literal: Literal) -> Literal | None:
+        """A formula without a solution that a new literal makes follow."""
+        for denial in self._denials:
+            if not any(may_be(goal, literal) for goal in denial.wanted):
+                continue
+            used = self._follows(denial, [*self.held, literal])
+            if used and literal in used:
+                return denial.literal
+        return None
+
+    def _follows(self, denial: _Denial, held: Sequence[Literal]) -> list[Literal]:
+        """Return the literals from which the denied formula follows, if it does."""
+        return (
+            follows(denial.wanted, held, denial.free, self._relations, self._given)
+            or []
+        )
+
+    def _other_value(self, fact: nodes.Proposition, literal: Literal) -> Literal | None:
+        declared = self._relations.get(fact.name)
+        if declared is None or not declared.is_property or declared.most is None:
+            return None
+        earliest = self._earliest.setdefault(fact.name, (fact, literal))
+        if earliest[1] is literal:
+            return None  # nothing to hold it against
+        self._first(declared, *earliest)
+        first = self._first(declared, fact, literal)
+        if first is literal or first is None:
+            return None
+        return first if _apart(first, declared.full(fact.args)[-1], declared) else None
+
+    def _first(
+        self, declared: Signature, fact: nodes.Proposition, literal: Literal
+    ) -> Literal | None:
+        """Return the first literal that says the value of what a fact is about.
+
+        None if the fact does not say which thing it is about, or which value.
+        """
+        args = declared.full(fact.args)
+        if len(args) != declared.most or any(_is_open(term) for term in args):
+            return None
+        return self._values.setdefault((fact.name, *args[:-1]), literal)
+
+    def _other_bound(self, test: nodes.Compare, literal: Literal) -> Literal | None:
+        turned = _turned(test)
+        earlier = self._numbers.setdefault(turned.left, [])
+        for other, where in earlier:
+            if _exclude(other, turned):
+                return where
+        earlier.append((turned, literal))
+        return None
+
+
+def _apart(first: Literal, value: nodes.Term, declared: Signature) -> bool:
+    """Whether an earlier fact of the same property has another constant."""
+    fact = first.formula
+    if isinstance(fact, nodes.Believe):
+        fact = fact.pattern
+    assert isinstance(fact, nodes.Proposition)
+    other = declared.full(fact.args)[-1]
+    if not isinstance(other, nodes.Const) or not isinstance(value, nodes.Const):
+        return False
+    return other != value and not _stands_for_another(fact, (other, value))
+
+
+def _stands_for_another(fact: nodes.Proposition, values: Iterable[nodes.Const]) -> bool:
+    """Whether an item can have two values: `external` is where the robot is [L 7]."""
+    return fact.name == "location" and any(v.value == "external" for v in values)
+
+
+def _is_open(term: nodes.Term) -> bool:
+    return isinstance(term, nodes.Var) and term.anonymous
+
+
+_TURNED: Mapping[str, str] = {"<": ">", ">": "<", "<=": ">=", ">=": "<="}
+
+
+def _turned(test: nodes.Compare) -> nodes.Compare:
+    """Return a test with its constant, if it has one, to the right."""
+    if isinstance(test.left, nodes.Const) and not isinstance(test.right, nodes.Const):
+        op = _TURNED.get(test.op, test.op)
+        return nodes.Compare(op, test.right, test.left, span=test.span)  # type: ignore[arg-type]  # a turned test has one of the six words
+    return test
+
+
+def _exclude(one: nodes.Compare, other: nodes.Compare) -> bool:
+    """Whether no value passes two tests of one term."""
+    if one.right == other.right:
+        return (one.op, other.op) in _OPPOSITE or (other.op, one.op) in _OPPOSITE
+    if not isinstance(one.right, nodes.Const) or not isinstance(
+        other.right, nodes.Const
+    ):
+        return False
+    if one.op == "=":
+        return _misses(one.right.value, other)
+    if other.op == "=":
+        return _misses(other.right.value, one)
+    low, high = (one, other) if one.op in (">", ">=") else (other, one)
+    if low.op not in (">", ">=") or high.op not in ("<", "<="):
+        return False
+    floor, ceiling = number_of(low.right), number_of(high.right)
+    return floor is not None and ceiling is not None and floor > ceiling
+
+
+_OPPOSITE = {
+    ("=", "n="),
+    ("=", "<"),
+    ("=", ">"),
+    ("<", ">"),
+    ("<", ">="),
+    ("<=", ">"),
+}
+"""Tests of the same two terms of which at most one holds."""
+
+
+def _misses(value: Atom, test: nodes.Compare) -> bool:
+    """Whether a constant does not pass a test against another constant."""
+    assert isinstance(test.right, nodes.Const)
+    bound = test.right.value
+    if test.op in ("=", "n="):
+        return (value == bound) is (test.op == "n=")
+    left, right = number_of(nodes.Const(value)), number_of(test.right)
+    return left is None or right is None or not holds_between(test.op, left, right)
+
+
+def contradict(signatures: Signatures, one: Literal, other: Literal) -> bool:
+    """Whether two literals never hold together, whatever their variables are."""
+    given = variable_names(one.formula, other.formula)
+    both = Conjunction(signatures.relations, given)
+    both.add(one)
+    return both.add(other) is not None
+
+
+# --- the facts that a formula asks for ------------------------------------------------
+
+
+def is_computed(library: Library, name: str) -> bool:
+    """Whether a name is that of a function or a query, not of facts."""
+    return name in library.functions or name in library.queries
+
+
+_PLAIN = (
+    nodes.Truth,
+    nodes.Proposition,
+    nodes.And,
+    nodes.Or,
+    nodes.Not,
+    nodes.Compare,
+    nodes.Believe,
+)
+
+
+def is_known(library: Library, formula: nodes.Formula) -> bool:
+    """Whether a formula asks about facts alone, through queries too."""
+    return all(
+        isinstance(one, _PLAIN)
+        and not (isinstance(one, nodes.Proposition) and one.name in library.functions)
+        for one in through(library, formula)
+    )
+
+
+def asked_through(library: Library, formula: nodes.Formula) -> set[str] | None:
+    """Return the names that a formula asks for; None if it asks not facts alone."""
+    return asked_by(library, formula) if is_known(library, formula) else None
+
+
+def asked_by(library: Library, formula: nodes.Formula) -> set[str]:
+    """The names of the facts that a formula asks, through queries too."""
+    return {
+        one.name
+        for one in through(library, formula)
+        if isinstance(one, nodes.Proposition)
+    }
+
+
+def through(library: Library, formula: nodes.Formula) -> Iterator[nodes.Formula]:
+    """Yield the parts of a formula, and those of the queries that it names."""
+    waiting, seen = [formula], set[str]()
+    while waiting:
+        for one in subformulas(waiting.pop()):
+            yield one
+            name = one.name if isinstance(one, nodes.Proposition) else ""
+            query = library.queries.get(name)
+            if query is not None and name not in seen:
+                seen.add(name)
+                waiting.append(query.formula)
