@@ -83,11 +83,11 @@ class Rule(msgspec.Struct, frozen=True):
 
     code: str
     name: str
-    severity: Severity
     summary: str
     why: str
     example: str
     better: str
+    severity: Severity = Severity.ERROR
     #: Whether the rule reports only where a user asks for it: a matter of style.
     opt_in: bool = False
     #: Which fixes it has and whether they are safe, as a phrase; nothing if none.

@@ -13,7 +13,7 @@ from typing import Any
 
 import msgspec
 
-from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.base.diagnostics import Diagnostic, Label, Rule
 from rapc.base.source import SourceFile, Span
 from rapc.ir import nodes
 from rapc.ir.nodes import DefineTest
@@ -27,7 +27,6 @@ BUILTIN_NAMES = frozenset((*ALONE, *QUERIES, *CALLS))
 DUPLICATE = Rule(
     code="RAP060",
     name="duplicate-definition",
-    severity=Severity.ERROR,
     summary="two definitions of one kind have one name",
     why="""A name means one thing in a library: the second definition would never be
 used, or would change what every use of the first means. Propositions, properties,
@@ -46,7 +45,6 @@ functions and queries share their names, for a formula does not say which it mea
 BUILTIN = Rule(
     code="RAP061",
     name="builtin-name",
-    severity=Severity.ERROR,
     summary="a declaration takes a name that the language keeps for itself",
     why="""Connectives, comparisons, arithmetic, questions about the task and `count`
 mean the same in every library; a declared fact or function of that name could never be

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from rapc.base.diagnostics import Rule, Severity
+from rapc.base.diagnostics import Rule
 
-_HAVE = "(declare-memory-proposition have (?thing))\n"
+_HAVE = "(declare-memory-proposition have (?thing))"
 
 SLIP_RULES: tuple[Rule, ...] = (
     Rule(
         code="RAP050",
         name="parenthesised-times",
-        severity=Severity.ERROR,
         summary="the times of `monitor-time` stand in parentheses",
         why="""`monitor-time` takes its reference and its two times directly. The
 other spelling has been printed; what it means is clear.""",
@@ -32,22 +31,19 @@ other spelling has been printed; what it means is clear.""",
     Rule(
         code="RAP051",
         name="parenthesised-for",
-        severity=Severity.ERROR,
         summary="`for` behind a formula stands in parentheses of its own",
         why="""An annotation that protects a formula is one list: the formula, `for`,
 the tag. The other spelling has been printed; what it means is clear.""",
         fix="safe: takes the parentheses away",
         source="T 4.5.2",
-        example=_HAVE
-        + """\
+        example=f"""{_HAVE}
 (define-rap (lift))
 (define-rap (fetch)
   (method (task-net
     (t1 (lift) ((have cup) (for t2)))
     (t2 (lift)))))
 """,
-        better=_HAVE
-        + """\
+        better=f"""{_HAVE}
 (define-rap (lift))
 (define-rap (fetch)
   (method (task-net
@@ -58,7 +54,6 @@ the tag. The other spelling has been printed; what it means is clear.""",
     Rule(
         code="RAP052",
         name="bare-for",
-        severity=Severity.ERROR,
         summary="`for` and its tag stand without parentheses",
         why="""Every annotation of a step is a list, also `(for tag)`. The other
 spelling has been printed; what it means is clear.""",
@@ -82,19 +77,16 @@ spelling has been printed; what it means is clear.""",
     Rule(
         code="RAP053",
         name="not-of-many",
-        severity=Severity.ERROR,
         summary="`not` is given several formulas",
         why="""`not` denies one formula. With several it might mean that they do not
 hold together, or that none of them holds; it is read in the first way.""",
         fix="unsafe: joins the formulas by `and`; `or` may be meant",
         source="T 4.1.3",
-        example=_HAVE
-        + """\
+        example=f"""{_HAVE}
 (define-rap (fetch)
   (succeed (not (have cup) (have plate))))
 """,
-        better=_HAVE
-        + """\
+        better=f"""{_HAVE}
 (define-rap (fetch)
   (succeed (not (and (have cup) (have plate)))))
 """,
@@ -102,19 +94,16 @@ hold together, or that none of them holds; it is read in the first way.""",
     Rule(
         code="RAP054",
         name="believe-without-time",
-        severity=Severity.ERROR,
         summary="`believe` does not say how fresh a belief has to be",
         why="""`believe` asks for an age: a number that the age must stay below, or a
 variable that becomes the age. Without an age the proposition alone says the same.""",
         fix="unsafe: binds the age to a variable, which asks for a belief of any age",
         source="T 4.1.1",
-        example=_HAVE
-        + """\
+        example=f"""{_HAVE}
 (define-rap (fetch)
   (succeed (believe (have cup))))
 """,
-        better=_HAVE
-        + """\
+        better=f"""{_HAVE}
 (define-rap (fetch)
   (succeed (believe (have cup) 10)))
 """,
@@ -122,21 +111,18 @@ variable that becomes the age. Without an age the proposition alone says the sam
     Rule(
         code="RAP055",
         name="bare-rule",
-        severity=Severity.ERROR,
         summary="the query and the actions of a rule stand without parentheses",
         why="""A rule may have several queries, each with actions of its own, so each
 query stands in parentheses with its actions. The other spelling has been printed;
 what it means is clear.""",
         fix="safe: puts parentheses around it",
         source="S 4.2",
-        example=_HAVE
-        + """\
+        example=f"""{_HAVE}
 (define-rap (fetch ?thing))
 (define-memory-rule (fetch ?thing) :finish
   (match-result (succeed (rule true (mem-add (have ?thing))))))
 """,
-        better=_HAVE
-        + """\
+        better=f"""{_HAVE}
 (define-rap (fetch ?thing))
 (define-memory-rule (fetch ?thing) :finish
   (match-result (succeed (rule (true (mem-add (have ?thing)))))))

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from rapc.base.diagnostics import Rule, Severity
+from rapc.base.diagnostics import Rule
 
-_HAVE = "(declare-memory-proposition have (?thing))\n"
+_HAVE = "(declare-memory-proposition have (?thing))"
 
 TEXT_RULES: tuple[Rule, ...] = (
     Rule(
         code="RAP001",
         name="missing-parenthesis",
-        severity=Severity.ERROR,
         summary="a list is not closed, or a form has lost its first parenthesis",
         why="""Without its last parenthesis a list takes in what was meant to stand
 behind it. The finding shows the list, where that was noticed and where, going by the
@@ -38,7 +37,6 @@ withheld: they might be due to this one. Words known from print are told.""",
     Rule(
         code="RAP002",
         name="surplus-parenthesis",
-        severity=Severity.ERROR,
         summary="there is a closing parenthesis too many",
         why="""A parenthesis too many closes a list before its end, and what follows
 stands outside of it. The finding shows the parenthesis that, going by the
@@ -64,7 +62,6 @@ might be due to this one, but for slips whose meaning is clear.""",
     Rule(
         code="RAP003",
         name="unterminated-string",
-        severity=Severity.ERROR,
         summary="a string is not closed",
         why="""Without its last quotation mark a string takes in the rest of the
 file. It is taken to end with its line; what follows is read as usual.""",
@@ -82,7 +79,6 @@ file. It is taken to end with its line; what follows is read as usual.""",
     Rule(
         code="RAP004",
         name="unterminated-comment",
-        severity=Severity.ERROR,
         summary="a comment that begins with `#|` is not closed",
         why="""Such comments nest, so each `#|` needs a `|#` of its own. One without
 takes in the rest of the file. It is taken to end where the next form begins in
@@ -103,20 +99,17 @@ when there is nothing to do |#
     Rule(
         code="RAP005",
         name="illegal-character",
-        severity=Severity.ERROR,
         summary="a character has no place in this language",
         why="""Symbols and lists stand for themselves and are not quoted as in other
 Lisps; lists are written with parentheses, strings with plain quotation marks, space
 with blanks, tabs and line ends.""",
         fix="safe: takes out a quotation mark before a symbol or a list",
         source="L 1",
-        example=_HAVE
-        + """\
+        example=f"""{_HAVE}
 (define-rap (fetch)
   (succeed (have 'cup)))
 """,
-        better=_HAVE
-        + """\
+        better=f"""{_HAVE}
 (define-rap (fetch)
   (succeed (have cup)))
 """,
@@ -124,16 +117,14 @@ with blanks, tabs and line ends.""",
     Rule(
         code="RAP006",
         name="nested-too-deeply",
-        severity=Severity.ERROR,
         summary="lists are nested more than 100 deep",
         why="""No program needs such depth; where it occurs, closing parentheses are
 missing, or the file is none of ours. What lies deeper is left out.""",
         source="L 1",
-        example="(define-rap (wait)\n  (succeed "
-        + 99 * "(not "
-        + "true"
-        + 99 * ")"
-        + "))\n",
+        example=f"""\
+(define-rap (wait)
+  (succeed {99 * "(not "}true{99 * ")"}))
+""",
         better="""\
 (define-rap (wait)
   (succeed (not (not true))))
@@ -142,13 +133,15 @@ missing, or the file is none of ours. What lies deeper is left out.""",
     Rule(
         code="RAP007",
         name="too-long",
-        severity=Severity.ERROR,
         summary="a name or a number is absurdly long",
         why="""Names may have up to 1000 characters and numbers up to 100, which
 keeps numbers in the range that arithmetic can handle. Longer ones mean that the file
 is damaged or none of ours.""",
         source="L 1",
-        example=f"(define-rap (wait)\n  (duration 1{100 * '0'}))\n",
+        example=f"""\
+(define-rap (wait)
+  (duration 1{100 * "0"}))
+""",
         better="""\
 (define-rap (wait)
   (duration 10))
@@ -157,7 +150,6 @@ is damaged or none of ours.""",
     Rule(
         code="RAP008",
         name="malformed-number",
-        severity=Severity.ERROR,
         summary="something looks like a number and is none",
         why="""Numbers are integers and decimals with digits on both sides of the
 point, with a sign if wanted; there are no exponents. Anything else would be a
@@ -176,7 +168,6 @@ symbol, which is hardly what was meant.""",
     Rule(
         code="RAP009",
         name="unknown-form",
-        severity=Severity.ERROR,
         summary="something at the top level is no form of the language",
         why="""A file is a row of definitions, declarations and `require`s. Whatever
 else stands there would have no effect.""",
