@@ -24,7 +24,6 @@ from rapc.analysis.check import Whole
 from rapc.base.diagnostics import Diagnostic
 from rapc.base.source import SourceFile, Span
 from rapc.ir import nodes
-from rapc.parser.context import PARENTHESES
 from rapc.parser.rules.forms import FORM_RULES
 from rapc.parser.rules.slips import SLIP_RULES
 from rapc.parser.unit import SourceUnit
@@ -115,10 +114,11 @@ def _damaged(unit: SourceUnit) -> list[_Damaged]:
     """The damaged forms of a file, in the order of the text."""
     starts = sorted(d.span.start for d in unit.diagnostics if d.rule in _OF_FORMS)
     found = []
-    for form, lost in unit.partial.items():
+    for partial in unit.partial:
+        form = partial.form
         first = bisect_left(starts, form.span.start)
         last = bisect_left(starts, form.span.end)
-        slips_ = () if PARENTHESES in lost else tuple(starts[first:last])
+        slips_ = () if partial.guessed else tuple(starts[first:last])
         found.append(_Damaged(form, slips_, _head(unit.file, form)))
     found.sort(key=lambda one: one.form.span.start)
     return found

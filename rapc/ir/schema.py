@@ -10,55 +10,18 @@ of their names (`parts`); `OPERANDS_OF` has the nodes whose fields are otherwise
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, MutableMapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cache
 from types import UnionType
-from typing import Any, TypeVar
+from typing import Any
 
 import msgspec
 
 from rapc.base.values import Number
 from rapc.ir import nodes
-from rapc.ir.nodes import Node
 from rapc.language.grammar import RULES
 from rapc.language.heads import ARROW, heads, rule_named
 from rapc.language.shapes import Shape, is_rule, is_word, leaves
-
-K = TypeVar("K", bound=Node)
-V = TypeVar("V")
-
-
-class NodeMap(MutableMapping[K, V]):
-    """Values by node, in the order in which they were put in."""
-
-    def __init__(self, rows: Iterable[tuple[K, V]] = ()) -> None:
-        self._rows: dict[int, tuple[K, V]] = {}
-        for node, value in rows:
-            self[node] = value
-
-    def __getitem__(self, node: K) -> V:
-        """Return the value of `node`; raises KeyError if it has none."""
-        return self._rows[id(node)][1]
-
-    def __setitem__(self, node: K, value: V) -> None:
-        """Set the value of `node`."""
-        self._rows[id(node)] = (node, value)
-
-    def __delitem__(self, node: K) -> None:
-        """Forget `node`; raises KeyError if it has no value."""
-        del self._rows[id(node)]
-
-    def __iter__(self) -> Iterator[K]:
-        """Return the nodes that have values."""
-        return iter([node for node, _ in self._rows.values()])
-
-    def __len__(self) -> int:
-        """Return how many nodes have values."""
-        return len(self._rows)
-
-    def __contains__(self, node: object) -> bool:
-        """Whether `node` itself, not only one like it, has a value."""
-        return id(node) in self._rows
 
 
 def declared(kind: type, field: str) -> str:
@@ -198,6 +161,14 @@ class Part(msgspec.Struct, frozen=True):
     field: str = ""
 
 
+NAMED_BY: Mapping[type, str] = {
+    nodes.SetTest: "test",
+    nodes.HistoryTest: "query",
+    nodes.ResourceChange: "op",
+}
+"""The field whose words name the rules of a kind: `set-add` that of `set_add`."""
+
+
 def rule_of(node: nodes.Node) -> str:
     """Return the rule that a node is written by."""
     rule = rule_of_kind(type(node))
@@ -206,14 +177,24 @@ def rule_of(node: nodes.Node) -> str:
 
 def rule_of_kind(kind: type[nodes.Node]) -> str | Callable[[Any], str]:
     """Return the rule that nodes of a kind are written by, or what tells it of each."""
+    if kind in NAMED_BY:
+        return lambda node: getattr(node, NAMED_BY[kind]).replace("-", "_")
     return _RULES.get(kind) or rule_named(kind.__name__)
 
 
+@cache
+def kind_of_rule(rule: str) -> type[nodes.Node] | None:
+    """Return the kind of node that is written by a rule; None if there is none."""
+    for kind, field in NAMED_BY.items():
+        if rule in names_in_type(declared(kind, field).replace("-", "_")):
+            return kind
+    found = next((kind for kind, one in _RULES.items() if one == rule), None)
+    like = "".join(map(str.capitalize, rule.split("_")))
+    return found or getattr(nodes, like, None)
+
+
 _RULES: Mapping[type, str | Callable[[Any], str]] = {
-    nodes.SetTest: lambda node: str(node.test),
-    nodes.HistoryTest: lambda node: str(node.query).replace("-", "_"),
     nodes.For: lambda node: "order" if node.formula is None else "protect",
-    nodes.ResourceChange: lambda node: str(node.op).replace("-", "_"),
     nodes.Skills: "primitive",
     nodes.DeclareProposition: "declare_memory_proposition",
     nodes.DeclareProperty: "declare_memory_property",
@@ -234,11 +215,10 @@ _RULES: Mapping[type, str | Callable[[Any], str]] = {
 
 def declarations() -> Iterator[tuple[str, type[nodes.Node]]]:
     """The rules of declarations that are a name and parts in any order, with kinds."""
-    named = {rule: kind for kind, rule in _RULES.items() if isinstance(rule, str)}
     for rule in filter(is_rule, leaves(RULES["_form"])):
-        if rule.startswith("declare_") and rule != "declare_class_comparator":
-            like = "".join(map(str.capitalize, rule.split("_")))
-            yield rule, named.get(rule) or getattr(nodes, like)
+        kind = kind_of_rule(rule)
+        if kind and rule.startswith("declare_") and rule != "declare_class_comparator":
+            yield rule, kind
 
 
 def parts(rule: str, kind: type[nodes.Node]) -> tuple[Part, ...]:
@@ -256,7 +236,7 @@ def parts(rule: str, kind: type[nodes.Node]) -> tuple[Part, ...]:
 
 def fields(kind: type[nodes.Node], known: Iterable[Part]) -> tuple[str, ...]:
     """Return the fields of a kind that are operands, in order."""
-    named = {part.field for part in known}
+    named = {NAMED_BY.get(kind), *(part.field for part in known)}
     return tuple(
         field
         for field in kind.__struct_fields__
@@ -349,10 +329,8 @@ def _asked(one: nodes.Request | nodes.Skill) -> Any:
 
 
 OPERANDS_OF: Mapping[type, Callable[[Any], Iterable[Any]]] = {
-    nodes.SetTest: lambda node: node.args,
-    nodes.HistoryTest: lambda node: node.args,
+    **dict.fromkeys((nodes.SetTest, nodes.HistoryTest), lambda node: node.args),
     nodes.For: lambda node: [one for one in (node.formula, node.tag) if one],
-    nodes.ResourceChange: lambda node: (node.resource, node.amount),
     nodes.WaitFor: lambda node: (nodes.Signal(node.signal, node.args), node.mode),
     nodes.Step: lambda node: (
         *(node.tag, node.priority or None, node.goal),

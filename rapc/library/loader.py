@@ -18,7 +18,7 @@ from pathlib import Path
 
 import msgspec
 
-from rapc.base.diagnostics import Diagnostic, Rule, Severity
+from rapc.base.diagnostics import Diagnostic, Rule
 from rapc.base.files import (
     STANDARD,
     SUFFIX,
@@ -38,11 +38,10 @@ from rapc.base.names import nearest
 from rapc.base.source import SourceFile
 from rapc.ir import nodes
 from rapc.ir.nodes import DefineTest
-from rapc.ir.schema import NodeMap
 from rapc.library import library
 from rapc.library.library import Library
 from rapc.parser.parse import parse
-from rapc.parser.unit import Partial, SourceUnit
+from rapc.parser.unit import SourceUnit
 
 Parse = Callable[[SourceFile], SourceUnit]
 """What makes a unit of a file: `rapc.parser.parse.parse`, or what remembers units."""
@@ -80,7 +79,6 @@ _LONG = 60
 UNRESOLVED = Rule(
     code="RAP062",
     name="unresolved-require",
-    severity=Severity.ERROR,
     summary="a `require` names neither a file, nor a folder, nor a standard library",
     why="""`(require "name")` means the file `name.rap` or the folder `name` beside the
 requiring file, else the standard library of that name. What it should have brought in
@@ -114,11 +112,6 @@ class Loaded(msgspec.Struct, frozen=True):
     def files(self) -> Mapping[str, SourceFile]:
         """Every file read, by the name that spans carry, first read first."""
         return self.library.files
-
-    @property
-    def partial(self) -> Partial:
-        """The forms that lack something, with the names of their clauses that do."""
-        return NodeMap(row for unit in self.units for row in unit.partial.items())
 
 
 @gc_paused()

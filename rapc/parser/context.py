@@ -48,12 +48,6 @@ _MISPLACED = {
 }
 """Help for a word that belongs elsewhere, by what it would be here and the word."""
 
-ANY_CLAUSE = "*"
-"""Stands among the names of clauses for any of them."""
-
-PARENTHESES = "()"
-"""Stands among the names of clauses where parentheses had to be guessed at."""
-
 
 class OptionReader(msgspec.Struct, frozen=True):
     """What reads an option: a list that begins with its word."""
@@ -106,11 +100,8 @@ class Context:
     surplus: bool = False
     #: What has been found in the form.
     diagnostics: list[Diagnostic]
-    #: The names of the clauses from which something had to be left out, so that what
-    #: others miss there may not be the author's fault; `ANY_CLAUSE` for all of them.
-    lost: list[str]
-    #: The name of the clause that is being read.
-    clause: str
+    #: Whether something of the form had to be left out.
+    incomplete: bool = False
 
     def __init__(self, source: SourceFile, room: int, readers: Readers) -> None:
         self.source = source
@@ -119,8 +110,6 @@ class Context:
         self.readers = readers
         self.formulas = readers.formulas
         self.diagnostics = []
-        self.lost = []
-        self.clause = ANY_CLAUSE
 
     def span(self, datum: Datum) -> Span:
         """The place of a datum."""
@@ -134,7 +123,7 @@ class Context:
         self, rule: str, message: str, at: Datum, **more: Unpack[Details]
     ) -> None:
         """Report a fault for which something of the form is left out."""
-        self.lost.append(self.clause)
+        self.incomplete = True
         if not self.surplus:
             self.report_fixable(rule, message, at, **more)
 
@@ -213,7 +202,7 @@ class Context:
             )
             return printed
         if len(self.diagnostics) >= self.room:
-            self.lost.append(self.clause)
+            self.incomplete = True
             return None
         slips = {slip: right for slip, right in SLIPS.items() if right in options}
         meant = nearest(word.name, (*options, *slips))

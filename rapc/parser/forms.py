@@ -289,12 +289,10 @@ def read_clauses(
     ctx: Context, kept: Mapping[str, Sequence[List]], group: str, into: Slots
 ) -> dict[str, Any]:
     """Return the fields that clauses fill, read by the readers of a group."""
-    readers, outer = ctx.readers.group(group) if kept else {}, ctx.clause
-    read: dict[str, list[Any]] = {}
-    for name, rows in kept.items():
-        ctx.clause = name
-        read[name] = [readers[name](ctx, row) for row in rows]
-    ctx.clause = outer
+    readers = ctx.readers.group(group)
+    read = {
+        name: [readers[name](ctx, row) for row in rows] for name, rows in kept.items()
+    }
     return filled(into, read)
 
 

@@ -24,7 +24,7 @@ from msgspec.structs import replace
 
 from rapc.base.source import Span
 from rapc.base.values import Number
-from rapc.ir import nodes
+from rapc.ir import schema
 from rapc.language.grammar import GRAMMAR, RULES, TERMINALS
 from rapc.language.heads import heads, rules_by_head, words_of_shape
 from rapc.language.shapes import Shape, is_list, is_rule, is_terminal, is_word, leaves
@@ -348,13 +348,18 @@ _COUNTS = {"?": (0, 1), "*": (0, None), "+": (1, None)}
 
 
 def _named_like(rule: str) -> Maker:
-    """Return what makes the node of the same name, operands in the order of fields.
+    """Return what makes the node of a rule, operands in the order of fields.
 
-    Where there is none, what the list holds stands for it.
+    The head is the first of these if it tells such nodes apart. Where there is no such
+    node, what the list holds stands for it.
     """
-    kind = getattr(nodes, "".join(map(str.capitalize, rule.split("_"))), None)
+    kind: Any = schema.kind_of_rule(rule)
     if kind is None:
         return lambda head, values, span: values[0]
+    if kind in schema.NAMED_BY and "args" in kind.__struct_fields__:
+        return lambda head, values, span: kind(head, tuple(values), span=span)
+    if kind in schema.NAMED_BY or len(heads(rule)) > 1:
+        return lambda head, values, span: kind(head, *values, span=span)
     return lambda head, values, span: kind(*values, span=span)
 
 

@@ -16,23 +16,15 @@ from rapc.base.values import Atom, Fact
 from rapc.errors import TextError
 from rapc.ir import nodes
 from rapc.ir.nodes import DefineTest
-from rapc.ir.schema import NodeMap
 from rapc.ir.walk import subformulas
 from rapc.parser import reader
-from rapc.parser.context import (
-    ANY_CLAUSE,
-    PARENTHESES,
-    Context,
-    Read,
-    head_of,
-    kind_of,
-)
+from rapc.parser.context import Context, Read, head_of, kind_of
 from rapc.parser.lexicon import MAX_FINDINGS
 from rapc.parser.special.formulas import formula
 from rapc.parser.special.table import readers
 from rapc.parser.syntax import Comment, Datum, Keyword, List, Numeral, Symbol
 from rapc.parser.terms import goal, proposition, signal
-from rapc.parser.unit import Partial, SourceUnit, with_defaults
+from rapc.parser.unit import PartialForm, SourceUnit, with_defaults
 
 __all__ = (
     "Comment",
@@ -58,7 +50,7 @@ def parse(source: SourceFile) -> SourceUnit:
     tests: list[DefineTest] = []
     defaults: DefineTest | None = None
     found = list(reading.diagnostics)
-    partial: Partial = NodeMap()
+    partial: list[PartialForm] = []
     for top in reading.forms:
         room = MAX_FINDINGS - len(found)
         ctx = Context(source, room, known)
@@ -75,9 +67,8 @@ def parse(source: SourceFile) -> SourceUnit:
         elif form is not None:
             forms.append(form)
         found.extend(ctx.diagnostics)
-        if form is not None and (top.damaged or ctx.lost):
-            lost = (ANY_CLAUSE, PARENTHESES) if top.damaged else ctx.lost
-            partial[form] = frozenset(lost)
+        if form is not None and (top.damaged or ctx.incomplete):
+            partial.append(PartialForm(form, top.damaged))
     found.sort(key=lambda d: d.span.start)
     if len(found) >= MAX_FINDINGS:
         note = f"this is the last of {MAX_FINDINGS}: further faults are not shown"
@@ -89,7 +80,7 @@ def parse(source: SourceFile) -> SourceUnit:
         data=tuple([top.datum for top in reading.forms]),
         comments=reading.comments,
         diagnostics=tuple(found),
-        partial=partial,
+        partial=tuple(partial),
     )
 
 

@@ -8,14 +8,15 @@ from rapc.base.diagnostics import Diagnostic
 from rapc.base.source import SourceFile
 from rapc.ir import nodes
 from rapc.ir.nodes import DefineTest
-from rapc.ir.schema import NodeMap
 from rapc.parser.syntax import Comment, Datum
 
-Partial = NodeMap[nodes.TopForm | DefineTest, frozenset[str]]
-"""Forms with the names of their clauses from which something is missing."""
 
-NO_PARTIAL: Partial = NodeMap()
-"""For files from whose forms nothing is missing; never added to."""
+class PartialForm(msgspec.Struct, frozen=True):
+    """A form or test from which something had to be left out."""
+
+    form: nodes.TopForm | DefineTest
+    #: Whether the reader had to guess at its parentheses.
+    guessed: bool
 
 
 class SourceUnit(msgspec.Struct, frozen=True):
@@ -33,11 +34,8 @@ class SourceUnit(msgspec.Struct, frozen=True):
     comments: tuple[Comment, ...] = ()
     #: What is wrong with the text, in its order.
     diagnostics: tuple[Diagnostic, ...] = ()
-    #: The forms and tests from which something had to be left out, each with the names
-    #: of the clauses that lack it: what is missing there is not the author's fault.
-    #: `*` (`rapc.parser.context.ANY_CLAUSE`) is among them for any clause, `()`
-    #: (`PARENTHESES` there) where parentheses had to be guessed at.
-    partial: Partial = NO_PARTIAL
+    #: The forms and tests that were not read whole.
+    partial: tuple[PartialForm, ...] = ()
 
 
 def with_defaults(test: DefineTest, given: DefineTest) -> DefineTest:

@@ -201,7 +201,7 @@ def test_findings_of_other_forms_are_not_hidden() -> None:
 def test_findings_within_the_broken_form_are_withheld() -> None:
     text = "(define-rap (one) (succed true) (foo)\n"
     assert rules(text) == ["missing-parenthesis"]
-    assert list(parsed(text).partial) == list(parsed(text).forms)
+    assert [one.form for one in parsed(text).partial] == [*parsed(text).forms]
 
 
 def test_words_that_print_has_had_are_told_in_the_broken_form_too() -> None:

@@ -12,7 +12,7 @@ from rapc.base.diagnostics import Fix
 from rapc.base.names import nearest
 from rapc.ir import nodes
 from rapc.language.heads import METHOD_CLAUSES, RAP_CLAUSES, often
-from rapc.parser.context import ANY_CLAUSE, Context, head_of
+from rapc.parser.context import Context, head_of
 from rapc.parser.forms import (
     clauses,
     parameter,
@@ -158,11 +158,9 @@ def _kinds(given: Iterable[nodes.Argument]) -> tuple[nodes.VariableKind, ...]:
 
 
 def _methods(ctx: Context, rows: Sequence[List]) -> tuple[nodes.Method, ...]:
-    ctx.clause = "method"
     methods = [method(ctx, row, at) for at, row in enumerate(rows, start=1)]
     if len(rows) > 1:
         _check_method_names(ctx, methods, rows)
-    ctx.clause = ANY_CLAUSE
     return tuple(methods)
 
 
@@ -218,7 +216,7 @@ def _check_method_names(
             continue
         other = first.setdefault(one.name, datum)
         if other is not datum:
-            ctx.lost.append(ctx.clause)
+            ctx.incomplete = True
             ctx.certain(
                 "duplicate-method",
                 f"two methods are named `{one.name}`",

@@ -75,30 +75,9 @@ MAKERS: Mapping[str, Maker] = {
             values[0].name, values[0].args, values[1] or "proceed", span=span
         ),
     ),
-    **dict.fromkeys(
-        ("moved", "placed"),
-        lambda head, values, span: nodes.Moved(*values, span=span),
-    ),
+    "placed": lambda head, values, span: nodes.Moved(*values, span=span),
     "skills": lambda head, values, span: values[0],
     "order": lambda head, values, span: nodes.For(None, values[0], span=span),
-    **dict.fromkeys(
-        ("set_add", "set_sub", "counter_add", "counter_sub"),
-        lambda head, values, span: nodes.ResourceChange(
-            head, values[0], values[1], span=span
-        ),
-    ),
-    "compare": lambda head, values, span: nodes.Compare(
-        head, values[0], values[1], span=span
-    ),
-    **dict.fromkeys(
-        ("member", "empty"),
-        lambda head, values, span: nodes.SetTest(head, tuple(values), span=span),
-    ),
-    **dict.fromkeys(
-        ("method_tried", "last_result", "result_with_method"),
-        lambda head, values, span: nodes.HistoryTest(head, tuple(values), span=span),
-    ),
-    "action": lambda head, values, span: nodes.RuleAction(head, values[0], span=span),
     "sensor_name": lambda head, values, span: nodes.SensorName(
         values[0], values[1] or nodes.Const("true", span=span), span=span
     ),
@@ -111,7 +90,6 @@ MAKERS: Mapping[str, Maker] = {
     "world_option": lambda head, values, span: nodes.WorldOption(
         values[0], values[1].value, span=span
     ),
-    "trace": lambda head, values, span: nodes.TraceHas(values[0], span=span),
 }
 """What makes the nodes of rules whose nodes are called otherwise, or are none."""
 
