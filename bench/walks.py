@@ -20,7 +20,7 @@ from pathlib import Path
 from types import FrameType
 
 import rapc
-from rapc.debug.session import Session
+from rapc.debug.history import History
 from rapc.repl.commands.table import commands
 from rapc.repl.shell import Shell
 from rapc.world import (
@@ -149,7 +149,7 @@ def submit() -> Walk:
 def why() -> Walk:
     """Walk from the input `:why` to its answer."""
     library = rapc.load("rapc:truck")
-    session = Session.open(library, "truck", tasks=["(fill-order red 4 factory-1)"])
+    session = History.open(library, "truck", tasks=["(fill-order red 4 factory-1)"])
     for _ in range(300):
         session.step()
     shell = Shell(session, commands())

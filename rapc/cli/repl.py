@@ -14,11 +14,10 @@ from rapc.cli.common import width_of
 from rapc.cli.options import command, fail, settings
 from rapc.cli.run_options import prepared, read_spec, run_options
 from rapc.compiler.program import Program
+from rapc.debug.history import History
 from rapc.debug.log import EventLog
 from rapc.debug.recorded import Replay
-from rapc.debug.recording import Recording
-from rapc.debug.session import Session
-from rapc.debug.tape import Tape
+from rapc.debug.recording import Playback, Recording
 from rapc.debug.texts import TYPED
 from rapc.errors import Error
 from rapc.host import load, loads
@@ -81,7 +80,7 @@ def repl(
             fail("a library is missing: give PATH", "without one there is no world")
         library = loads("", TYPED)
         world = ScriptedWorld([], declared=library.program.library)
-        shell = Shell(Session.open(library, world, seed=more["seed"]), commands())
+        shell = Shell(History.open(library, world, seed=more["seed"]), commands())
     elif path.endswith(RECORDED):
         if any(more.values()):
             fail(
@@ -123,7 +122,7 @@ def _recorded(path: Path, world_name: str | None) -> Shell:
     found = _at_hand(begun, world_name, path)
     if isinstance(found, str):
         _tell(f"only to look at: {found}")
-        return Shell(Tape(recording), commands(), recording=str(recording))
+        return Shell(History(Playback(recording)), commands(), recording=str(recording))
     if begun.digest != digest(found.library):
         _tell("the library is not the one that was recorded: its text is another")
     named = world_name or (None if begun.world == ScriptedWorld.name else begun.world)
@@ -162,8 +161,8 @@ def _at_hand(begun: RunSpec, world_name: str | None, path: Path) -> Program | st
     return program
 
 
-def _session(ready: PreparedRun) -> Session:
+def _session(ready: PreparedRun) -> History:
     """Begin the run, and put it under a debugger."""
     log = EventLog()
     ready.interpreter.listen(log)
-    return Session(ready.begin(), log)
+    return History(ready.begin(), log)

@@ -1,5 +1,8 @@
 """The debugger, without terminal and protocol: step a run, ask it, go back."""
 
-from rapc.debug.session import Session
+from rapc.debug.history import History
 
-__all__ = ("Session",)
+Session = History
+"""A history under the name that Python programs use."""
+
+__all__ = ("History", "Session")

@@ -8,7 +8,6 @@ is made with, its library and settings.
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import NamedTuple, Self
 
 import msgspec
 
@@ -25,44 +24,35 @@ from rapc.runtime.task_request import TaskRequest, as_text
 from rapc.runtime.tasks.finish import end_method, fail
 
 
-class Setup(NamedTuple):
-    """A library and settings; what a run has in memory is built by them."""
+def made_with(run: Interpreter, program: Program, settings: Settings) -> Interpreter:
+    """Return a run of a library with settings, in the world of another run.
 
-    program: Program
-    settings: Settings
+    It is `run` itself if that is made so. Another one stands nowhere before a state is
+    restored in it; it has the listeners of `run`.
 
-    @classmethod
-    def of(cls, run: Interpreter) -> Self:
-        """Return what a run is made with."""
-        return cls(run.machine.library, run.settings)
+    Raises:
+        RefusedError: if the library cannot be run in the world.
+    """
+    if run.machine.library is program and run.settings == settings:
+        return run
+    return run.remade(program, settings)
 
-    def made(self, run: Interpreter) -> Interpreter:
-        """Return a run that is made so, in the world of another and with its listeners.
 
-        It is `run` itself if that is made so. Another one stands nowhere before a state
-        is restored in it.
+def taken_up(run: Interpreter, program: Program, record: RunRecord) -> Interpreter:
+    """Return a run of a library that stands where a record says.
 
-        Raises:
-            RefusedError: if the library cannot be run in the world.
-        """
-        if run.machine.library is self.program and run.settings == self.settings:
-            return run
-        return run.remade(self.program, self.settings)
+    Args:
+        run: the run that it takes the place of; nothing changes in that.
+        program: the library.
+        record: the state, as this library and its settings have it.
 
-    def taken_up(self, run: Interpreter, record: RunRecord) -> Interpreter:
-        """Return a run that is made so and stands where a record says.
-
-        Args:
-            run: the run that it takes the place of; nothing changes in that.
-            record: the state, as this library and these settings have it.
-
-        Raises:
-            RefusedError: if the library cannot be run in the world.
-            StateError: if the record is no state of such a run.
-        """
-        found = run.remade(self.program, self.settings)
-        found.restore(encode_run(record))
-        return found
+    Raises:
+        RefusedError: if the library cannot be run in the world.
+        StateError: if the record is no state of such a run.
+    """
+    found = run.remade(program, record.settings)
+    found.restore(encode_run(record))
+    return found
 
 
 class Act(msgspec.Struct, frozen=True):
@@ -75,10 +65,6 @@ class Act(msgspec.Struct, frozen=True):
         Raises:
             Error: if it cannot be done; then nothing has changed.
         """
-
-    def setup(self, before: Setup) -> Setup:
-        """Return what the run is made with once this was done."""
-        return before
 
     @abstractmethod
     def __str__(self) -> str:

@@ -13,8 +13,8 @@ import msgspec
 from rapc import events
 from rapc.base.names import hint
 from rapc.base.values import Fact, format_atom, is_variable, match_pattern, readable
+from rapc.debug.history import History
 from rapc.debug.log import ToldEvent
-from rapc.debug.session import Session
 from rapc.errors import ArgumentError, TextError
 from rapc.events import Event, Goal
 from rapc.library.signatures import Use
@@ -66,15 +66,15 @@ _OF_TASKS = (events.TaskSelected, events.TaskSucceeded, events.TaskFailed)
 
 
 class Breakpoints:
-    """The breakpoints of a session.
+    """The breakpoints of a history.
 
     Args:
-        session: what they stop.
+        history: what they stop.
         pattern: makes a pattern of values of a list with variables.
     """
 
-    def __init__(self, session: Session, pattern: Callable[[str], Fact]) -> None:
-        self._session = session
+    def __init__(self, history: History, pattern: Callable[[str], Fact]) -> None:
+        self._history = history
         self._pattern = pattern
         self._next = 1
         #: All of them by number.
@@ -84,7 +84,6 @@ class Breakpoints:
         self._meets: dict[int, Meets] = {}
         self._held: dict[int, bool] = {}
         self._reached: dict[int, Time] = {}
-        self._pending: list[tuple[int, str]] = []
         self._stopped_before: int | None = None
 
     # --- setting ------------------------------------------------------------------
@@ -96,7 +95,7 @@ class Breakpoints:
             TextError: if it is none.
             ValueError: for names that the library does not declare.
         """
-        number, session = self._next, self._session
+        number, history = self._next, self._history
         if point.kind not in KINDS:
             raise TextError(
                 f"`{point.kind}` is nothing to stop at; it is one of {', '.join(KINDS)}"
@@ -104,9 +103,9 @@ class Breakpoints:
         if not point.what and point.kind not in ("failure", "deadline"):
             raise TextError(f"`{point.kind}` lacks what it is: {KINDS[point.kind]}")
         if point.condition:
-            session.question(point.condition)  # looks at the names
+            history.question(point.condition)  # looks at the names
         if point.kind in ("true", "false"):
-            self._held[number] = bool(session.question(point.what).holds())
+            self._held[number] = bool(history.question(point.what).holds())
         elif point.kind == "time":
             self._reached[number] = _number(point.what)
         else:
@@ -134,11 +133,10 @@ class Breakpoints:
         self._install()
 
     def _install(self) -> None:
-        self._session.log.watcher = self._watch if self._meets else None
         if self.all:
-            self._session.checks["breakpoints"] = self._check
+            self._history.checks["breakpoints"] = self._check
         else:
-            self._session.checks.pop("breakpoints", None)
+            self._history.checks.pop("breakpoints", None)
 
     def _matcher(self, point: Breakpoint) -> Meets:
         """Return what says whether an event is one that a breakpoint waits for."""
@@ -186,7 +184,7 @@ class Breakpoints:
     def _methods(self) -> Mapping[str, list[str]]:
         """Return the RAPs that have a method, by its name or number."""
         found: dict[str, list[str]] = {}
-        for rap in self._session.library.program.library.raps.values():
+        for rap in self._history.library.program.library.raps.values():
             for number, method in enumerate(rap.methods, 1):
                 name = f"#{number}" if method.name is None else str(method.name)
                 found.setdefault(name, []).append(rap.name)
@@ -194,7 +192,7 @@ class Breakpoints:
 
     def _see_rap(self, name: str) -> None:
         """Raise ArgumentError if the library has no RAP of a name."""
-        known = self._session.library.program
+        known = self._history.library.program
         if name not in known.library.raps:
             raise ArgumentError(str(known.signatures.unknown("goal", name)))
 
@@ -202,7 +200,7 @@ class Breakpoints:
         """Return what says whether an event is about a request or a fact."""
         pattern = self._pattern(what if what.startswith("(") else f"({what})")
         use: Use = "primitive" if kind == "primitive" else "asserted"
-        name, known = str(pattern[0]), self._session.library.program.signatures
+        name, known = str(pattern[0]), self._history.library.program.signatures
         if name not in known.table(use) and not is_variable(name):
             raise ArgumentError(str(known.unknown(use, name)))
         if kind == "primitive":
@@ -225,14 +223,15 @@ class Breakpoints:
 
     # --- while the run goes on ------------------------------------------------------
 
-    def _watch(self, told: ToldEvent) -> None:
-        for number, meets in self._meets.items():
-            if meets(told):
-                self._pending.append((number, _words(told)))
-
     def _check(self) -> str | None:
         """Say what the cycle that has just been run has met, if that stops the run."""
-        met, self._pending = self._pending, []
+        fresh = self._history.fresh
+        met = [
+            (number, _words(told))
+            for told in (self._history.log.since(fresh) if self._meets else ())
+            for number, meets in self._meets.items()
+            if meets(told)
+        ]
         met += self._turned()
         stops = None
         for number, words in met:
@@ -241,15 +240,15 @@ class Breakpoints:
                 continue
             said = f"breakpoint {number} ({point}): {words}"
             if point.logs:
-                self.logged.append(f"{readable(self._session.now):>7} {said}")
+                self.logged.append(f"{readable(self._history.now):>7} {said}")
             elif stops is None and not (
-                point.before and self._session.cycle == self._stopped_before
+                point.before and self._history.cycle == self._stopped_before
             ):
                 stops = said
                 if point.before:
-                    self._stopped_before = self._session.cycle
-        if stops is not None and self._stopped_before == self._session.cycle:
-            self._session.goto(self._session.cycle - 1)
+                    self._stopped_before = self._history.cycle
+        if stops is not None and self._stopped_before == self._history.cycle:
+            self._history.goto(self._history.cycle - 1)
         return stops
 
     def _counts(self, point: Breakpoint) -> bool:
@@ -270,25 +269,24 @@ class Breakpoints:
                     words = "holds" if holds else "holds no more"
                     found.append((number, f"{self.all[number].what} {words}"))
         for number, time in list(self._reached.items()):
-            if self._session.now >= time:
+            if self._history.now >= time:
                 del self._reached[number]
-                found.append((number, f"time {readable(self._session.now)}"))
+                found.append((number, f"time {readable(self._history.now)}"))
         return found
 
     def _holds(self, formula: str) -> bool:
         """Whether a formula holds; one with names that went with a text does not."""
         try:
-            return bool(self._session.question(formula).holds())
+            return bool(self._history.question(formula).holds())
         except ValueError:
             return False
 
     def look_again(self) -> None:
-        """Take note of what holds now: the session stands at another moment."""
-        self._pending.clear()
+        """Take note of what holds now: the history stands at another moment."""
         for number in self._held:
             self._held[number] = self._holds(self.all[number].what)
         for number, point in self.all.items():
-            if point.kind == "time" and self._session.now < _number(point.what):
+            if point.kind == "time" and self._history.now < _number(point.what):
                 self._reached[number] = _number(point.what)
 
 

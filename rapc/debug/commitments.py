@@ -11,8 +11,8 @@ from rapc.base.resources import Value
 from rapc.base.values import Fact
 from rapc.debug.acts import live_task
 from rapc.debug.clause import ClauseAsked, ask
+from rapc.debug.history import History
 from rapc.debug.log import ToldEvent
-from rapc.debug.session import Session
 from rapc.debug.why import method_supports
 from rapc.debug.why_not import methods
 from rapc.errors import ArgumentError
@@ -40,19 +40,18 @@ class Commitment(msgspec.Struct, frozen=True):
     would: tuple[tuple[str, Mapping[str, Value]], ...]
 
 
-def commitment(session: Session, number: int) -> Commitment:
+def commitment(history: History, number: int) -> Commitment:
     """Return what the choice of a task's method rested on, and what has changed.
 
     Raises:
         ArgumentError: if the task is at work on no method.
         StateError: if the run cannot be taken back in time.
     """
-    task = live_task(session.run, number)
+    task = live_task(history.run, number)
     if task.run is None:
         raise ArgumentError(f"task [{number}] is at work on no method")
-    told = _chosen_at(session, number)
-    with session.elsewhere(told.cycle - 1):
-        run = session.run  # the past may be made with another library
+    told = _chosen_at(history, number)
+    with history.at(told.cycle - 1) as run:
         run.come_to_choice()
         before = live_task(run, number)
         if not before.bound:
@@ -60,8 +59,8 @@ def commitment(session: Session, number: int) -> Commitment:
         names = run.machine.state.methods(before.plan)
         plan = next((m for m in names if m.name == told.keys["method"]), None)
         facts = tuple(one.fact for one in method_supports(run.machine, before, plan))
-    machine = session.run.machine
-    task = live_task(session.run, number)
+    machine = history.run.machine
+    task = live_task(history.run, number)
     method = task.run.plan if task.run is not None else None
     now = None
     if method is not None and method.choice is not None:
@@ -86,21 +85,21 @@ def _would(machine: Machine, task: Task) -> Iterable[tuple[str, Mapping[str, Val
             yield answer.name, {} if answer.context is None else answer.context.bindings
 
 
-def _chosen_at(session: Session, number: int) -> ToldEvent:
+def _chosen_at(history: History, number: int) -> ToldEvent:
     """Return the event in which the method was chosen that a task is at work on."""
-    found = session.last(
+    found = history.last(
         events.MethodChosen, want=lambda told: told.keys["task"] == number
     )
     assert found is not None
     return found
 
 
-def stale(session: Session) -> list[Commitment]:
+def stale(history: History) -> list[Commitment]:
     """Return the methods under way whose choice rested on what is no longer so."""
     found = []
-    for task in session.run.machine.state.live_tasks():
+    for task in history.run.machine.state.live_tasks():
         if task.run is not None and task.run.plan.choice is not None:
-            one = commitment(session, task.number)
+            one = commitment(history, task.number)
             if one.gone:
                 found.append(one)
     return found

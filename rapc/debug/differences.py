@@ -5,7 +5,7 @@ from __future__ import annotations
 import msgspec
 
 from rapc.base.values import Fact, format_list
-from rapc.debug.session import Session
+from rapc.debug.history import History
 
 
 class Difference(msgspec.Struct, frozen=True):
@@ -29,13 +29,13 @@ class _Snapshot(msgspec.Struct):
     tasks: dict[int, _Task]
 
 
-def between(session: Session, first: int, second: int) -> Difference:
+def between(history: History, first: int, second: int) -> Difference:
     """Return what differs between the ends of two cycles.
 
     Raises:
         StateError: if the run cannot be taken back in time.
     """
-    one, other = _at(session, first), _at(session, second)
+    one, other = _at(history, first), _at(history, second)
     return Difference(
         came=tuple(format_list(f) for f in other.facts if f not in one.facts),
         went=tuple(format_list(f) for f in one.facts if f not in other.facts),
@@ -49,9 +49,9 @@ def between(session: Session, first: int, second: int) -> Difference:
     )
 
 
-def _at(session: Session, cycle: int) -> _Snapshot:
-    with session.elsewhere(cycle):
-        machine = session.run.machine
+def _at(history: History, cycle: int) -> _Snapshot:
+    with history.at(cycle) as run:
+        machine = run.machine
         methods = {
             task.number: "" if task.run is None else f" {task.run.plan.name}"
             for task in machine.state.live_tasks()
@@ -60,6 +60,6 @@ def _at(session: Session, cycle: int) -> _Snapshot:
             dict.fromkeys(machine.memory.facts),
             {
                 entry.task: (str(entry.goal), entry.state + methods[entry.task])
-                for entry in session.run.agenda()
+                for entry in run.agenda()
             },
         )

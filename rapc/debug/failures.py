@@ -8,8 +8,8 @@ from typing import Any
 import msgspec
 
 from rapc import events
+from rapc.debug.history import History
 from rapc.debug.log import ToldEvent
-from rapc.debug.session import Session
 from rapc.errors import ArgumentError
 from rapc.events import Cause
 from rapc.world import Time
@@ -28,12 +28,13 @@ class TaskFailure(msgspec.Struct, frozen=True):
     because: Cause | None
 
 
-def why_failed(session: Session, number: int | None = None) -> TaskFailure:
+def why_failed(history: History, number: int | None = None) -> TaskFailure:
     """Return why a task failed, or the last one that did.
 
     Raises:
         ArgumentError: if none has, or this one has not.
     """
+    known = history.run.machine.state.numbers
 
     def wanted(told: ToldEvent) -> bool:
         if told.kind is events.TaskFailed:
@@ -43,11 +44,11 @@ def why_failed(session: Session, number: int | None = None) -> TaskFailure:
         return told.kind is events.TaskRemoved or told.keys["result"] != "okay"
 
     kinds = (events.TaskFailed, events.MethodEnded, events.TaskRemoved)
-    told = session.last(*kinds, want=wanted)
+    told = history.last(*kinds, want=wanted)
     if told is None:
         if number is None:
             raise ArgumentError("no task has failed")
-        if not 0 < number <= session.run.machine.state.numbers:
+        if not 0 < number <= known:
             raise ArgumentError(f"there is no task [{number}]")
         raise ArgumentError(
             f"task [{number}] has not failed, and no method of it has ended badly"
@@ -59,7 +60,7 @@ def why_failed(session: Session, number: int | None = None) -> TaskFailure:
     result = keys.get("result") or keys.get("cause", "")
     return TaskFailure(
         keys["task"],
-        _goal(session, keys),
+        _goal(history, keys),
         told.cycle,
         told.time,
         what,
@@ -68,10 +69,10 @@ def why_failed(session: Session, number: int | None = None) -> TaskFailure:
     )
 
 
-def _goal(session: Session, keys: Mapping[str, Any]) -> str:
+def _goal(history: History, keys: Mapping[str, Any]) -> str:
     if "goal" in keys:
         return str(keys["goal"])
-    made = session.scan(
+    made = history.last(
         events.TaskCreated, want=lambda told: told.keys["task"] == keys["task"]
     )
-    return str(made[-1].keys["goal"]) if made else ""
+    return "" if made is None else str(made.keys["goal"])

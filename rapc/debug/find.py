@@ -8,8 +8,8 @@ import msgspec
 
 from rapc import events
 from rapc.base.names import hint
+from rapc.debug.history import History
 from rapc.debug.log import ToldEvent
-from rapc.debug.stepped import Stepped
 from rapc.errors import TextError
 from rapc.events import Event
 from rapc.runtime.events.trace import record
@@ -60,29 +60,29 @@ class Finder(msgspec.Struct, frozen=True):
         return all(word in text for word in self.words)
 
 
-def is_before(session: Stepped, finder: Finder) -> Callable[[ToldEvent], bool]:
+def is_before(history: History, finder: Finder) -> Callable[[ToldEvent], bool]:
     """Return whether an event is one that a search backwards finds from here.
 
     At the end of a run the last cycle is a moment before it.
     """
-    end = session.cycle + session.over
+    end = history.cycle + history.over
     return lambda told: told.cycle < end and finder.fits(told)
 
 
 def find_event(
-    session: Stepped, finder: Finder, *, back: bool = False
+    history: History, finder: Finder, *, back: bool = False
 ) -> ToldEvent | None:
     """Go to the cycle of the next event that fits, or of the last one before.
 
-    Where none is found the session stands where it stood, or at the end of the run if
+    Where none is found the history stands where it stood, or at the end of the run if
     it cannot be taken back. Breakpoints do not matter meanwhile.
 
     Raises:
         StateError: if the run cannot be taken back in time and has to be.
     """
     if back:
-        found = session.last(finder.kind, want=is_before(session, finder))
+        found = history.last(finder.kind, want=is_before(history, finder))
         if found is not None:
-            session.goto(found.cycle)
+            history.goto(found.cycle)
         return found
-    return session.seek(finder.kind, want=finder.fits)
+    return history.seek(finder.kind, want=finder.fits)

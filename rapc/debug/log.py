@@ -8,8 +8,8 @@ may last as long as it likes.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterator
-from itertools import chain
+from collections.abc import Callable, Collection, Iterator
+from itertools import chain, takewhile
 from typing import Any, NamedTuple
 
 from rapc.events import Event
@@ -33,23 +33,8 @@ class ToldEvent(NamedTuple):
         return self.kind(n=self.serial, cycle=self.cycle, time=self.time, **self.keys)
 
 
-class Wanted(NamedTuple):
-    """Which events are wanted: see `Stepped.scan`."""
-
-    kinds: tuple[type[Event], ...]
-    first: int
-    want: Callable[[ToldEvent], bool] | None
-
-    def fits(self, told: ToldEvent) -> bool:
-        """Whether an event is one of them."""
-        return (
-            told.cycle >= self.first
-            and (not self.kinds or told.kind in self.kinds)
-            and (self.want is None or self.want(told))
-        )
-
-
-Watcher = Callable[[ToldEvent], None]
+Hear = Callable[[ToldEvent], None]
+Want = Callable[[ToldEvent], bool]
 
 
 class EventLog:
@@ -63,12 +48,10 @@ class EventLog:
         self._kept: deque[ToldEvent] = deque(maxlen=most)
         #: What was told before the first cycle: it cannot be replayed, so it stays.
         self.opening: list[ToldEvent] = []
-        #: Called with each event besides, if set: what stops a run.
-        self.watcher: Watcher | None = None
         #: Called with each event too, if set: what compares a run with a recording.
-        self.follower: Watcher | None = None
+        self.follower: Hear | None = None
         #: Gets the events while a run is replayed for a question; then nothing is kept.
-        self.elsewhere: Watcher | None = None
+        self.elsewhere: Hear | None = None
 
     def __call__(self, event: Event) -> None:
         """Keep an event that was made already; `raw` takes those that were not."""
@@ -92,16 +75,12 @@ class EventLog:
         (self._kept if cycle else self.opening).append(told)
         if self.follower is not None:
             self.follower(told)
-        if self.watcher is not None:
-            self.watcher(told)
 
-    @property
-    def first(self) -> int:
-        """The serial number of the first event from which on all are kept."""
+    def has(self, cycle: int) -> bool:
+        """Whether all events from a cycle on are kept."""
         opened = self.opening[-1].serial + 1 if self.opening else 0
-        if not self._kept or self._kept[0].serial == opened:
-            return 0
-        return self._kept[0].serial
+        kept = self._kept
+        return not kept or kept[0].serial == opened or kept[0].cycle < cycle
 
     def forget_from(self, serial: int) -> None:
         """Forget the events from a serial number on: the run went back."""
@@ -109,27 +88,25 @@ class EventLog:
             while kept and kept[-1].serial >= serial:
                 kept.pop()
 
-    def backwards(self) -> Iterator[ToldEvent]:
-        """Iterate over the events that are kept, the last one first."""
-        return chain(reversed(self._kept), reversed(self.opening))
+    def scan(
+        self, cycle: int, kinds: Collection[type[Event]] = (), want: Want | None = None
+    ) -> list[ToldEvent]:
+        """Return the events that are kept from a cycle on; of some kinds, if wanted."""
+        return [
+            told
+            for told in chain(self.opening, self._kept)
+            if told.cycle >= cycle
+            and (not kinds or told.kind in kinds)
+            and (want is None or want(told))
+        ]
 
-    def first_from(self, cycle: int) -> int:
-        """Return the first serial number that must be kept to know all from a cycle."""
-        if cycle > 1:
-            for told in self.backwards():
-                if told.cycle < cycle:
-                    return told.serial
-        return 0
+    def backwards(self, *kinds: type[Event]) -> Iterator[ToldEvent]:
+        """Iterate over the events that are kept, the last one first; of some kinds."""
+        for told in chain(reversed(self._kept), reversed(self.opening)):
+            if not kinds or told.kind in kinds:
+                yield told
 
     def since(self, serial: int) -> list[ToldEvent]:
         """Return the events that are kept from a serial number on, in order."""
-        found = []
-        for told in self.backwards():
-            if told.serial < serial:
-                break
-            found.append(told)
+        found = list(takewhile(lambda told: told.serial >= serial, self.backwards()))
         return found[::-1]
-
-    def last(self, *kinds: type[Event]) -> ToldEvent | None:
-        """Return the last event of some kinds among those that are kept."""
-        return next((told for told in self.backwards() if told.kind in kinds), None)

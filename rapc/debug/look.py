@@ -14,8 +14,8 @@ from msgspec.structs import replace
 from rapc import events
 from rapc.base.values import Atom, Fact, format_atom, format_list, number
 from rapc.debug.acts import live_task
+from rapc.debug.history import History
 from rapc.debug.log import ToldEvent
-from rapc.debug.session import Session
 from rapc.errors import ArgumentError
 from rapc.events import Cause, Goal, TaskCreated
 from rapc.runtime.interpreter import Interpreter
@@ -145,19 +145,19 @@ def chain(run: Interpreter, number: int) -> list[tuple[int, Goal, str]]:
     return found
 
 
-def task_of(session: Session, rap: str) -> int:
+def task_of(history: History, rap: str) -> int:
     """Return the number of the live task of a RAP.
 
     Raises:
         ArgumentError: if the RAP has no live task, or several.
     """
-    goals = {n: goal for n, goal in session.run.goals().items() if goal.name == rap}
+    goals = {n: goal for n, goal in history.run.goals().items() if goal.name == rap}
     if len(goals) == 1:
         return next(iter(goals))
     if goals:
         listed = ", ".join(f"[{number}] {goal}" for number, goal in goals.items())
         raise ArgumentError(f"`{rap}` has several live tasks: {listed}; give a number")
-    last = session.last(TaskCreated, want=lambda told: told.keys["goal"].name == rap)
+    last = history.last(TaskCreated, want=lambda told: told.keys["goal"].name == rap)
     ended = f"; its last task was [{last.keys['task']}]" if last is not None else ""
     raise ArgumentError(f"`{rap}` has no live task{ended}")
 

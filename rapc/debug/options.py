@@ -13,7 +13,7 @@ from msgspec.structs import replace
 
 from rapc.base.names import hint
 from rapc.base.values import Atom, Text, typed
-from rapc.debug.acts import Act, Setup
+from rapc.debug.acts import Act, taken_up
 from rapc.errors import ArgumentError
 from rapc.runtime.held_world import HeldWorld
 from rapc.runtime.interpreter import Interpreter
@@ -48,11 +48,7 @@ class ChangeSetting(Act, frozen=True):
             StateError: if the run cannot be saved.
         """
         record = replace(decode_run(run.save()), settings=self.settings)
-        return Setup(run.machine.library, self.settings).taken_up(run, record)
-
-    def setup(self, before: Setup) -> Setup:
-        """Return what the run is made with then: the other settings."""
-        return before._replace(settings=self.settings)
+        return taken_up(run, run.machine.library, record)
 
     def __str__(self) -> str:
         value = getattr(self.settings, self.name.replace("-", "_"))

@@ -11,11 +11,9 @@ from typing import Any
 import msgspec
 
 from rapc import events
+from rapc.debug.history import History, Moment
 from rapc.debug.log import ToldEvent
 from rapc.debug.recording import UNREADABLE, Recording
-from rapc.debug.saves import Moment
-from rapc.debug.session import Session
-from rapc.debug.stepped import Stepped
 from rapc.errors import LoadError
 from rapc.runtime.events.trace import JsonTrace
 
@@ -31,7 +29,7 @@ _FOLDER = re.compile(r"(^| at ).*[/\\:](?=[^/\\:]+\.rap:[0-9]+)")
 _Event = dict[str, Any]
 
 
-def write_trace(session: Stepped, path: Path) -> int:
+def write_trace(history: History, path: Path) -> int:
     """Write the trace of the run up to now; return how many events it has.
 
     Raises:
@@ -42,7 +40,7 @@ def write_trace(session: Stepped, path: Path) -> int:
     try:
         with path.open("w", encoding="utf-8") as stream:
             trace = JsonTrace(stream)
-            for one in session.scan():
+            for one in history.scan():
                 trace.raw(*one)
                 count += 1
     except OSError as error:
@@ -61,16 +59,16 @@ class Parting(msgspec.Struct, frozen=True):
 class Replay:
     """A run that is begun again as it was recorded, and compared with the recording.
 
-    The session stands before its first cycle; `goto(session.seen)` goes to the end of
+    The history stands before its first cycle; `goto(history.seen)` goes to the end of
     the recording. Acts before that end begin another branch, which is not compared.
 
     Args:
-        session: the run, begun with what `recording.begun` says.
+        history: the run, begun with what `recording.begun` says.
         recording: the recording.
     """
 
-    def __init__(self, session: Session, recording: Recording) -> None:
-        self._session, self._recording = session, recording
+    def __init__(self, history: History, recording: Recording) -> None:
+        self._history, self._recording = history, recording
         self._lines = recording.lines()
         self._written = _Lines()
         self._trace = JsonTrace(self._written)
@@ -82,13 +80,13 @@ class Replay:
         #: Whether the run could have gone on: then its last cycle may not be whole.
         self._cut = recording.reason in ("", *_BROKEN_OFF)
         self._last = Moment(max(recording.last_cycle - self._cut, 0))
-        self._main = session.branch
+        self._main = history.branch
         self._main.end, self._main.over = self._last, not self._cut
-        for told in session.log.since(0):
+        for told in history.log.scan(0):
             self._compare(told)
-        session.log.follower = self._compare
-        session.checks["recording"] = self._stops
-        session.notes.append(self.note)
+        history.follow(self._compare)
+        history.checks["recording"] = self._stops
+        history.notes.append(self.note)
 
     def note(self) -> str:
         """Return in words where the run differs from the recording, once."""
@@ -99,7 +97,7 @@ class Replay:
         """Return why a run stops after a cycle, if the recording is a reason."""
         if self._to_tell:
             return self.note()
-        at_end = self._session.moment == self._last
+        at_end = self._history.moment == self._last
         if self._cut and self._is_recorded and at_end:
             return f"the recording ends here ({self._recording.reason or 'cut off'})"
         return None
@@ -107,7 +105,7 @@ class Replay:
     @property
     def _is_recorded(self) -> bool:
         """Whether nothing was done to the run that the recording cannot have."""
-        return self._session.branch is self._main and not self._main.acts
+        return self._history.branch is self._main and not self._main.acts
 
     def _compare(self, told: ToldEvent) -> None:
         """Compare an event with its line, if no event before it differs."""
@@ -149,28 +147,28 @@ class _Lines:
         self.text = text
 
 
-def parting(session: Stepped, path: Path) -> Parting | None:
+def parting(history: History, path: Path) -> Parting | None:
     """Return the first decision in which the run differs from a recorded one.
 
     Args:
-        session: the run, as far as it has gone.
+        history: the run, as far as it has gone.
         path: the trace of the other.
 
     Raises:
         LoadError: for what is not a trace.
     """
     others = Recording(path).written(_DECISIONS)
-    for here, there in zip_longest(_mine(session), others):
+    for here, there in zip_longest(_mine(history), others):
         if _bare(here) != _bare(there):
             return Parting((here or there or {})["cycle"], here, there)
     return None
 
 
-def _mine(session: Stepped) -> Iterator[_Event]:
+def _mine(history: History) -> Iterator[_Event]:
     """Iterate over the decisions of a run as a trace has them."""
     written = _Lines()
     trace = JsonTrace(written)
-    for one in session.scan(*_DECISIONS):
+    for one in history.scan(*_DECISIONS):
         trace.raw(*one)
         yield msgspec.json.decode(written.text)
 

@@ -21,9 +21,10 @@ from msgspec.json import Decoder
 from rapc import events
 from rapc.base.names import plural
 from rapc.base.values import number
-from rapc.debug.log import ToldEvent
+from rapc.debug.log import MOST, ToldEvent, Want
 from rapc.debug.recorded_lines import Count, Number, as_told, event_lines
 from rapc.errors import LoadError, reason
+from rapc.events import Event
 from rapc.runtime.begin_and_end import FORMAT
 from rapc.spec import RunSpec
 from rapc.world import Time
@@ -342,6 +343,84 @@ class Recording:
             where = "the last line" if row is None else f"line {row + 1}"
             said = f"`{self.path}` is not a trace: {where}: {_said(error)}"
             raise LoadError(said) from error
+
+
+class Playback:
+    """A recorded run that is only looked at; it begins before its first cycle.
+
+    Nothing of it is kept but where it stands; what is asked for is read again. What
+    reads the recording raises LoadError where that is damaged.
+
+    Args:
+        recording: the file.
+    """
+
+    def __init__(self, recording: Recording) -> None:
+        self._recording = recording
+        self.last_cycle = recording.last_cycle
+        self.goto(0)
+
+    def goto(self, cycle: int) -> None:
+        """Stand at the end of a cycle, or of the run for one after the last."""
+        recording, over = self._recording, cycle > self.last_cycle
+        #: The row of the next event.
+        self.serial = recording.rows if over else recording.row_after(cycle)
+        #: The number of the cycle that was looked at last.
+        self.cycle = min(cycle, self.last_cycle)
+        self._over = over
+
+    def step(self) -> bool:
+        """Go to the end of the next cycle; return False if the run is over instead."""
+        self.goto(self.cycle + 1)
+        return not self._over
+
+    @property
+    def now(self) -> Time:
+        """The time of the last event up to here."""
+        return self._recording.time_of(self.serial - 1) if self.serial else 0
+
+    @property
+    def reason(self) -> str:
+        """Why the run was over, at its end; empty before."""
+        return (self._recording.reason or "no more is recorded") if self._over else ""
+
+    def cycle_by(self, time: Time) -> int:
+        """Return the last cycle that was over by a time."""
+        row = self._recording.row_later(time)
+        if row == self._recording.rows:
+            return self.last_cycle + 1
+        cycle = self._recording.cycle_of(row)
+        return cycle if row == self._recording.row_after(cycle) else cycle - 1
+
+    def seek(self, kinds: Collection[type[Event]], want: Want) -> ToldEvent | None:
+        """Go to the cycle of the next event of some kinds that is wanted."""
+        told = self._recording.scan(self.serial, self._recording.rows, kinds)
+        found = next(filter(want, told), None)
+        if found is not None:
+            at_end = found.serial >= self._recording.row_after(found.cycle)
+            self.goto(found.cycle + at_end)
+        return found
+
+    def has(self, cycle: int) -> bool:
+        """Whether all events from a cycle on are at hand: always."""
+        return True
+
+    def scan(
+        self, cycle: int, kinds: Collection[type[Event]] = (), want: Want | None = None
+    ) -> Iterator[ToldEvent]:
+        """Iterate over the events up to here from a cycle on; of some, if wanted."""
+        first = self._recording.row_after(cycle - 1)
+        told = self._recording.scan(first, self.serial, kinds)
+        return told if want is None else filter(want, told)
+
+    def backwards(self, *kinds: type[Event]) -> Iterator[ToldEvent]:
+        """Iterate over the events up to here, the last one first; of some kinds."""
+        return self._recording.backwards(self.serial, kinds)
+
+    def since(self, serial: int) -> list[ToldEvent]:
+        """Return the events from a row on, the last of them if there are too many."""
+        first = max(serial, self.serial - MOST)
+        return list(self._recording.scan(first, self.serial))
 
 
 def _next_lines(file: BinaryIO) -> list[bytes]:

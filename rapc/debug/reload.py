@@ -16,7 +16,7 @@ from msgspec.structs import replace
 
 from rapc.compiler.program import Program
 from rapc.compiler.rap_plan import MethodPlan
-from rapc.debug.acts import Act, Setup
+from rapc.debug.acts import Act, taken_up
 from rapc.debug.declared import obstacles
 from rapc.errors import RefusedError
 from rapc.ir import nodes
@@ -50,11 +50,7 @@ class TakeUp(Act, frozen=True):
         if found:
             raise RefusedError(found)
         record = _moved(record, before, self.program)
-        return Setup(self.program, run.settings).taken_up(run, record)
-
-    def setup(self, before: Setup) -> Setup:
-        """Return what the run is made with then: the new text."""
-        return before._replace(program=self.program)
+        return taken_up(run, self.program, record)
 
     def __str__(self) -> str:
         return f"take up {' '.join(self.changed) or 'the same text'}"

@@ -12,8 +12,8 @@ import msgspec
 
 from rapc import events
 from rapc.base.values import Fact, format_list
+from rapc.debug.history import History
 from rapc.debug.log import ToldEvent
-from rapc.debug.stepped import Stepped
 from rapc.world import Time
 
 _ENDS = (
@@ -50,14 +50,14 @@ class _Doing(msgspec.Struct):
 
 
 def timeline(
-    session: Stepped, start: Time = 0, stop: Time | None = None
+    history: History, start: Time = 0, stop: Time | None = None
 ) -> list[Spell]:
     """Return what was under way between two times, by the time at which it began.
 
     Where nothing was there is a spell of waiting, so that all time is accounted for.
 
     Args:
-        session: the session.
+        history: the history.
         start: spells that were over by then are left out.
         stop: spells that began then or later are left out; None for none.
     """
@@ -65,7 +65,7 @@ def timeline(
     reading = _Reading()
     kinds = (*_ENDS, events.TaskCreated, events.PrimitiveRequested)
     skills = (events.SkillEnabled, events.SkillDisabled, events.SignalReceived)
-    for told in session.scan(*kinds, *skills):
+    for told in history.scan(*kinds, *skills):
         if told.kind is events.TaskCreated:
             families[told.keys["task"]] = told.keys["family"]
         else:
@@ -73,7 +73,7 @@ def timeline(
     found = [
         Spell(
             one.start,
-            session.now if one.stop is None else one.stop,
+            history.now if one.stop is None else one.stop,
             families.get(one.task),
             one.task,
             " ".join(map(format_list, one.parts)),
@@ -84,7 +84,7 @@ def timeline(
     found = [one for one in found if one.stop > one.start]
     return [
         one
-        for one in _with_waiting(found, session.now)
+        for one in _with_waiting(found, history.now)
         if one.stop > start and (stop is None or one.start < stop)
     ]
 

@@ -8,8 +8,8 @@ import msgspec
 
 from rapc import events
 from rapc.debug.acts import Act
+from rapc.debug.history import History
 from rapc.debug.log import ToldEvent
-from rapc.debug.session import Session
 
 _TOLD = (
     events.TaskSelected,
@@ -42,30 +42,15 @@ def _key(told: ToldEvent) -> tuple[object, ...]:
     return told.kind, told.time, tuple(told.keys.items())
 
 
-def what_if(session: Session, acts: Iterable[Act], cycles: int = 1) -> WhatIf:
+def what_if(history: History, acts: Iterable[Act], cycles: int = 1) -> WhatIf:
     """Return what the next cycles bring, with and without some acts.
 
     Raises:
         Error: if an act cannot be done.
         StateError: if the run cannot be taken back in time.
     """
-    return WhatIf(
-        tuple(_next(session, (), cycles)), tuple(_next(session, acts, cycles))
-    )
+    return WhatIf(_next(history, (), cycles), _next(history, acts, cycles))
 
 
-def _next(session: Session, acts: Iterable[Act], cycles: int) -> list[ToldEvent]:
-    found: list[ToldEvent] = []
-
-    def take(told: ToldEvent) -> None:
-        if told.kind in _TOLD:
-            found.append(told)
-
-    with session.aside():
-        for act in acts:
-            session.run = act.do(session.run)
-        session.log.elsewhere = take
-        for _ in range(cycles):
-            if not session.run.step():
-                break
-    return found
+def _next(history: History, acts: Iterable[Act], cycles: int) -> tuple[ToldEvent, ...]:
+    return tuple([o for o in history.ahead(acts, cycles) if o.kind in _TOLD])

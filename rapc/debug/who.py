@@ -10,7 +10,7 @@ from rapc.analysis.facts.index import Index
 from rapc.base.values import Fact, match_pattern
 from rapc.compiler.watches import WatchKey
 from rapc.debug.clause import Support, support
-from rapc.debug.session import Session
+from rapc.debug.history import History
 from rapc.debug.why import Origin, origins
 from rapc.errors import ArgumentError
 from rapc.events import Goal
@@ -50,13 +50,13 @@ class Who(msgspec.Struct, frozen=True):
     noted_by: tuple[int, ...]
 
 
-def who(session: Session, pattern: Fact) -> Who:
+def who(history: History, pattern: Fact) -> Who:
     """Return who has to do with the facts that a pattern matches.
 
     Raises:
         ArgumentError: if nothing is declared by that name.
     """
-    machine = session.run.machine
+    machine = history.run.machine
     name = str(pattern[0])
     if name not in machine.library.signatures.relations:
         raise ArgumentError(str(machine.library.signatures.unknown("test", name)))
@@ -66,7 +66,7 @@ def who(session: Session, pattern: Fact) -> Who:
         if match_pattern(pattern, fact[: len(pattern)]) is not None
     ]
     found: list[Support] = [support(machine, fact) for fact in facts]
-    entries = {entry.task: entry for entry in session.run.agenda()}
+    entries = {entry.task: entry for entry in history.run.agenda()}
     listening = tuple(
         Listener(task.number, entries[task.number].goal, entries[task.number].state)
         for task in machine.state.live_tasks()
@@ -74,10 +74,10 @@ def who(session: Session, pattern: Fact) -> Who:
         and any(_hears(key, pattern) for key in task.wait.keys or ())
     )
     return Who(
-        believed=origins(session, found, session.cycle + 1),
-        places=tuple(_places(session, name)),
+        believed=origins(history, found, history.cycle + 1),
+        places=tuple(_places(history, name)),
         listeners=listening,
-        noted_by=tuple(_noting(session, facts)),
+        noted_by=tuple(_noting(history, facts)),
     )
 
 
@@ -93,9 +93,9 @@ def _hears(key: WatchKey, pattern: Fact) -> bool:
     return str(pattern[at]).startswith("?") or pattern[at] == value
 
 
-def _places(session: Session, name: str) -> Iterator[Mention]:
-    library = session.library.program.library
-    compiler = session.library.program.compiler
+def _places(history: History, name: str) -> Iterator[Mention]:
+    library = history.library.program.library
+    compiler = history.library.program.compiler
     index = Index(library)
     for use in (*_READS, *_WRITES):
         for one in index.uses_of(use, name):
@@ -111,9 +111,9 @@ def _words(name: str) -> str:
     return "".join(f"-{c.lower()}" if c.isupper() else c for c in name).lstrip("-")
 
 
-def _noting(session: Session, facts: list[Fact]) -> Iterator[int]:
-    notations = session.run.machine.memory.notations
-    for task in session.run.machine.state.live_tasks():
+def _noting(history: History, facts: list[Fact]) -> Iterator[int]:
+    notations = history.run.machine.memory.notations
+    for task in history.run.machine.state.live_tasks():
         if task.run is not None and task.run.notations:
             noted = notations.facts(task.run.notations)
             if any(fact in noted for fact in facts):

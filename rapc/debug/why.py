@@ -18,8 +18,8 @@ from rapc.base.values import Fact, format_list, number
 from rapc.compiler.rap_plan import MethodPlan
 from rapc.debug.acts import live_task
 from rapc.debug.clause import Support, supports
+from rapc.debug.history import History
 from rapc.debug.log import ToldEvent
-from rapc.debug.session import Session
 from rapc.debug.why_not import MethodAnswer, last_cycle, methods
 from rapc.errors import ArgumentError
 from rapc.events import Cause, Event
@@ -89,33 +89,34 @@ _SETTLES: Mapping[type[Event], str] = {
 """The events that tell what a cycle came to."""
 
 
-def why(session: Session, task: int, cycle: int | None = None) -> Why:
+def why(history: History, task: int, cycle: int | None = None) -> Why:
     """Return why a task came up, in its last cycle or in the one given.
 
     Raises:
         ArgumentError: if it did not come up.
         StateError: if the run cannot be taken back in time.
     """
-    cycle = last_cycle(session, task) if cycle is None else cycle
-    told = session.scan(first=cycle, want=lambda one: one.cycle == cycle)
+    assert history.run is not None  # of a recording that is only played, it raises
+    cycle = last_cycle(history, task) if cycle is None else cycle
+    told = history.scan(first=cycle, want=lambda one: one.cycle == cycle)
     if not any(o.kind is events.TaskSelected and o.keys["task"] == task for o in told):
         raise ArgumentError(f"task [{task}] did not come up in cycle {cycle}")
     settled = next(
         (o for o in told if o.kind in _SETTLES and o.keys["task"] == task), None
     )
-    with session.elsewhere(cycle - 1):
-        session.run.come_to_choice()
-        choice = chosen(session, task)
-        found = _doing(session, task, settled)
+    with history.at(cycle - 1) as run:
+        run.come_to_choice()
+        choice = chosen(history, task)
+        found = _doing(history, task, settled)
     return Why(
         choice,
-        msgspec.structs.replace(found[0], rests_on=origins(session, found[1], cycle)),
+        msgspec.structs.replace(found[0], rests_on=origins(history, found[1], cycle)),
     )
 
 
-def chosen(session: Session, task: int) -> Choice:
+def chosen(history: History, task: int) -> Choice:
     """Return why a task is the next to come up; the run is about to choose."""
-    machine = session.run.machine
+    machine = history.run.machine
     agenda = machine.agenda
     sole, others = agenda.entries()
     live = {one.number: one for one in machine.state.live_tasks()}
@@ -134,7 +135,7 @@ def chosen(session: Session, task: int) -> Choice:
     if len(left) > 1:
         rules.append(AppliedRule("chance", (task,)))
     return Choice(
-        task, session.cycle + 1, session.now, tuple(sorted(entries)), tuple(rules)
+        task, history.cycle + 1, history.now, tuple(sorted(entries)), tuple(rules)
     )
 
 
@@ -172,11 +173,11 @@ def _rules(
 
 
 def _doing(
-    session: Session, number: int, settled: ToldEvent | None
+    history: History, number: int, settled: ToldEvent | None
 ) -> tuple[Doing, list[Support]]:
     """Return what a task did, and what that rested on; the run stands before it."""
-    machine = session.run.machine
-    task = live_task(session.run, number)
+    machine = history.run.machine
+    task = live_task(history.run, number)
     if not task.bound:
         read_inputs(machine, task)
     outcome = "nothing" if settled is None else _SETTLES[settled.kind]
@@ -227,42 +228,42 @@ def _noting(machine: Machine, task: Task) -> Any:
 
 
 def origins(
-    session: Session, found: Iterable[Support], before: int
+    history: History, found: Iterable[Support], before: int
 ) -> tuple[Origin, ...]:
     """Return who asserted some facts last, before a cycle began."""
     wanted = {one.fact: one for one in found}
     if not wanted:
         return ()
     last: dict[Fact, ToldEvent] = {}
-    for told in session.log.backwards():
+    for told in history.log.backwards():
         if len(last) == len(wanted):
             break
         if told.kind is events.FactAsserted and told.cycle < before:
             fact = told.keys["fact"]
             if fact in wanted:
                 last.setdefault(fact, told)
-    if len(last) < len(wanted) and session.log.first:
-        for told in session.scan(
+    if len(last) < len(wanted) and not history.log.has(0):
+        for told in history.scan(
             events.FactAsserted,
             want=lambda one: one.cycle < before and one.keys["fact"] in wanted,
         ):
             last[told.keys["fact"]] = told
-    return tuple(_origin(session, one, last.get(one.fact)) for one in wanted.values())
+    return tuple(_origin(history, one, last.get(one.fact)) for one in wanted.values())
 
 
-def _origin(session: Session, found: Support, told: ToldEvent | None) -> Origin:
+def _origin(history: History, found: Support, told: ToldEvent | None) -> Origin:
     if told is None:
         time = None if found.since is None else number(found.since)
         return Origin(found.fact, time, None, "")
-    return Origin(found.fact, told.time, told.cycle, by_whom(session, told))
+    return Origin(found.fact, told.time, told.cycle, by_whom(history, told))
 
 
-def by_whom(session: Session, told: ToldEvent) -> str:
+def by_whom(history: History, told: ToldEvent) -> str:
     """Return in words who has asserted or erased a fact."""
     by: str = told.keys["by"]
     if told.cycle == 0 or by in ("user", "memory"):
         return by
-    for one in session.scan(first=told.cycle, want=lambda o: o.cycle == told.cycle):
+    for one in history.scan(first=told.cycle, want=lambda o: o.cycle == told.cycle):
         if one.serial < told.serial:
             continue
         if by == "notation" and one.kind in (events.MethodEnded, events.TaskRemoved):
@@ -272,13 +273,13 @@ def by_whom(session: Session, told: ToldEvent) -> str:
             return f"{format_list(one.keys['request'])}{task}"
         if one.kind is events.DataReceived:
             return f"datum {format_list(one.keys['data'])}"
-    chosen_by = _selected(session, told)
+    chosen_by = _selected(history, told)
     return by if chosen_by is None else f"{by} of [{chosen_by}]"
 
 
-def _selected(session: Session, told: ToldEvent) -> int | None:
+def _selected(history: History, told: ToldEvent) -> int | None:
     """Return the task whose cycle an event fell into."""
-    for one in session.scan(events.TaskSelected, first=told.cycle):
+    for one in history.scan(events.TaskSelected, first=told.cycle):
         if one.cycle == told.cycle:
             found: int = one.keys["task"]
             return found

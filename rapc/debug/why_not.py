@@ -15,7 +15,7 @@ from rapc.base.names import did_you_mean
 from rapc.compiler.rap_plan import MethodPlan
 from rapc.debug.acts import live_task
 from rapc.debug.clause import ClauseAsked, ask
-from rapc.debug.session import Session
+from rapc.debug.history import History
 from rapc.errors import ArgumentError
 from rapc.events import Goal, TaskSelected
 from rapc.ir import clauses
@@ -73,54 +73,54 @@ CLAUSES = tuple(clause.word for clause in clauses.RAP if not clause.hands_on)
 """The clauses of a RAP that can be asked about by their names."""
 
 
-def why_not_query(session: Session, text: str) -> ClauseAsked:
+def why_not_query(history: History, text: str) -> ClauseAsked:
     """Ask memory a formula conjunct by conjunct.
 
     Raises:
         TextError: if `text` is no formula.
         ValueError: for names that the library does not declare.
     """
-    session.run.question(text)  # looks at the names
+    history.run.question(text)  # looks at the names
     formula = parse_formula(text)
-    machine = session.run.machine
+    machine = history.run.machine
     query = machine.library.compiler.query(formula, "question", formula.span)
     return ask(machine, "the question", query, None, {})
 
 
-def why_not(session: Session, number: int) -> TaskAnswer:
+def why_not(history: History, number: int) -> TaskAnswer:
     """Return what keeps a task from going on.
 
     Raises:
         ArgumentError: if there is no such task.
         StateError: for one that has ended, if the run cannot be taken back in time.
     """
-    live = {task.number: task for task in session.run.machine.state.live_tasks()}
+    live = {task.number: task for task in history.run.machine.state.live_tasks()}
     if number in live:
-        if session.no_way_back and live[number].bound:
-            return _answer(session, number, past=False)  # nothing is left behind
-        with session.aside():
-            return _answer(session, number, past=False)
-    with session.elsewhere(last_cycle(session, number) - 1):
-        session.run.come_to_choice()
-        return _answer(session, number, past=True)
+        if history.no_way_back and live[number].bound:
+            return _answer(history, number, past=False)  # nothing is left behind
+        with history.at():
+            return _answer(history, number, past=False)
+    with history.at(last_cycle(history, number) - 1) as run:
+        run.come_to_choice()
+        return _answer(history, number, past=True)
 
 
-def last_cycle(session: Session, number: int) -> int:
+def last_cycle(history: History, number: int) -> int:
     """Return the last cycle in which a task was selected.
 
     Raises:
         ArgumentError: if it never was.
     """
-    if not 0 < number <= session.run.machine.state.numbers:
+    if not 0 < number <= history.run.machine.state.numbers:
         raise ArgumentError(f"there is no task [{number}]")
-    found = session.last(TaskSelected, want=lambda told: told.keys["task"] == number)
+    found = history.last(TaskSelected, want=lambda told: told.keys["task"] == number)
     if found is None:
         raise ArgumentError(f"task [{number}] never came up")
     return found.cycle
 
 
-def _answer(session: Session, number: int, *, past: bool) -> TaskAnswer:
-    run = session.run
+def _answer(history: History, number: int, *, past: bool) -> TaskAnswer:
+    run = history.run
     machine = run.machine
     task = live_task(run, number)
     entries = {entry.task: entry for entry in run.agenda()}
@@ -130,7 +130,7 @@ def _answer(session: Session, number: int, *, past: bool) -> TaskAnswer:
     return TaskAnswer(
         task=number,
         goal=task.goal(),
-        cycle=session.cycle,
+        cycle=history.cycle,
         past=past,
         state=entry.state,
         waits_for=entry.waits_for,

@@ -16,7 +16,6 @@ import msgspec
 
 from rapc.base.values import format_atom
 from rapc.debug.breakpoints import KINDS
-from rapc.debug.session import Session
 from rapc.events import kinds
 from rapc.language.complete import fits
 from rapc.library.library import Library
@@ -45,7 +44,7 @@ def candidates(shell: Shell, text: str) -> list[Candidate]:
     found: Iterable[Candidate] = ()
     if text.startswith(":"):
         found = _of_command(shell, text)
-    elif isinstance(shell.subject, Session):
+    elif shell.history.is_run:
         found = _of_text(shell, text)
     return list({one.text: one for one in found}.values())
 
@@ -65,7 +64,7 @@ def _matching(named: Named, prefix: str) -> Iterator[Candidate]:
 
 def _of_command(shell: Shell, text: str) -> Iterable[Candidate]:
     name, space, rest = text[1:].partition(" ")
-    if space and not isinstance(shell.subject, Session) and name not in _TOLD:
+    if space and not shell.history.is_run and name not in _TOLD:
         return ()
     if not space:
         return _matching(
@@ -101,7 +100,7 @@ def _arguments(shell: Shell, name: str, before: list[str], prefix: str) -> Named
     fixed: Mapping[str, Callable[[], Named]] = {
         "help": lambda: [(c.name, c.doc) for c in shell.commands.values()],
         "find": lambda: [("back", "backwards"), *((kind, "") for kind in kinds())],
-        "branch": lambda: [(one.name, one.begun) for one in shell.session.branches],
+        "branch": lambda: [(one.name, one.begun) for one in shell.history.branches],
         "memory": lambda: _of_kind(_library(shell), "PREDICATE"),
         "show": lambda: [("all", ""), ("requests", ""), ("none", "")],
         "to": lambda: [("at", "a time")],
@@ -117,7 +116,7 @@ def _arguments(shell: Shell, name: str, before: list[str], prefix: str) -> Named
 
 
 def _library(shell: Shell) -> Library:
-    return shell.session.run.machine.library.library
+    return shell.history.run.machine.library.library
 
 
 def _of_break(shell: Shell, before: list[str], prefix: str) -> Named:
@@ -149,14 +148,14 @@ _AFTER_BREAK = (("if", "a query"), ("after", "times"), ("log", ""), ("before", "
 
 
 def _of_history(shell: Shell, before: list[str]) -> Named:
-    machine = shell.session.run.machine
+    machine = shell.history.run.machine
     if before:
         return _of_kind(machine.library.library, "PREDICATE")
     return [(item.name, item.kind) for item in machine.memory.items.known.values()]
 
 
 def _tasks(shell: Shell) -> Named:
-    for entry in shell.session.run.agenda():
+    for entry in shell.history.run.agenda():
         yield str(entry.task), f"{entry.goal} {entry.state}"
 
 
@@ -240,7 +239,7 @@ def _values(shell: Shell, text: str) -> Iterator[Candidate]:
     words = text[start + 1 :].split(" ") if start >= 0 else []
     if len(words) < 2 or ")" in text[start:]:
         return
-    machine = shell.session.run.machine
+    machine = shell.history.run.machine
     name, prefix, at = words[0].lower(), words[-1], len([w for w in words[:-1] if w])
     if name not in machine.library.signatures.relations:
         return

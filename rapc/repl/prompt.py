@@ -37,7 +37,6 @@ from prompt_toolkit.styles import Style
 
 from rapc.base.values import readable
 from rapc.base.visible import visible
-from rapc.debug.session import Session
 from rapc.language.heads import (
     ALONE,
     ANNOTATIONS,
@@ -164,7 +163,7 @@ class Prompt:
 
     def _answer_inputs(self, fresh: Callable[[], None]) -> None:
         shell = self._shell
-        greeting = [f"{shell.subject.stand()}; {GREETING}"]
+        greeting = [f"{shell.history.stand()}; {GREETING}"]
         if shell.recording:
             told = f"recorded run: {shell.recording}; `:goto end` goes to its end"
             greeting.insert(0, told)
@@ -191,22 +190,22 @@ class Prompt:
         sys.stdout.flush()
 
     def _toolbar(self) -> str:
-        session = self._shell.subject
-        if not isinstance(session, Session):
-            return visible(session.stand())
-        words = [f"time {readable(session.now)}", f"cycle {session.cycle}"]
-        if session.branch.name != "main":
-            words.append(session.branch.name)
-        selected = session.selected
-        entries = {entry.task: entry for entry in session.run.agenda()}
+        history = self._shell.history
+        if not history.is_run:
+            return visible(history.stand())
+        words = [f"time {readable(history.now)}", f"cycle {history.cycle}"]
+        if history.branch.name != "main":
+            words.append(history.branch.name)
+        selected = history.selected
+        entries = {entry.task: entry for entry in history.run.agenda()}
         entry = entries.get(selected or 0)
         if entry is not None:
             words.append(f"[{entry.task}] {entry.goal}")
             top = entries.get(entry.family)
             if top is not None and top is not entry:
                 words.append(f"for [{top.task}] {top.goal}")
-        if session.over:
-            words.append(f"over ({session.run.reason})")
+        if history.over:
+            words.append(f"over ({history.reason})")
         width = shutil.get_terminal_size().columns
         return visible("  ".join(words))[: max(width - 1, 1)]
 
@@ -230,7 +229,7 @@ def _pausing(shell: Shell) -> Iterator[Callable[[], None]]:
         times += 1
         if times > 1:
             raise KeyboardInterrupt
-        shell.subject.pause()
+        shell.history.pause()
 
     def clear(prompt: Application[str]) -> None:
         if _is_typed(prompt):
@@ -248,7 +247,7 @@ def _pausing(shell: Shell) -> Iterator[Callable[[], None]]:
     def fresh() -> None:
         nonlocal times
         times = 0
-        shell.subject.pause(False)
+        shell.history.pause(False)
 
     before = signal.signal(signal.SIGINT, interrupted)
     try:

@@ -22,12 +22,10 @@ from rapc.base.values import format_atom
 from rapc.console.findings import concise
 from rapc.debug.acts import SubmitTask
 from rapc.debug.breakpoints import Breakpoints
-from rapc.debug.course import Branch
+from rapc.debug.history import ONLY_TO_LOOK_AT, Branch, History
 from rapc.debug.log import ToldEvent
 from rapc.debug.look import task_of
 from rapc.debug.reload import changed
-from rapc.debug.session import Session
-from rapc.debug.stepped import Stepped
 from rapc.debug.texts import TYPED, Renewed, names_of, typed_in
 from rapc.errors import Error, RefusedError, StateError, TextError
 from rapc.events import PrimitiveEnded, PrimitiveRequested
@@ -85,11 +83,6 @@ def command(takes: str, *examples: str, more: str = "") -> Callable[[Does], Comm
     return made
 
 
-_ONLY_TO_LOOK_AT = (
-    "this is a recorded run without what it ran: it can be stepped, searched and told, "
-    "not asked or changed"
-)
-
 _OF_REQUESTS = (PrimitiveRequested, PrimitiveEnded)
 
 
@@ -97,7 +90,7 @@ class Shell:
     """Answers what is typed about a run.
 
     Args:
-        subject: what is debugged, or only looked at.
+        history: the run that is debugged, or only looked at.
         commands: what there is to be typed.
         paths: the files and folders that the library was read from.
         recording: how far the recording of the run goes, if there is one, in words.
@@ -105,13 +98,13 @@ class Shell:
 
     def __init__(
         self,
-        subject: Stepped,
+        history: History,
         commands: Sequence[Command],
         paths: Sequence[str] = (),
         recording: str = "",
     ) -> None:
         #: What is debugged, or a recorded run that is only looked at.
-        self.subject = subject
+        self.history = history
         self.paths = tuple(paths)
         self.recording = recording
         self.commands = {command.name: command for command in commands}
@@ -126,8 +119,8 @@ class Shell:
         #: Whether the user wants to leave.
         self.left = False
         self._breakpoints = None
-        if isinstance(subject, Session):
-            self._breakpoints = Breakpoints(subject, read_pattern)
+        if history.is_run:
+            self._breakpoints = Breakpoints(history, read_pattern)
         #: The queries whose answers are shown after every stop, by their texts.
         self.watches: list[str] = []
         self._seen: dict[str, str] = {}
@@ -141,28 +134,17 @@ class Shell:
             WriteError: as `rapc.base.outputs.check_output`, also for a file of the
                 library or of the world.
         """
-        machine = self.session.run.machine
+        machine = self.history.run.machine
         world = innermost(machine.world)
         module = getattr(sys.modules.get(type(world).__module__), "__file__", None)
         read = (*self.paths, *machine.library.library.files, module)
         check_output(path, output, (read, "is a file of the library or of the world"))
 
     @property
-    def session(self) -> Session:
-        """The session that is debugged.
-
-        Raises:
-            StateError: for a recorded run that is only looked at.
-        """
-        if not isinstance(self.subject, Session):
-            raise StateError(_ONLY_TO_LOOK_AT)
-        return self.subject
-
-    @property
     def breakpoints(self) -> Breakpoints:
-        """The breakpoints of the session. Raises StateError as `session`."""
+        """The breakpoints of the run. Raises StateError as `History.run`."""
         if self._breakpoints is None:
-            raise StateError(_ONLY_TO_LOOK_AT)
+            raise StateError(ONLY_TO_LOOK_AT)
         return self._breakpoints
 
     def answer(self, text: str) -> ShownAnswer:
@@ -203,24 +185,24 @@ class Shell:
         """
         name = args.peek().lower()
         if name and not name.strip("[]").isdecimal():
-            session = self.session
-            if name in session.library.program.library.raps:
+            history = self.history
+            if name in history.library.program.library.raps:
                 args.word("a task")
-                return task_of(session, name)
-        number = args.count("a task", self.subject.selected or 0)
+                return task_of(history, name)
+        number = args.count("a task", self.history.selected or 0)
         if not number:
             raise TextError("no task has been chosen yet: say which is meant")
         return number
 
     def place(self, span: Span) -> str:
         """Return a file and row as text."""
-        return self.session.library.program.compiler.row(span)
+        return self.history.library.program.compiler.row(span)
 
     def happened(self, since: int) -> list[str]:
         """Return what has happened since a serial number, as far as it is shown."""
         if self.shows == "none":
             return []
-        told = self.subject.log.since(since)
+        told = self.history.log.since(since)
         if self.shows == "requests":
             told = [one for one in told if one.kind in _OF_REQUESTS]
         return self.trace(told)
@@ -247,7 +229,7 @@ class Shell:
         Raises:
             ValueError: if `text` is no formula that can be asked.
         """
-        self.session.question(text)  # looks at the names
+        self.history.question(text)  # looks at the names
         if text not in self.watches:
             self.watches.append(text)
 
@@ -255,7 +237,7 @@ class Shell:
         """Return what is to be shown after every stop: notes, logs, watches."""
         if self._breakpoints is None:
             return []
-        lines = [text for note in self.subject.notes if (text := note())]
+        lines = [text for note in self.history.notes if (text := note())]
         lines += self._breakpoints.logged[self._told_of :]
         self._told_of = len(self._breakpoints.logged)
         for number, text in enumerate(self.watches, 1):
@@ -267,7 +249,7 @@ class Shell:
 
     def _watched_answers(self, text: str) -> str:
         try:
-            answers = [_in_words(one) for one in self.session.question(text).all()]
+            answers = [_in_words(one) for one in self.history.question(text).all()]
         except ValueError as error:  # its declaration has gone with a text
             return str(error)
         said = "; ".join(answers[:_WATCHED]) or "no"
@@ -297,7 +279,7 @@ class Shell:
         names = names_of(text)
         kept = {old: said for old, said in self.typed.items() if old.isdisjoint(names)}
         typed = {**kept, names: text}
-        program = self.session.run.machine.library
+        program = self.history.run.machine.library
         renewed = typed_in(program.library, "\n\n".join(typed.values()), program.name)
         answer = self.renew(renewed, TYPED)
         self.typed = typed
@@ -306,31 +288,31 @@ class Shell:
     def renew(self, renewed: Renewed, file: str = "") -> ShownAnswer:
         """Go on with another text of the library; say what was found in `file`."""
         if not changed(
-            self.session.run.machine.library.library, renewed.library.program.library
+            self.history.run.machine.library.library, renewed.library.program.library
         ):
             return say("nothing has changed")
-        branch = self.session.branch
-        act = self.session.take_up(renewed.library)
+        branch = self.history.branch
+        act = self.history.take_up(renewed.library)
         found = [line for line in concise(renewed.report) if line.startswith(file)]
         return say(*found, *self.branched(branch), f"done: {act}")
 
     def branched(self, before: Branch) -> list[str]:
         """Return what is said where an act has begun a new branch."""
-        now = self.session.branch
+        now = self.history.branch
         return [] if now is before else [f"on {now.name}: the other future stays"]
 
     def _is_goal(self, head: str, text: str) -> bool:
         """Whether a list is a goal; what may be both is a query if it has variables."""
-        program = self.session.library.program
+        program = self.history.library.program
         asks = head in program.signatures.predicates or head in (*ALONE, *QUERIES)
         return head in program.library.raps and not (asks and "?" in text)
 
     def submit(self, text: str) -> ShownAnswer:
         """Give the robot a task."""
         request = read_task_request(text)
-        self.session.act(SubmitTask(request))
-        later = request.at is not None and request.at > self.session.now
-        number = self.session.run.machine.state.numbers
+        self.history.act(SubmitTask(request))
+        later = request.at is not None and request.at > self.history.now
+        number = self.history.run.machine.state.numbers
         return say(f"submitted for later: {text}" if later else f"[{number}] {text}")
 
     def ask(self, text: str) -> ShownAnswer:
@@ -338,7 +320,7 @@ class Shell:
         forms = split(text)
         if len(forms) != 1:
             raise TextError("one formula is wanted, not more")
-        solutions = self.session.question(forms[0]).all()
+        solutions = self.history.question(forms[0]).all()
         self.answers = [solutions, *self.answers[:2]]
         return self._solutions(solutions)
 

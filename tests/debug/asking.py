@@ -23,9 +23,9 @@ from rapc.base.values import Fact
 from rapc.debug import (
     commitments,
     differences,
+    facts,
     failures,
     find,
-    history,
     look,
     options,
     recorded,
@@ -36,7 +36,7 @@ from rapc.debug import (
     why_not,
 )
 from rapc.debug.acts import AssertFact, EraseFacts, FailTask
-from rapc.debug.session import Session
+from rapc.debug.history import History
 from rapc.errors import Error
 from rapc.events import Event
 from rapc.ir.printer import format_formula
@@ -57,7 +57,7 @@ _FAULTY = ("(< ?never 3)", "(= (/ 1 0) 2)", "(last-result ?result)", "(believe p
 class Asker:
     """Somebody with a session and dice: what is asked about is drawn."""
 
-    def __init__(self, session: Session, dice: random.Random) -> None:
+    def __init__(self, session: History, dice: random.Random) -> None:
         self.session = session
         self.dice = dice
         self.formulas = [*_formulas(session), *_FAULTY]
@@ -85,7 +85,7 @@ class Asker:
         return (name, *(gap if self.dice.random() < 0.5 else arg for arg in args))
 
 
-def _formulas(session: Session) -> Iterator[str]:
+def _formulas(session: History) -> Iterator[str]:
     """The formulas that stand in the clauses of the library."""
     for rap in session.run.machine.library.library.raps.values():
         contexts = [method.context for method in rap.methods]
@@ -208,12 +208,12 @@ QUESTIONS: Mapping[str, Callable[[Asker], object]] = {
     "why failed": lambda one: failures.why_failed(one.session),
     "between": lambda one: differences.between(one.session, one.cycle(), one.cycle()),
     "timeline": lambda one: timeline.timeline(one.session),
-    "history": lambda one: history.of_facts(one.session, one.pattern("?")),  # type: ignore[arg-type]
-    "history of an item": lambda one: history.of_item(one.session, str(one.fact()[1])),
-    "retries": lambda one: history.retries(one.session),
-    "deadlines": lambda one: history.deadlines(one.session),
+    "history": lambda one: facts.of_facts(one.session, one.pattern("?")),  # type: ignore[arg-type]
+    "history of an item": lambda one: facts.of_item(one.session, str(one.fact()[1])),
+    "retries": lambda one: facts.retries(one.session),
+    "deadlines": lambda one: facts.deadlines(one.session),
     "stand": _stand,
-    "scan": lambda one: one.session.scan(first=one.cycle()),
+    "scan": lambda one: [*one.session.scan(first=one.cycle())],
     "find": _find_before,
     "there and back": _there_and_back,
     "write": _write,
@@ -256,7 +256,7 @@ def _answer(one: Asker, question: str) -> bool:
     return True
 
 
-def check(make: Callable[[int], Session], cycles: int, points: int) -> Asked:
+def check(make: Callable[[int], History], cycles: int, points: int) -> Asked:
     """Run twice, ask in one of the two runs, and compare.
 
     Args:
@@ -281,7 +281,7 @@ def check(make: Callable[[int], Session], cycles: int, points: int) -> Asked:
                 found.changed.append((question, cycle))
                 state, serial = session.run.save(), session.serial
     session.go()
-    same = session.scan() == alone.scan()
+    same = [*session.scan()] == [*alone.scan()]
     found.same = same and session.run.save() == alone.run.save()
     return found
 

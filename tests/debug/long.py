@@ -15,7 +15,7 @@ from time import process_time
 import msgspec
 
 import rapc
-from rapc.debug.session import Session
+from rapc.debug.history import History
 from rapc.runtime.settings import Settings
 from rapc.worlds.scripted import ScriptedWorld
 from tests.debug.sessions import row
@@ -50,7 +50,7 @@ class Measured(msgspec.Struct):
     bytes_kept: int
 
 
-def patrol() -> Session:
+def patrol() -> History:
     """Return a session with a robot that walks to and fro for ever."""
     walks = (
         row("(walk ?place)", "blocked", 1, times=1),
@@ -59,10 +59,10 @@ def patrol() -> Session:
     library = rapc.loads(PATROL, "patrol.rap")
     world = ScriptedWorld(list(walks), declared=library.program.library)
     forever = Settings(futile_limit=10**9)
-    return Session.open(library, world, tasks=["(patrol)"], settings=forever)
+    return History.open(library, world, tasks=["(patrol)"], settings=forever)
 
 
-def measured(session: Session, cycles: int) -> Measured:
+def measured(session: History, cycles: int) -> Measured:
     """Let a session run for some cycles, go back, and say what that took."""
     start = process_time()
     session.goto(cycles)
@@ -73,7 +73,8 @@ def measured(session: Session, cycles: int) -> Measured:
     back = process_time() - start
     size = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1000
     saves = session.branch.saves
-    return Measured(cycles, size, forth, back, len(saves), saves.size)
+    kept = sum(len(save.state) for save in saves.values())
+    return Measured(cycles, size, forth, back, len(saves), kept)
 
 
 def main() -> None:

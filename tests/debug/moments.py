@@ -21,7 +21,7 @@ from time import process_time
 import msgspec
 
 import rapc
-from rapc.debug.session import Session
+from rapc.debug.history import History
 from tests.runtime.saving import HARD, tasks
 
 _AHEAD = 60
@@ -40,44 +40,44 @@ class Checked(msgspec.Struct):
     differ: list[int]
 
 
-def truck(cycles: int) -> Session:
+def truck(cycles: int) -> History:
     """Return a run of the truck in a hard world, that many cycles long."""
     library = rapc.load("stdlib/truck")
-    session = Session.open(
+    session = History.open(
         library, "truck", tasks=list(tasks()), seed=3, options=HARD[3]
     )
     session.checks["end"] = lambda: "end" if session.cycle >= cycles else None
     return session
 
 
-def hallway(cycles: int) -> Session:
+def hallway(cycles: int) -> History:
     """Return a tour of the hallway, that many cycles long."""
     library = rapc.load("stdlib/hallway")
-    session = Session.open(library, "hallway", agenda="sightseeing", seed=5)
+    session = History.open(library, "hallway", agenda="sightseeing", seed=5)
     session.checks["end"] = lambda: "end" if session.cycle >= cycles else None
     return session
 
 
-def courier(cycles: int) -> Session:
+def courier(cycles: int) -> History:
     """Return a shift of the courier, that many cycles long if it lasts."""
     library = rapc.load("examples/courier")
-    session = Session.open(library, "courier", agenda="shift", seed=4)
+    session = History.open(library, "courier", agenda="shift", seed=4)
     session.checks["end"] = lambda: "end" if session.cycle >= cycles else None
     return session
 
 
-RUNS: Mapping[str, Callable[[int], Session]] = {
+RUNS: Mapping[str, Callable[[int], History]] = {
     "truck": truck,
     "hallway": hallway,
     "courier": courier,
 }
 
 
-def _state(session: Session) -> bytes:
+def _state(session: History) -> bytes:
     return hashlib.sha256(session.run.save()).digest()
 
 
-def check(session: Session, points: int, seed: int = 0) -> Checked:
+def check(session: History, points: int, seed: int = 0) -> Checked:
     """Run to the end, go to random moments, and compare.
 
     Args:
@@ -90,7 +90,7 @@ def check(session: Session, points: int, seed: int = 0) -> Checked:
         states.append(_state(session))
     if session.cycle == len(states):
         states.append(_state(session))
-    told, last = session.scan(), session.cycle
+    told, last = [*session.scan()], session.cycle
     chance, differ = random.Random(seed), []
     for point in range(points):
         cycle = chance.randrange(last)
@@ -100,7 +100,7 @@ def check(session: Session, points: int, seed: int = 0) -> Checked:
         ahead = last if point % _TO_THE_END == 0 else ahead
         session.goto(ahead)
         same = same and _state(session) == states[ahead]
-        here = [one for one in session.log.since(0) if one.cycle >= cycle]
+        here = [*session.log.scan(cycle)]
         first = here[0].serial if here else len(told)
         same = same and here == told[first : session.serial]
         if not same:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import rapc
-from rapc.debug.session import Session
+from rapc.debug.history import History
 from rapc.world import Time
 from rapc.worlds.script import Row
 from rapc.worlds.scripted import ScriptedWorld
@@ -11,21 +11,21 @@ from rapc.worlds.scripted import ScriptedWorld
 TRUCK = "examples/rock-order.rap"
 
 
-def truck(*tasks: str, seed: int = 7, **more: object) -> Session:
+def truck(*tasks: str, seed: int = 7, **more: object) -> History:
     """Return a session with the truck, which is given some tasks."""
     library = rapc.load(TRUCK)
-    return Session.open(
+    return History.open(
         library, "truck", tasks=tasks or ["(rock-order red 1)"], seed=seed, **more
     )
 
 
 def scripted(
     text: str, *tasks: str, rows: tuple[Row, ...] = (), seed: int = 0
-) -> Session:
+) -> History:
     """Return a session with a library given as text, in a scripted world."""
     library = rapc.loads(text, "small.rap")
     world = ScriptedWorld(list(rows), declared=library.program.library)
-    return Session.open(library, world, tasks=tasks, seed=seed)
+    return History.open(library, world, tasks=tasks, seed=seed)
 
 
 def row(request: str, result: str = "okay", takes: Time = 1, **more: object) -> Row:

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from rapc.debug.session import Session
+from rapc.debug.history import History
 from rapc.runtime.host_query import HostQuery
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.memory.view import MemoryView
@@ -39,22 +39,25 @@ ACTS: Mapping[str, str] = {
     "Interpreter.start": "begins the run",
     "Interpreter.submit": "gives a task",
     "Interpreter.watch_contexts": "listens from then on",
-    "Session.act": "does something to the run",
-    "Session.aside": "lets something be done that is undone: `what_if` is asked",
-    "Session.branch_off": "begins a branch",
-    "Session.elsewhere": "stands in the past for a while: `why` is asked",
-    "Session.goto_time": "goes to a cycle, as `goto` does",
-    "Session.last": "reads `scan`, which is asked",
-    "Session.open": "begins a run",
-    "Session.pause": "stops the run",
-    "Session.seek": "goes to a cycle, as `goto` does",
-    "Session.step": "runs on",
-    "Session.switch": "goes on in another branch",
-    "Session.take_up": "changes the library",
+    "History.act": "does something to the run",
+    "History.ahead": "runs on and is undone: `what_if` is asked",
+    "History.at": "stands in the past for a while: `why` is asked",
+    "History.branch_off": "begins a branch",
+    "History.branches": "lists what was done",
+    "History.follow": "listens from then on",
+    "History.is_run": "says what it is",
+    "History.goto_time": "goes to a cycle, as `goto` does",
+    "History.last": "reads `scan`, which is asked",
+    "History.open": "begins a run",
+    "History.pause": "stops the run",
+    "History.seek": "goes to a cycle, as `goto` does",
+    "History.step": "runs on",
+    "History.switch": "goes on in another branch",
+    "History.take_up": "changes the library",
 }
 """What a host or user does to a run and its session, and what it comes to."""
 
-DOORS = (Interpreter, Session, MemoryView, HostQuery)
+DOORS = (Interpreter, History, MemoryView, HostQuery)
 
 
 def _named() -> set[str]:

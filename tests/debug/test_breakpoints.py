@@ -10,7 +10,7 @@ from rapc import events
 from rapc.debug.breakpoints import Breakpoint, Breakpoints
 from rapc.debug.differences import between
 from rapc.debug.find import Finder, find_event
-from rapc.debug.session import Session
+from rapc.debug.history import History
 from rapc.errors import ArgumentError, TextError
 from rapc.repl.arguments import read_pattern
 from rapc.repl.commands.table import commands
@@ -20,7 +20,7 @@ from tests.debug.sessions import row, scripted, truck
 from tests.repl.shells import said, truck_shell
 
 
-def _with(*points: Breakpoint) -> tuple[Session, Breakpoints]:
+def _with(*points: Breakpoint) -> tuple[History, Breakpoints]:
     session = truck()
     found = Breakpoints(session, read_pattern)
     for point in points:
@@ -28,7 +28,7 @@ def _with(*points: Breakpoint) -> tuple[Session, Breakpoints]:
     return session, found
 
 
-def _cycles(session: Session) -> list[int]:
+def _cycles(session: History) -> list[int]:
     """Run to the end and return the cycles at whose end the run has stopped."""
     found = []
     while session.go().kind == "break":
@@ -174,7 +174,7 @@ def test_what_is_no_breakpoint_is_said() -> None:
     with pytest.raises(ArgumentError, match="no breakpoint 4"):
         points.remove(4)
     assert not points.all
-    assert session.log.watcher is None
+    assert not session.checks
 
 
 def test_breakpoints_are_kept_in_a_file(tmp_path: Path) -> None:
@@ -240,7 +240,7 @@ def test_search_in_vain_tells_the_events_before() -> None:
     ]
     text = said(shell, ":find method-ended result=blocked")
     assert "events before it: `:find back method-ended result=blocked`" in text
-    last = shell.session.cycle
+    last = shell.history.cycle
     assert f"in cycle {last}\n" in said(shell, ":find back task-failed")
     assert "no task-failed is found before this cycle" in said(
         shell, ":find back task-failed"

@@ -11,10 +11,9 @@ from typing import Any, TypeVar
 import pytest
 
 import rapc
+from rapc.debug.history import History
 from rapc.debug.recorded import Replay, write_trace
-from rapc.debug.recording import Recording
-from rapc.debug.session import Session
-from rapc.debug.tape import Tape
+from rapc.debug.recording import Playback, Recording
 from rapc.errors import LoadError
 from rapc.repl.commands.table import commands
 from rapc.repl.draw import draw
@@ -46,7 +45,7 @@ COMMANDS = (
 def recordings(tmp_path_factory: pytest.TempPathFactory) -> list[Lines]:
     """The lines of a run of the truck, and of one of the hallway."""
     path = tmp_path_factory.mktemp("whole") / "run.jsonl"
-    hallway = Session.open(rapc.load("stdlib/hallway"), "hallway", agenda="errand")
+    hallway = History.open(rapc.load("stdlib/hallway"), "hallway", agenda="errand")
     found = []
     for session in (truck(options=OPTIONS), hallway):
         session.go()
@@ -159,7 +158,7 @@ def test_damaged_recording_has_an_answer_to_every_command(
     path, refused = tmp_path / "run.jsonl", 0
     for _ in range(40):
         path.write_bytes(b"".join(_damaged(chance.choice(recordings), chance)))
-        tape = _made(lambda path: Tape(Recording(path)), path)
+        tape = _made(lambda path: History(Playback(Recording(path))), path)
         refused += tape is None or _asked(Shell(tape, commands()), chance)
     assert 5 < refused < 40
 

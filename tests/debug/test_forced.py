@@ -6,7 +6,7 @@ import pytest
 
 from rapc import events
 from rapc.debug.forced import ForcedWorld, ForceResult
-from rapc.debug.session import Session
+from rapc.debug.history import History
 from rapc.errors import ArgumentError
 from tests.debug.sessions import truck
 from tests.repl.shells import said, truck_shell
@@ -14,7 +14,7 @@ from tests.repl.shells import said, truck_shell
 GRASP = ForceResult(("arm-grasp", "?arm", "?thing"), "arm-dropped", 2)
 
 
-def _grasps(session: Session) -> list[str]:
+def _grasps(session: History) -> list[str]:
     told = session.scan(events.PrimitiveEnded)
     return [o.keys["result"] for o in told if o.keys["request"][0] == "arm-grasp"]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from rapc.debug import history
+from rapc.debug import facts
 from rapc.debug.who import who
 from rapc.errors import ArgumentError
 from tests.debug.sessions import row, scripted, truck
@@ -13,11 +13,11 @@ from tests.debug.sessions import row, scripted, truck
 def test_the_history_of_an_item_names_who_did_it() -> None:
     session = truck()
     session.goto(142)
-    found = history.of_item(session, "item-1")
+    found = facts.of_item(session, "item-1")
     said = [(one.what, one.said, one.by) for one in found]
     assert ("introduced", "item-1 at quarry-1", "(eye-scan external) [40]") in said
     assert ("moved", "item-1 at arm1", "(arm-grasp arm1 item-1) [56]") in said
-    colors = history.of_item(session, "item-1", "color")
+    colors = facts.of_item(session, "item-1", "color")
     assert {one.said for one in colors} == {"(color item-1 red)"}
     assert [one.time for one in colors] == [141.94, 142.44]
 
@@ -25,7 +25,7 @@ def test_the_history_of_an_item_names_who_did_it() -> None:
 def test_the_history_of_a_fact_has_each_value() -> None:
     session = truck()
     session.goto(142)
-    found = history.of_facts(session, ("truck-location", "?"))
+    found = facts.of_facts(session, ("truck-location", "?"))
     values = [one.said for one in found if one.what == "+"]
     assert values[:3] == [
         "(truck-location depot)",
@@ -48,7 +48,7 @@ AGAIN = """
 def test_retries_are_counted_by_goal() -> None:
     session = scripted(AGAIN, "(load box)", rows=(row("(grip ?x)", "slipped"),))
     session.go()
-    [lift] = history.retries(session)
+    [lift] = facts.retries(session)
     assert lift.goal == "(lift box)"
     assert lift.failed >= 2
     assert lift.results == {"slipped": lift.failed}
@@ -58,13 +58,13 @@ def test_retries_are_counted_by_goal() -> None:
 def test_deadlines_are_told_with_how_late() -> None:
     session = truck("(rock-order red 1) :deadline 100")
     session.go()
-    missed = [one for one in history.deadlines(session) if one.missed]
+    missed = [one for one in facts.deadlines(session) if one.missed]
     top = next(one for one in missed if one.task == 1)
     assert top.deadline == 100
     assert top.ended == session.now
     assert top.by == pytest.approx(session.now - 100)
     session.goto(30)
-    ahead = history.deadlines(session)
+    ahead = facts.deadlines(session)
     assert [(one.task, one.missed) for one in ahead] == [(1, False)]
     assert ahead[0].by == pytest.approx(100 - session.now)
 

@@ -13,16 +13,16 @@ def test_a_setting_counts_from_where_it_was_changed() -> None:
     shell.answer(":step 20")
     shell.answer(":option rapc.cycle-cost 1")
     states = {}
-    while shell.session.step().kind == "asked":
-        states[shell.session.cycle] = shell.session.run.save()
+    while shell.history.step().kind == "asked":
+        states[shell.history.cycle] = shell.history.run.save()
     for cycle in (19, 90, 21):
-        shell.session.goto(cycle)
-        assert (shell.session.run.settings.cycle_cost == 1) == (cycle > 19)
-        assert cycle == 19 or shell.session.run.save() == states[cycle]
+        shell.history.goto(cycle)
+        assert (shell.history.run.settings.cycle_cost == 1) == (cycle > 19)
+        assert cycle == 19 or shell.history.run.save() == states[cycle]
     usual = truck()
     usual.go()
-    shell.session.go()
-    assert shell.session.now > usual.now + 50
+    shell.history.go()
+    assert shell.history.now > usual.now + 50
 
 
 def test_an_option_of_the_world_counts_from_where_it_was_changed() -> None:
@@ -32,17 +32,17 @@ def test_an_option_of_the_world_counts_from_where_it_was_changed() -> None:
         "done: option truck.arm2-drops 100\n"
     )
     assert said(shell, ":option truck.arm1-drops = 100").startswith("done: ")
-    there = shell.session.run.save()
+    there = shell.history.run.save()
     shell.answer(":to 90")
-    told = shell.session.scan(events.PrimitiveEnded)
+    told = shell.history.scan(events.PrimitiveEnded)
     grasps = [
         one.keys["result"] for one in told if one.keys["request"][0] == "arm-grasp"
     ]
     assert set(grasps) == {"arm-dropped"}
-    shell.session.goto(10)
+    shell.history.goto(10)
     assert ("truck.arm2-drops", "50") in rows(shell, ":option")
-    shell.session.goto(20)
-    assert shell.session.run.save() == there
+    shell.history.goto(20)
+    assert shell.history.run.save() == there
     assert ("truck.arm2-drops", "100") in rows(shell, ":option")
     assert ("rapc.futile-limit", "2") in rows(shell, ":option")
 
@@ -53,10 +53,10 @@ def test_options_are_changed_where_results_are_forced() -> None:
     assert said(shell, ":option truck.arm2-drops 100").startswith("done: ")
     assert said(shell, ":option rapc.futile-limit 3").startswith("done: ")
     shell.answer(":to 90")
-    there = shell.session.run.save()
-    shell.session.goto(30)
-    shell.session.goto(90)
-    assert shell.session.run.save() == there
+    there = shell.history.run.save()
+    shell.history.goto(30)
+    shell.history.goto(90)
+    assert shell.history.run.save() == there
 
 
 def test_what_a_choice_rested_on_is_asked_of_the_run_as_it_was_made() -> None:
@@ -65,7 +65,7 @@ def test_what_a_choice_rested_on_is_asked_of_the_run_as_it_was_made() -> None:
     before = said(shell, ":when chosen")
     shell.answer(":option rapc.futile-limit 4")
     assert said(shell, ":when chosen") == before
-    assert shell.session.run.settings.futile_limit == 4
+    assert shell.history.run.settings.futile_limit == 4
 
 
 def test_what_cannot_be_changed_is_said() -> None:
@@ -81,4 +81,4 @@ def test_what_cannot_be_changed_is_said() -> None:
         ("foo.x 3", "`foo` is neither `rapc` nor `truck`"),
     ):
         assert answer in said(shell, f":option {text}", width=200)
-    assert shell.session.branch.acts == []
+    assert shell.history.branch.acts == []

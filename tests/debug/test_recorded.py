@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from rapc.debug import recorded
+from rapc.debug.history import History
 from rapc.debug.recorded import Replay
-from rapc.debug.recording import Recording
-from rapc.debug.tape import Tape
+from rapc.debug.recording import Playback, Recording
 from rapc.errors import LoadError
 from rapc.repl.commands.table import commands
 from rapc.repl.complete import candidates
@@ -39,7 +39,7 @@ def _parted(trace: Path) -> int | None:
     recording = Recording(trace)
     options = dict(recording.begun.options)
     replay = Replay(truck(options=options), recording)
-    session = replay._session
+    session = replay._history
     session.go(heed=False)
     assert session.over
     return replay.parted
@@ -92,7 +92,7 @@ def test_act_before_the_end_of_a_recording_begins_a_branch(tmp_path: Path) -> No
     rapc("run", *RUN, "-q", "--seed", "7", "--trace", str(trace))
     recording = Recording(trace)
     replay = Replay(truck(), recording)
-    shell = Shell(replay._session, commands())
+    shell = Shell(replay._history, commands())
     shell.answer(":show none")
     assert "on branch-1" in said(shell, ":step 5", ":assert (truck-fuel 1)")
     assert "over" in said(shell, ":run")
@@ -300,7 +300,7 @@ def _looked_at(tmp_path: Path) -> tuple[Shell, Shell]:
     shell.answer(":run")
     shell.answer(f":record {trace}")
     shell.answer(":goto 0")
-    return shell, Shell(Tape(Recording(trace)), commands())
+    return shell, Shell(History(Playback(Recording(trace))), commands())
 
 
 def test_what_is_only_looked_at_tells_what_the_run_tells(tmp_path: Path) -> None:
@@ -422,6 +422,6 @@ def test_a_recording_that_was_cut_off_in_a_line_ends_before_it(tmp_path: Path) -
     last = Recording(trace).last_cycle
     assert "stopped: the recording ends here (cut off)" in done.stdout
     assert f"cycle {last - 1}, " in done.stdout
-    tape = Shell(Tape(Recording(trace)), commands())
+    tape = Shell(History(Playback(Recording(trace))), commands())
     assert f"cycle {last}, time " in said(tape, ":show none", ":run")
     assert said(tape, ":step").endswith("run over (no more is recorded)\n")

@@ -8,7 +8,7 @@ import pytest
 
 import rapc
 from rapc.debug.acts import AssertFact
-from rapc.debug.session import Session
+from rapc.debug.history import History
 from rapc.debug.texts import reread, typed_in
 from rapc.errors import RefusedError
 from rapc.host import CheckError
@@ -26,17 +26,17 @@ TEXT = """
 """
 
 
-def _session(*rows: str) -> Session:
+def _session(*rows: str) -> History:
     script = tuple(row(f"(say {word})", "hoarse") for word in rows)
     return scripted(TEXT, "(speak)", rows=(*script, row("(say ?word)")))
 
 
-def _typed(session: Session, text: str) -> None:
+def _typed(session: History, text: str) -> None:
     library = session.run.machine.library
     session.take_up(typed_in(library.library, text, library.name).library)
 
 
-def _said(session: Session) -> list[object]:
+def _said(session: History) -> list[object]:
     """Return the words that have been said to the world."""
     return [
         told.keys["request"][1]
@@ -131,7 +131,7 @@ WET = """
 """
 
 
-def _wet(*tasks: str) -> Session:
+def _wet(*tasks: str) -> History:
     rows = (row("(look)"), row("(wait-a-bit)", takes=0, after=9))
     return scripted(WET, *tasks, rows=rows)
 

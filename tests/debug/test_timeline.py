@@ -7,7 +7,7 @@ from itertools import pairwise
 import pytest
 
 import rapc
-from rapc.debug.session import Session
+from rapc.debug.history import History
 from rapc.debug.timeline import Spell, time_by_family, timeline
 from tests.debug.sessions import truck
 
@@ -28,16 +28,16 @@ def test_the_timeline_accounts_for_all_time() -> None:
 
 
 @pytest.fixture(scope="module")
-def hallway() -> Session:
+def hallway() -> History:
     """Return a session with the robot of the hallway, 40 units on its errand."""
     library = rapc.load("stdlib/hallway")
-    session = Session.open(library, "hallway", agenda="errand")
+    session = History.open(library, "hallway", agenda="errand")
     session.goto_time(40)
     return session
 
 
 def test_skills_are_told_from_when_they_came_on_until_they_went_off(
-    hallway: Session,
+    hallway: History,
 ) -> None:
     spells = timeline(hallway)
     background, turn, move = spells[:3]
@@ -51,7 +51,7 @@ def test_skills_are_told_from_when_they_came_on_until_they_went_off(
     assert [one[0] for one in move.heard][-2:] == [":at-landmark", ":movement-complete"]
 
 
-def test_a_moment_counts_for_what_began_last(hallway: Session) -> None:
+def test_a_moment_counts_for_what_began_last(hallway: History) -> None:
     used = time_by_family(timeline(hallway))
     assert sum(used.values()) == pytest.approx(hallway.now)
     assert used[1] == pytest.approx(1)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from rapc import events
+from rapc.debug.history import History
 from rapc.debug.log import ToldEvent
-from rapc.debug.session import Session
 from rapc.debug.why import why
 from rapc.debug.why_not import TaskAnswer, why_not
 from rapc.host import CheckedLibrary
@@ -22,7 +22,7 @@ pytestmark = pytest.mark.xdist_group("tour")
 
 
 @pytest.fixture(scope="module")
-def tour() -> Session:
+def tour() -> History:
     """The run of the trace, at its end."""
     file = STDLIB / "truck" / "weapon.test.rap"
     [case] = [c for c in find([file]).cases if c.test.name.startswith("trace-1")]
@@ -34,7 +34,7 @@ def tour() -> Session:
         declared=library.library,
         kit=helper.kit,
     )
-    session = Session.open(
+    session = History.open(
         CheckedLibrary(library),
         world,
         tasks=[of_node(task) for task in test.tasks],
@@ -44,7 +44,7 @@ def tour() -> Session:
     return session
 
 
-def _by_cycle(session: Session) -> dict[int, list[ToldEvent]]:
+def _by_cycle(session: History) -> dict[int, list[ToldEvent]]:
     found: dict[int, list[ToldEvent]] = {}
     for told in session.scan():
         found.setdefault(told.cycle, []).append(told)
@@ -59,7 +59,7 @@ def _selected(told: list[ToldEvent]) -> int | None:
     return None
 
 
-def test_why_tells_of_each_cycle_what_the_trace_tells(tour: Session) -> None:
+def test_why_tells_of_each_cycle_what_the_trace_tells(tour: History) -> None:
     outcomes = {
         events.MethodChosen: "method",
         events.TaskSucceeded: "succeeded",
@@ -86,7 +86,7 @@ def test_why_tells_of_each_cycle_what_the_trace_tells(tour: Session) -> None:
     assert seen >= {"method", "succeeded", "failed"}
 
 
-def test_why_not_agrees_with_what_was_chosen(tour: Session) -> None:
+def test_why_not_agrees_with_what_was_chosen(tour: History) -> None:
     methods = 0
     for cycle, told in _by_cycle(tour).items():
         task = _selected(told)
@@ -115,8 +115,8 @@ def test_why_not_agrees_with_what_was_chosen(tour: Session) -> None:
     assert methods > 20
 
 
-def _before(session: Session, task: int, cycle: int) -> TaskAnswer:
+def _before(session: History, task: int, cycle: int) -> TaskAnswer:
     """Return what is said of a task when it is about to come up."""
-    with session.elsewhere(cycle - 1):
+    with session.at(cycle - 1):
         session.run.come_to_choice()
         return why_not(session, task)

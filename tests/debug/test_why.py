@@ -11,7 +11,7 @@ from rapc.debug.acts import AssertFact
 from rapc.debug.clause import ClauseAsked
 from rapc.debug.commitments import commitment, stale
 from rapc.debug.failures import why_failed
-from rapc.debug.session import Session
+from rapc.debug.history import History
 from rapc.debug.what_if import what_if
 from rapc.debug.why import why
 from rapc.debug.why_not import why_not, why_not_query
@@ -36,7 +36,7 @@ CHOICES = """
 """
 
 
-def _small(*tasks: str) -> Session:
+def _small(*tasks: str) -> History:
     return scripted(
         CHOICES, *tasks, rows=(row("(say loud)", "hoarse"), row("(say ?word)"))
     )
@@ -130,7 +130,7 @@ def test_why_not_of_a_task_that_has_ended_is_of_its_last_cycle() -> None:
     assert session.over
 
 
-def _answers(session: Session) -> list[tuple[int, ClauseAsked]]:
+def _answers(session: History) -> list[tuple[int, ClauseAsked]]:
     """Return clauses and contexts that fail now, with their tasks."""
     found = []
     for task in session.run.machine.state.live_tasks():
@@ -150,7 +150,7 @@ def test_the_fact_that_is_named_lets_the_conjunct_hold(answers: int) -> None:
         session.goto(chance.randrange(1, last))
         for number, asked in _answers(session):
             fact = chance.choice(asked.missing)
-            with session.aside():
+            with session.at():
                 try:
                     session.run.assert_fact(*fact)
                 except FactError:  # a place of an item, which handlers alone set

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import rapc
-from rapc.debug.session import Session
+from rapc.debug.history import History
 from rapc.repl.commands.table import commands
 from rapc.repl.draw import draw
 from rapc.repl.shell import Shell
@@ -42,7 +42,7 @@ def test_tutorial_does_as_it_says(
                 typed += 1
     assert typed == 12
     assert shell is not None
-    assert shell.session.run.results()[0].outcome == "succeeded"
+    assert shell.history.run.results()[0].outcome == "succeeded"
 
 
 def blocks() -> list[tuple[str, str, str]]:
@@ -57,7 +57,7 @@ def begun(command: str) -> Shell:
     )
     assert found is not None
     path, task, seed = found.groups()
-    session = Session.open(rapc.load(path), "truck", tasks=[task], seed=int(seed))
+    session = History.open(rapc.load(path), "truck", tasks=[task], seed=int(seed))
     return Shell(session, commands(), [path])
 
 

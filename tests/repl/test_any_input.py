@@ -55,7 +55,7 @@ def test_any_input_has_an_answer(seed: int) -> None:
         assert draw(answer, chance.choice((20, 40, 100)), color=seed == 1) is not None
         for line in draw(answer, 60, color=False).splitlines():
             assert line.isprintable(), (text, line)
-        if shell.session.over:
+        if shell.history.over:
             shell.answer(":goto 20")
 
 

@@ -28,12 +28,12 @@ def test_out_parent_and_primitive_stop_where_they_say() -> None:
     shell = truck_shell()
     shell.answer(":show none")
     shell.answer(":step 15")
-    number = shell.session.selected
+    number = shell.history.selected
     assert number is not None
     assert f"task [{number}] has ended" in said(shell, ":out")
     text = said(shell, ":goto 16", ":parent 19")
     assert "task [15] has come up" in text or "task [15] has ended" in text
-    assert shell.session.selected == 15
+    assert shell.history.selected == 15
     shell.answer(":show requests")
     assert said(shell, ":primitive").count("primitive operation") == 1
     assert said(shell, ":parent 1") == "a top-level task has no parent\n"

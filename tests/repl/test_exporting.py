@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import rapc
-from rapc.debug.session import Session
+from rapc.debug.history import History
 from rapc.repl.commands.table import commands
 from rapc.repl.shell import Shell
 from rapc.runtime.task_request import TaskRequest
@@ -48,7 +48,7 @@ def arms(
     path.write_text(ARMS, encoding="utf-8")
     library = rapc.load(path)
     world = ScriptedWorld(list(rows), declared=library.program.library)  # type: ignore[arg-type]
-    session = Session.open(library, world, tasks=[task] if task else [])
+    session = History.open(library, world, tasks=[task] if task else [])
     return Shell(session, commands(), [str(path)])
 
 
@@ -99,7 +99,7 @@ def test_what_is_wanted_fails_now(tmp_path: Path) -> None:
 def test_hallway_run_becomes_a_test(tmp_path: Path) -> None:
     """The test is shortened by trials, in some of which no fact tells the space."""
     path = tmp_path / "errand.test.rap"
-    session = Session.open(
+    session = History.open(
         rapc.load("stdlib/hallway"), "hallway", agenda="errand", seed=1
     )
     shell = Shell(session, commands(), ["stdlib/hallway"])
@@ -144,7 +144,7 @@ def test_a_run_of_the_truck_that_moves_an_item_becomes_a_test(tmp_path: Path) ->
     path = tmp_path / "orders.rap"
     text = Path(TRUCK).read_text(encoding="utf-8")
     path.write_text(text + STOWED, encoding="utf-8")
-    orders = Session.open(
+    orders = History.open(
         rapc.load(path), "truck", tasks=["(rock-order red 1)"], seed=7
     )
     shell, test = Shell(orders, commands(), [str(path)]), tmp_path / "stowed.test.rap"
@@ -193,7 +193,7 @@ def test_items_that_handlers_move_and_lose_are_in_it(tmp_path: Path) -> None:
     declared = library.program.library
     world = _Hands(rows, declared=declared, kit=TruckWorld.kit)
     shell = Shell(
-        Session.open(library, world, tasks=["(take rock left)"]),
+        History.open(library, world, tasks=["(take rock left)"]),
         commands(),
         [str(path)],
     )
@@ -235,7 +235,7 @@ def test_a_run_that_no_script_can_tell_is_refused(tmp_path: Path) -> None:
     kit = Kit(functions={"lucky": lambda memory: memory.now() >= 3})
     rows = [Row(("draw",), takes=1)]
     world = ScriptedWorld(rows, declared=library.program.library, kit=kit)
-    session = Session.open(library, world, tasks=["(try-luck)"])
+    session = History.open(library, world, tasks=["(try-luck)"])
     shell = Shell(session, commands(), [str(path)])
     told = said(shell, ":run", f":export-test {test}", width=400)
     assert "a script cannot tell this run" in told

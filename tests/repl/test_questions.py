@@ -8,7 +8,7 @@ from __future__ import annotations
 import pytest
 
 import rapc
-from rapc.debug.session import Session
+from rapc.debug.history import History
 from rapc.repl.commands.table import commands
 from rapc.repl.draw import draw
 from rapc.repl.shell import Shell
@@ -99,7 +99,7 @@ def test_2_why_not_this_method() -> None:
 def test_3_who_holds_a_thing() -> None:
     shell = _ward("(lift)", "(move)")
     shell.answer(":step 6")
-    assert shell.session.over
+    assert shell.history.over
     shell.answer(":back")
     [held] = rows(shell, ":claims")
     assert held[:2] == ("wheels", 1)
@@ -155,7 +155,7 @@ def test_8_what_the_time_went_by_with() -> None:
 
 def test_8_what_skills_were_on_and_what_was_heard_of_them() -> None:
     library = rapc.load("stdlib/hallway")
-    session = Session.open(library, "hallway", agenda="errand")
+    session = History.open(library, "hallway", agenda="errand")
     shell = Shell(session, commands())
     shell.answer(":to at 12")
     found = rows(shell, ":timeline")

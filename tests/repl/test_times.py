@@ -6,7 +6,7 @@ import io
 from pathlib import Path
 
 import rapc
-from rapc.debug.session import Session
+from rapc.debug.history import History
 from rapc.repl.commands.table import commands
 from rapc.repl.shell import Shell
 from rapc.runtime.events.report import RunReport
@@ -31,7 +31,7 @@ def _shell(folder: Path) -> tuple[Shell, io.StringIO, io.StringIO, RunReport]:
     world = ScriptedWorld(list(ROWS), ats, declared=library.program.library)
     text, exact, report = io.StringIO(), io.StringIO(), RunReport()
     listeners = [rapc.TextTrace(text), rapc.JsonTrace(exact), report]
-    session = Session.open(library, world, tasks=["(pick-up box)"], listeners=listeners)
+    session = History.open(library, world, tasks=["(pick-up box)"], listeners=listeners)
     return Shell(session, commands(), [str(path)]), text, exact, report
 
 

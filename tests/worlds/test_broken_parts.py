@@ -8,8 +8,8 @@ import msgspec
 import pytest
 
 import rapc
+from rapc.debug.history import History
 from rapc.debug.options import AdjustWorld, changeable_options
-from rapc.debug.session import Session
 from rapc.experiments.measures import figures_of
 from rapc.runtime.held_world import HeldWorld
 from rapc.world import Option, Picture, Text
@@ -60,7 +60,7 @@ def test_world_that_cannot_save_or_restore_is_blamed(case: str, faulty: bool) ->
 
 def test_run_of_a_world_that_breaks_in_save_can_be_stepped() -> None:
     world = type("Bad", (Saved,), {"save": boom})
-    session = Session.open(rapc.loads(LIBRARY), world, tasks="(compare)")
+    session = History.open(rapc.loads(LIBRARY), world, tasks="(compare)")
     session.step(3)
     assert session.cycle == 3
     with pytest.raises(rapc.StateError, match="no way back: the world `bad` failed"):

@@ -26,8 +26,8 @@ from rapc.repl.shell import Shell, command
 
 
 def _do(shell: Shell, act: Act) -> ShownAnswer:
-    before, branch = shell.session.serial, shell.session.branch
-    shell.session.act(act)
+    before, branch = shell.history.serial, shell.history.branch
+    shell.history.act(act)
     return say(*shell.happened(before), *shell.branched(branch), f"done: {act}")
 
 
@@ -86,7 +86,7 @@ def _what_if(shell: Shell, args: Arguments) -> ShownAnswer:
             acts.append(_act(said))
     if not acts:
         raise TextError("say what if: (assert FACT...) or (erase PREFIX...)")
-    found = what_if(shell.session, acts, cycles)
+    found = what_if(shell.history, acts, cycles)
     if not found.differs:
         return say("the same would be done:", *_told(shell, found.as_it_is))
     return say(
@@ -153,7 +153,7 @@ def _reload(shell: Shell, args: Arguments) -> ShownAnswer:
     """
     if not shell.paths:
         raise TextError("it is not known which files the library was read from")
-    name = shell.session.run.machine.library.name
+    name = shell.history.run.machine.library.name
     typed = "\n\n".join(shell.typed.values())
     return shell.renew(reread(shell.paths, typed, name))
 
@@ -169,7 +169,7 @@ def _option(shell: Shell, args: Arguments) -> ShownAnswer:
 
     Listed are those that can be changed while a run goes on, with their values.
     """
-    run = shell.session.run
+    run = shell.history.run
     if not args:
         rows = [
             (f"{one.owner}.{one.name}", typed(one.value))

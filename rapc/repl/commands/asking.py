@@ -34,7 +34,7 @@ def _why(shell: Shell, args: Arguments) -> ShownAnswer:
         return _why_failed(shell, args)
     number = shell.task(args)
     cycle = args.count("a cycle") if args.takes("in") else None
-    found = why(shell.session, number, cycle)
+    found = why(shell.history, number, cycle)
     return say(*_choice(found.choice), *_doing(found))
 
 
@@ -110,7 +110,7 @@ def _method(method: MethodAnswer) -> str:
 
 def _why_failed(shell: Shell, args: Arguments) -> ShownAnswer:
     number = shell.task(args) if args else None
-    found = failures.why_failed(shell.session, number)
+    found = failures.why_failed(shell.history, number)
     at = f"in cycle {found.cycle}, at time {readable(found.time)}"
     said = {
         "failed": "failed",
@@ -138,9 +138,9 @@ def _why_not(shell: Shell, args: Arguments) -> ShownAnswer:
     """  # noqa: E501  # the help has it in one sentence
     if args.peek().startswith("("):
         return say(
-            *clause.clause_in_lines(why_not.why_not_query(shell.session, args.word("")))
+            *clause.clause_in_lines(why_not.why_not_query(shell.history, args.word("")))
         )
-    answer = why_not.why_not(shell.session, shell.task(args))
+    answer = why_not.why_not(shell.history, shell.task(args))
     if args:
         return say(*_one_method(answer, args.word("a method")))
     return say(*_task(answer))
@@ -194,9 +194,9 @@ def _when(shell: Shell, args: Arguments) -> ShownAnswer:
     """
     args.takes("chosen")
     if args:
-        found = [commitments.commitment(shell.session, shell.task(args))]
+        found = [commitments.commitment(shell.history, shell.task(args))]
     else:
-        found = commitments.stale(shell.session)
+        found = commitments.stale(shell.history)
         if not found:
             return say("no method under way rests on what is no longer so")
     return say(*(line for one in found for line in _commitment(one)))

@@ -47,8 +47,8 @@ def _export_test(shell: Shell, args: Arguments) -> ShownAnswer:
         raise TextError(f"the name of a file of tests ends with `{_SUFFIX}`")
     if not shell.paths:
         raise TextError("it is not known which files the library was read from")
-    told = [one.event() for one in shell.session.scan()]
-    program = shell.session.library.program
+    told = [one.event() for one in shell.history.scan()]
+    program = shell.history.library.program
     declared = program.library.primitives
     test = exported(
         re.sub(r"[^a-z0-9]+", "-", path.name.removesuffix(_SUFFIX).lower()),
@@ -77,8 +77,8 @@ def _export_test(shell: Shell, args: Arguments) -> ShownAnswer:
 
 def _acts(shell: Shell, told: Sequence[Event]) -> Iterator[tuple[Time, str]]:
     """Yield the tasks that were given and cancelled by hand, as actions of an `at`."""
-    session = shell.session
-    for cycle, act in session.branch.acts[: session.moment.acts]:
+    history = shell.history
+    for cycle, act in history.branch.acts[: history.moment.acts]:
         time = max((one.time for one in told if one.cycle <= cycle), default=0)
         if isinstance(act, SubmitTask):
             yield time, f"(task {as_text(act.request)})"

@@ -6,7 +6,6 @@ from rapc.base.source import SourceFile, Span
 from rapc.base.values import format_atom, format_list, readable
 from rapc.debug import look
 from rapc.debug.acts import live_task
-from rapc.debug.session import Session
 from rapc.errors import ArgumentError, TextError
 from rapc.events import Goal, TaskCreated
 from rapc.ir.nodes import Const, Proposition
@@ -21,7 +20,7 @@ from rapc.world import Drawable, Thing
 @command("", ":agenda")
 def _agenda(shell: Shell, args: Arguments) -> ShownAnswer:
     """List the tasks under way, and what keeps each from going on."""
-    entries = shell.session.run.agenda()
+    entries = shell.history.run.agenda()
     rows = [
         (
             one.task,
@@ -41,11 +40,11 @@ def _agenda(shell: Shell, args: Arguments) -> ShownAnswer:
 @command("", ":tree")
 def _tree(shell: Shell, args: Arguments) -> ShownAnswer:
     """Show the families of tasks, with states, methods and last results."""
-    subject = shell.subject
-    if isinstance(subject, Session):
-        nodes = look.tree(subject.run)
+    history = shell.history
+    if history.is_run:
+        nodes = look.tree(history.run)
     else:
-        nodes = look.tree_told(subject.scan(*look.TOLD_OF_TREES))
+        nodes = look.tree_told(history.scan(*look.TOLD_OF_TREES))
     rows = [
         (
             "  " * one.depth + f"[{one.task}] {one.goal}",
@@ -63,14 +62,14 @@ def _tree(shell: Shell, args: Arguments) -> ShownAnswer:
 @command("[TASK]", ":chain 157")
 def _chain(shell: Shell, args: Arguments) -> ShownAnswer:
     """Show a task and all above it, up to its top-level task."""
-    found = look.chain(shell.session.run, shell.task(args))
+    found = look.chain(shell.history.run, shell.task(args))
     return table(("task", "goal", "method"), found)
 
 
 @command("[TASK]", ":task", ":task 12")
 def _task(shell: Shell, args: Arguments) -> ShownAnswer:
     """Show all of a task: its bindings, method, times, and what it came to."""
-    run = shell.session.run
+    run = shell.history.run
     number = shell.task(args)
     task = live_task(run, number)
     entry = next(one for one in run.agenda() if one.task == number)
@@ -113,7 +112,7 @@ def _task(shell: Shell, args: Arguments) -> ShownAnswer:
 )
 def _memory(shell: Shell, args: Arguments) -> ShownAnswer:
     """Show facts with their ages, or the answers to a query."""
-    run = shell.session.run
+    run = shell.history.run
     if not args:
         names = look.names_with_facts(run)
         return table(("facts of", "number"), names, none="memory is empty")
@@ -122,7 +121,7 @@ def _memory(shell: Shell, args: Arguments) -> ShownAnswer:
         return _beliefs(shell, Proposition(text.lower(), ()))
     formula = parse_formula(text)
     if isinstance(formula, Proposition):
-        plain = shell.session.library.program.signatures.relations
+        plain = shell.history.library.program.signatures.relations
         if formula.name in plain:
             return _beliefs(shell, parse_pattern(text))
     return shell.ask(text)
@@ -130,7 +129,7 @@ def _memory(shell: Shell, args: Arguments) -> ShownAnswer:
 
 def _beliefs(shell: Shell, pattern: Proposition) -> ShownAnswer:
     """The facts that a proposition matches, each with its age."""
-    run = shell.session.run
+    run = shell.history.run
     values = [a.value if isinstance(a, Const) else None for a in pattern.args]
     found = look.beliefs(run, pattern.name, *values)
     rows = [
@@ -148,7 +147,7 @@ def _beliefs(shell: Shell, pattern: Proposition) -> ShownAnswer:
 def _items(shell: Shell, args: Arguments) -> ShownAnswer:
     """List the items that memory knows."""
     columns = ("item", "class", "location", "sensor name")
-    found = look.items(shell.session.run)
+    found = look.items(shell.history.run)
     return table(columns, found, none="memory knows no items")
 
 
@@ -156,7 +155,7 @@ def _items(shell: Shell, args: Arguments) -> ShownAnswer:
 def _monitors(shell: Shell, args: Arguments) -> ShownAnswer:
     """List the tasks with monitors, and what each waits for."""
     columns = ("task", "goal", "state", "waits for", "looks at", "deadline")
-    found = look.monitored_tasks(shell.session.run)
+    found = look.monitored_tasks(shell.history.run)
     return table(columns, found, none="no task has a monitor")
 
 
@@ -166,7 +165,7 @@ def _claims(shell: Shell, args: Arguments) -> ShownAnswer:
 
     Circles of tasks that wait for each other are named below.
     """
-    found, deadlocks = look.claims(shell.session.run)
+    found, deadlocks = look.claims(shell.history.run)
     rows = [
         (
             one.thing,
@@ -184,7 +183,7 @@ def _claims(shell: Shell, args: Arguments) -> ShownAnswer:
 @command("", ":requests")
 def _requests(shell: Shell, args: Arguments) -> ShownAnswer:
     """List the requests under way: sent, neither ended nor cancelled."""
-    found = look.requests(shell.session.run)
+    found = look.requests(shell.history.run)
     return table(("ticket", "task", "request"), found, none="no request is under way")
 
 
@@ -193,7 +192,7 @@ def _stack(shell: Shell, args: Arguments) -> ShownAnswer:
     """Show the families that were chosen, the one that is preferred now first."""
     rows = [
         (priority, f"[{family}]", goal)
-        for priority, family, goal in look.stack(shell.session.run)
+        for priority, family, goal in look.stack(shell.history.run)
     ]
     columns = ("priority", "family", "goal")
     return table(columns, rows, none="no family has been chosen yet")
@@ -204,7 +203,7 @@ def _skills(shell: Shell, args: Arguments) -> ShownAnswer:
     """List the skills that methods have switched on."""
     rows = [
         (one.ticket, one.task, one.skills, "on" if one.on else "off")
-        for one in look.skills(shell.session.run)
+        for one in look.skills(shell.history.run)
     ]
     return table(("ticket", "task", "skills", ""), rows, none="no skill is on")
 
@@ -212,7 +211,7 @@ def _skills(shell: Shell, args: Arguments) -> ShownAnswer:
 @command("", ":world")
 def _world(shell: Shell, args: Arguments) -> ShownAnswer:
     """Show what is true in the world, which the robot need not know."""
-    world = shell.session.run.machine.world
+    world = shell.history.run.machine.world
     if not isinstance(world, Drawable):
         raise ArgumentError(f"the world `{world.name}` has no picture of itself")
     picture = world.picture()
@@ -238,7 +237,7 @@ def _thing(thing: Thing) -> str:
 @command("[TASK | RAP]", ":source", ":source 12", ":source fill-order")
 def _source(shell: Shell, args: Arguments) -> ShownAnswer:
     """Show the text of a RAP, or of the RAP of a task."""
-    library = shell.session.library.program.library
+    library = shell.history.library.program.library
     name = args.peek()
     if not name or name.strip("[]").isdecimal():
         node = library.raps[_goal_of(shell, shell.task(args)).name]
@@ -246,7 +245,7 @@ def _source(shell: Shell, args: Arguments) -> ShownAnswer:
         name = args.word("a RAP").lower()
         found = library.raps.get(name)
         if found is None:
-            known = shell.session.library.program.signatures
+            known = shell.history.library.program.signatures
             raise ArgumentError(str(known.unknown("goal", name)))
         node = found
     source = library.files.get(node.span.file)
@@ -261,10 +260,10 @@ def _goal_of(shell: Shell, number: int) -> Goal:
     Raises:
         ArgumentError: if there is no such task.
     """
-    session = shell.session
-    told = session.last(TaskCreated, want=lambda one: one.keys["task"] == number)
+    history = shell.history
+    told = history.last(TaskCreated, want=lambda one: one.keys["task"] == number)
     if told is None:
-        return live_task(session.run, number).goal()
+        return live_task(history.run, number).goal()
     goal = told.keys["goal"]
     assert isinstance(goal, Goal)
     return goal

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rapc.base.values import Atom, Fact, format_atom, format_list, number, readable
-from rapc.debug import history, timeline
+from rapc.debug import facts, timeline
 from rapc.debug.who import who
 from rapc.repl.answer import ShownAnswer, table
 from rapc.repl.arguments import Arguments, read_pattern
@@ -23,10 +23,10 @@ def _history(shell: Shell, args: Arguments) -> ShownAnswer:
     said = args.word("an item or a fact")
     none = f"nothing has become of {said}"
     if said.startswith("("):
-        found = history.of_facts(shell.subject, read_pattern(said))
+        found = facts.of_facts(shell.history, read_pattern(said))
     else:
         predicate = args.word("a predicate").lower() if args else ""
-        found = history.of_item(shell.subject, said.lower(), predicate)
+        found = facts.of_item(shell.history, said.lower(), predicate)
         none += f"; if it is no item but a fact, write ({said})"
     columns = ("time", "cycle", "", "what", "by")
     return table(columns, found, none=none)
@@ -35,7 +35,7 @@ def _history(shell: Shell, args: Arguments) -> ShownAnswer:
 @command("FACT", ":who (truck-location depot)", ":who (location ?item external)")
 def _who(shell: Shell, args: Arguments) -> ShownAnswer:
     """Tell who asserted a fact, who asks for it, and who waits for it."""
-    found = who(shell.session, read_pattern(args.word("a fact")))
+    found = who(shell.history, read_pattern(args.word("a fact")))
     rows = [
         (
             "believed" if one.by != "notation" else "noted",
@@ -69,7 +69,7 @@ def _retries(shell: Shell, args: Arguments) -> ShownAnswer:
             ", ".join(f"{count} {result}" for result, count in one.results.items()),
             next(iter(one.causes)),
         )
-        for one in history.retries(shell.subject)
+        for one in facts.retries(shell.history)
     ]
     columns = ("goal", "failed", "times", "from", "results", "most often because of")
     return table(columns, rows, none="no goal has failed twice")
@@ -87,7 +87,7 @@ def _deadlines(shell: Shell, args: Arguments) -> ShownAnswer:
             one.ended,
             one.by,
         )
-        for one in history.deadlines(shell.subject)
+        for one in facts.deadlines(shell.history)
     ]
     columns = ("task", "goal", "deadline", "", "ended", "late or left")
     return table(columns, rows, none="no task has a deadline")
@@ -103,7 +103,7 @@ def _timeline(shell: Shell, args: Arguments) -> ShownAnswer:
     """
     start = args.time("a time") if args else 0
     stop = args.time("a time") if args else None
-    spells = timeline.timeline(shell.subject, start, stop)
+    spells = timeline.timeline(shell.history, start, stop)
     rows = [
         (
             one.start,

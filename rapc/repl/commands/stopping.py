@@ -14,8 +14,8 @@ from rapc.base.values import readable
 from rapc.debug import differences, recorded
 from rapc.debug.breakpoints import KINDS, Breakpoint
 from rapc.debug.find import Finder, find_event, is_before
+from rapc.debug.history import History
 from rapc.debug.recording import UNREADABLE
-from rapc.debug.stepped import Stepped
 from rapc.errors import ArgumentError, TextError
 from rapc.repl.answer import ShownAnswer, say, table
 from rapc.repl.arguments import Arguments
@@ -173,21 +173,21 @@ def _find(shell: Shell, args: Arguments) -> ShownAnswer:
     kind = args.word("a kind of event")
     said = args.rest()
     finder = Finder.of(kind, said)
-    found = find_event(shell.subject, finder, back=back)
+    found = find_event(shell.history, finder, back=back)
     shell.forget_trace()
     if found is None:
-        lines = _not_found(shell.subject, finder, " ".join([kind, *said]), back=back)
-        return say(*lines, shell.subject.stand())
-    return say(*shell.trace([found]), f"in cycle {found.cycle}", shell.subject.stand())
+        lines = _not_found(shell.history, finder, " ".join([kind, *said]), back=back)
+        return say(*lines, shell.history.stand())
+    return say(*shell.trace([found]), f"in cycle {found.cycle}", shell.history.stand())
 
 
 def _not_found(
-    session: Stepped, finder: Finder, said: str, *, back: bool
+    history: History, finder: Finder, said: str, *, back: bool
 ) -> Iterator[str]:
     """Yield what to say of a search in vain, with what lies the other way."""
     yield f"no {said} is found {'before' if back else 'after'} this cycle"
-    if not (back or session.no_way_back):
-        found = session.scan(finder.kind, want=is_before(session, finder))
+    if not (back or history.no_way_back):
+        found = history.scan(finder.kind, want=is_before(history, finder))
         count = sum(1 for _ in found)
         if count:
             yield f"{plural(count, 'event')} before it: `:find back {said}`"
@@ -201,14 +201,14 @@ def _record(shell: Shell, args: Arguments) -> ShownAnswer:
     """
     path = Path(args.word("a file"))
     shell.refuse_output(path, TRACE)
-    count = recorded.write_trace(shell.session, path)
-    done = len(shell.session.branch.acts)
+    count = recorded.write_trace(shell.history, path)
+    done = len(shell.history.branch.acts)
     notes = ["what was done by hand is not in it"] if done else []
     return say(f"{plural(count, 'event')} in {path}", *notes)
 
 
 def _diff_of_runs(shell: Shell, path: Path) -> ShownAnswer:
-    found = recorded.parting(shell.subject, path)
+    found = recorded.parting(shell.history, path)
     if found is None:
         return say("all decisions are the same, as far as both have gone")
     return say(
@@ -238,10 +238,10 @@ def _diff(shell: Shell, args: Arguments) -> ShownAnswer:
     """
     if args and not args.peek().isdecimal():
         return _diff_of_runs(shell, Path(args.word("a file")))
-    session = shell.session
+    history = shell.history
     first = args.count("a cycle")
-    second = args.count("a cycle", session.cycle)
-    found = differences.between(session, first, second)
+    second = args.count("a cycle", history.cycle)
+    found = differences.between(history, first, second)
     rows = [("+", "fact", one) for one in found.came]
     rows += [("-", "fact", one) for one in found.went]
     rows += [("+", "task", f"[{n}] {goal}") for n, goal in found.joined]
