@@ -18,7 +18,6 @@ from rapc.cli.common import width_of
 from rapc.cli.options import WholeNumber, command, fail, say, settings
 from rapc.console.experiments import output
 from rapc.console.experiments.tables import show
-from rapc.console.progress import bar
 from rapc.errors import reason
 from rapc.experiments import definition, reading
 from rapc.experiments.batch import BatchResult, Workers, WorkersLost, jobs, run_batch
@@ -175,7 +174,7 @@ def _bar(session: Batch, total: int) -> AbstractContextManager[Callable[[int], o
     given = settings()
     shown = sys.stderr.isatty() and not given.quiet and not given.verbose
     color = given.colored()
-    return bar(session.made.name, total, sys.stderr, shown=shown, color=color)
+    return output.bar(session.made.name, total, sys.stderr, shown=shown, color=color)
 
 
 @contextmanager

@@ -17,8 +17,8 @@ from rapc.cli.common import refuse_faulty, refuse_output, write_output
 from rapc.cli.options import Amount, WholeNumber, command, fail, settings
 from rapc.cli.run_options import read_option
 from rapc.console.lines import wrapped
-from rapc.console.testing import coverage_table, explain
-from rapc.console.testing.junit import as_junit
+from rapc.console.testing import explain
+from rapc.testing import coverage as covering
 from rapc.testing import discover
 from rapc.testing.coverage import Coverage
 from rapc.testing.faults import read_fault
@@ -138,7 +138,7 @@ def test(
         if least is not None and _falls_short(gathered, least):
             status = max(status, 1)
     if junit is not None:
-        write_output(junit, as_junit(outcomes))
+        write_output(junit, explain.as_junit(outcomes))
     click.echo(summary(outcomes, seeds))
     raise SystemExit(status)
 
@@ -150,16 +150,16 @@ def _files(case: Case) -> Iterable[str]:
 
 def _cover(gathered: Coverage, file: str | None) -> None:
     files = gathered.files()
-    for line in coverage_table.table(files):
+    for line in covering.table(files):
         _say("text", line)
     click.echo()
     if file:
-        write_output(file, coverage_table.as_json(files))
+        write_output(file, covering.as_json(files))
 
 
 def _falls_short(gathered: Coverage, least: float) -> bool:
     """Say how much is covered, and whether that is less than what is asked for."""
-    short, told = coverage_table.verdict(gathered.files(), least)
+    short, told = covering.verdict(gathered.files(), least)
     _say("failed" if short else "text", told)
     return short
 

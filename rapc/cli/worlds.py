@@ -9,8 +9,7 @@ import click
 from rapc.base.visible import visible_lines
 from rapc.cli.checked import load_checked
 from rapc.cli.options import WholeNumber, command
-from rapc.console.world_contract import report
-from rapc.console.worlds import describe_world, list_worlds, summary_of
+from rapc.console.worlds import describe_world, list_worlds, report, summary_of
 from rapc.errors import WorldError
 from rapc.ir.layout import laid_out
 from rapc.testing.contract.declarations import declarations

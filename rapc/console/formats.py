@@ -12,18 +12,18 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from itertools import groupby
 from typing import Any
 from urllib.parse import quote
-from xml.etree import ElementTree
 
 from rapc.analysis import registry
 from rapc.analysis.driver import CheckReport, Finding
 from rapc.analysis.fingerprints import fingerprints
-from rapc.base.diagnostics import Applicability, Fix, Rule, Severity
+from rapc.base.diagnostics import Applicability, Diagnostic, Fix, Rule, Severity
 from rapc.base.files import seen_from
 from rapc.base.source import SourceFile, Span
 from rapc.base.version import VERSION
 from rapc.base.visible import visible
 from rapc.console import findings as text
-from rapc.console.xml import as_xml, legal
+from rapc.console.junit import COUNTS, JUnitCase
+from rapc.console.junit import junit as junit_xml
 
 Files = Mapping[str, SourceFile]
 
@@ -53,7 +53,6 @@ def _lines(lines: Iterable[str]) -> str:
 
 def _json(finding: Finding, files: Files) -> dict[str, Any]:
     rule, said = finding.rule, finding.diagnostic
-    notes = [*said.notes, *([f"help: {said.help}"] if said.help else [])]
     return {
         "code": rule.code,
         "name": rule.name,
@@ -70,7 +69,7 @@ def _json(finding: Finding, files: Files) -> dict[str, Any]:
             }
             for label in said.labels
         ],
-        "notes": notes,
+        "notes": _notes(said),
         "url": f"rules.md#{rule.name}",
     }
 
@@ -262,35 +261,21 @@ def junit(report: CheckReport) -> str:
 
     A file without findings has one case that passes.
     """
-    found: dict[str, list[Finding]] = {file: [] for file in report.files}
+    found: dict[str, list[JUnitCase]] = {file: [] for file in report.files}
     for finding in report.findings:
-        found.setdefault(finding.diagnostic.span.file, []).append(finding)
-    tests = sum(max(1, len(findings)) for findings in found.values())
-    counts = {"tests": str(tests), "failures": str(len(report.findings))}
-    top = ElementTree.Element("testsuites", {"name": "rapc check", **counts})
-    for file, findings in found.items():
-        counts = {"tests": str(max(1, len(findings))), "failures": str(len(findings))}
-        suite_ = ElementTree.SubElement(
-            top, "testsuite", {"name": legal(file), **counts, "errors": "0"}
-        )
-        for finding in findings:
-            _junit_case(suite_, finding, report.files)
-        if not findings:
-            named = {"classname": legal(file), "name": "no findings", "time": "0"}
-            ElementTree.SubElement(suite_, "testcase", named)
-    return as_xml(top)
+        said = finding.diagnostic
+        (row, column), _ = _rows(said.span, report.files)
+        title = f"{finding.rule.code} {finding.rule.name} {row}:{column}"
+        told = {"type": finding.severity.word, "message": said.message}
+        text = "\n".join([said.message, *_notes(said)])
+        case = JUnitCase(title, "failure", told, text)
+        found.setdefault(said.span.file, []).append(case)
+    suites = [(file, found[file] or [JUnitCase("no findings")]) for file in found]
+    return junit_xml("rapc check", suites, COUNTS[:2], COUNTS[:3])
 
 
-def _junit_case(suite_: ElementTree.Element, finding: Finding, files: Files) -> None:
-    said = finding.diagnostic
-    (row, column), _ = _rows(said.span, files)
-    title = f"{finding.rule.code} {finding.rule.name} {row}:{column}"
-    named = {"classname": legal(said.span.file), "name": title, "time": "0"}
-    case = ElementTree.SubElement(suite_, "testcase", named)
-    told = {"type": finding.severity.word, "message": legal(said.message)}
-    lines = [said.message, *said.notes, *([f"help: {said.help}"] if said.help else [])]
-    failure = ElementTree.SubElement(case, "failure", told)
-    failure.text = legal("\n".join(lines))
+def _notes(said: Diagnostic) -> list[str]:
+    return [*said.notes, *([f"help: {said.help}"] if said.help else [])]
 
 
 # --- statistics, and the table of formats ------------------------------------------

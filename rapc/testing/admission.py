@@ -15,7 +15,7 @@ from rapc.base.values import Atom
 from rapc.errors import WorldError
 from rapc.ir import nodes
 from rapc.library.library import Library
-from rapc.testing.asked_queries import traced_name
+from rapc.testing.coverage import traced_name
 from rapc.world import Kit, World
 from rapc.worlds import registry
 

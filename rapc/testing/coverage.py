@@ -1,25 +1,23 @@
 """What tests have exercised of libraries: methods, monitors, queries, agendas.
 
 A `Coverage` gathers over any number of runs and sets that against what the files of
-the libraries hold. How it is told is in `rapc.console.testing.coverage_table`.
+the libraries hold; `table` and `as_json` say what it comes to.
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from os.path import normpath
-from typing import Any, TypeVar
+from typing import Any, NamedTuple
 
 import msgspec
 
 from rapc import events
 from rapc.base.files import TEST_SUFFIX
 from rapc.base.values import format_list
-from rapc.ir import nodes
+from rapc.ir import nodes, walk
 from rapc.library.library import Library
-from rapc.testing.asked_queries import Asker, asked_with, traced_name
-from rapc.testing.heard_signals import HeardSignals, waits_of
 from rapc.testing.patterns import flat
 from rapc.world import OKAY
 
@@ -111,6 +109,29 @@ class FileCoverage(msgspec.Struct):
     rules: tuple[RuleCoverage, ...] = ()
 
 
+Asker = tuple[str, str, str]
+"""A RAP, a method (nothing for the RAP itself), and `context` or nothing."""
+
+
+class _Key(NamedTuple):
+    """What of a file is counted: a form or an alternative of a rule."""
+
+    kind: type[nodes.Node]
+    #: The file, by one name however it was reached.
+    file: str
+    #: The name of the form, or the row of the alternative.
+    name: str | int
+
+
+class _Task(msgspec.Struct):
+    """A task of the run under way."""
+
+    rap: str
+    parent: int | None
+    #: The method chosen last, as a trace names it.
+    method: str = ""
+
+
 class Coverage:
     """Counts what happens in runs, by file and RAP.
 
@@ -119,83 +140,94 @@ class Coverage:
     """
 
     def __init__(self) -> None:
-        # what stands in the files of all libraries, by file with name or row
-        self._raps: dict[tuple[str, str], RapCoverage] = {}
-        self._queries: dict[tuple[str, str], QueryCoverage] = {}
-        self._agendas: dict[tuple[str, str], AgendaCoverage] = {}
-        self._rules: dict[tuple[str, int], RuleCoverage] = {}
+        #: What stands in the files of all libraries.
+        self._known: dict[_Key, Any] = {}
         #: How often each top-level task was given.
         self._given: Counter[str] = Counter()
         # the run under way
         self._library: Library | None = None
-        self._tasks: dict[int, str] = {}
         self._asked_with: Mapping[Asker, frozenset[str]] = {}
-        self._heard: HeardSignals | None = None
+        #: The methods that enable skills, as `Asker` has them.
+        self._of_skills: frozenset[tuple[str, str]] = frozenset()
+        self._tasks: dict[int, _Task] = {}
+        #: The signal that came last, if no task has been selected since: what wakes
+        #: then, ends a step or ends a primitive of skills is this signal.
+        self._signal: str | None = None
 
     def begin(self, library: Library) -> None:
         """Begin to count for a run of a library."""
         self._tasks.clear()
-        self._heard = HeardSignals(library)
-        if library is self._library:
-            return
-        self._library = library
-        self._asked_with = asked_with(library)
-        for rap in _outside_tests(library.raps.values()):
-            self._raps.setdefault(_key(rap), _rap(library, rap))
-        for query in _outside_tests(library.queries.values()):
-            found = QueryCoverage(query.name, _row(library, query))
-            self._queries.setdefault(_key(query), found)
-        for agenda in _outside_tests(library.agendas.values()):
-            self._agendas.setdefault(_key(agenda), _agenda(library, agenda))
-        for name, alternative in _alternatives(library):
-            if not alternative.span.file.endswith(TEST_SUFFIX):
-                rule = RuleCoverage(name, _row(library, alternative))
-                place = normpath(alternative.span.file), rule.row
-                self._rules.setdefault(place, rule)
+        self._signal = None
+        if library is not self._library:
+            self._library = library
+            self._asked_with = asked_with(library)
+            self._of_skills = frozenset(
+                (rap.name, traced_name(method))
+                for rap in library.raps.values()
+                for method in rap.methods
+                if isinstance(method.body, nodes.Skills)
+            )
+            for key, record in _countable(library):
+                if not key.file.endswith(TEST_SUFFIX):
+                    self._known.setdefault(key, record)
 
-    def __call__(self, event: events.Event) -> None:
+    def __call__(self, event: events.Event) -> None:  # noqa: PLR0912  # one a kind
         """Take one event into account."""
-        self._hear(event)
         match event:
             case events.TaskCreated():
-                self._tasks[event.task] = event.goal.name
+                self._tasks[event.task] = _Task(event.goal.name, event.parent)
                 if event.parent is None:
                     self._given[format_list((event.goal.name, *event.goal.inputs))] += 1
             case events.TaskSelected():
-                self._ask((self._tasks[event.task], "", ""))
+                self._signal = None
+                self._ask((self._tasks[event.task].rap, "", ""))
+            case events.SignalReceived():
+                self._signal = str(event.what[0])
             case events.MethodChosen():
+                self._tasks[event.task].method = event.method
                 _count(self._method(event.rap, event.method), "chosen")
                 self._ask((event.rap, event.method, ""))
-            case events.MethodEnded() if event.result != OKAY:
-                method = self._method(self._tasks[event.task], event.method)
-                _count(method, "ended_badly")
-                if event.because is not None and "constraints" in event.because.clause:
-                    _count(method, "constraints_broken")
+            case events.MethodEnded():
+                self._end_method(event)
             case events.TaskBlocked() if _is_monitor(event):
                 _count(self._monitor(event.task), "blocked")
             case events.TaskWoken() if _is_monitor(event):
                 _count(self._monitor(event.task), "woken")
+            case events.TaskWoken() if event.on.startswith("(:"):
+                self._hear(self._tasks[event.task].parent)
             case events.TaskSucceeded():
-                _count(self._rap(self._tasks[event.task]), "succeeded")
+                self._hear(self._tasks[event.task].parent)
+                _count(self._rap(self._tasks[event.task].rap), "succeeded")
             case events.TaskFailed():
-                rap = self._rap(self._tasks[event.task])
+                self._hear(self._tasks[event.task].parent)
+                rap = self._rap(self._tasks[event.task].rap)
                 if rap is not None:
                     rap.failed[event.reason] = rap.failed.get(event.reason, 0) + 1
+            case events.RuleRun():
+                file, _, row = event.at.rpartition(":")
+                key = _Key(nodes.Alternative, normpath(file), int(row))
+                _count(self._known.get(key), "ran")
             case _:
                 pass
 
-    def _hear(self, event: events.Event) -> None:
-        """Count what a signal has decided, and what a rule has done."""
-        heard = None if self._heard is None else self._heard.heard(event)
-        if heard is not None:
-            rap, name, signal = heard
-            method = self._method(rap, name)
+    def _end_method(self, event: events.MethodEnded) -> None:
+        task = self._tasks[event.task]
+        method = self._method(task.rap, event.method)
+        if (task.rap, task.method) in self._of_skills:
+            self._hear(event.task)
+        if event.result != OKAY:
+            _count(method, "ended_badly")
+            if event.because is not None and "constraints" in event.because.clause:
+                _count(method, "constraints_broken")
+
+    def _hear(self, number: int | None) -> None:
+        """Count that a signal, if one came last, has decided a wait in a method."""
+        if self._signal is not None and number is not None:
+            task = self._tasks[number]
+            method = self._method(task.rap, task.method)
             for wait in method.waits if method is not None else ():
-                if wait.signal == signal:
+                if wait.signal == self._signal:
                     _count(wait, "heard")
-        if isinstance(event, events.RuleRun):
-            file, _, row = event.at.rpartition(":")
-            _count(self._rules.get((normpath(file), int(row))), "ran")
 
     def context(self, rap: str, method: str, holds: bool) -> None:
         """Count that the context of a method was asked."""
@@ -207,12 +239,13 @@ class Coverage:
         """Count that a clause was asked, and the queries that it names."""
         for name in self._asked_with.get(asker, ()):
             assert self._library is not None
-            _count(self._queries.get(_key(self._library.queries[name])), "asked")
+            query = self._library.queries[name]
+            _count(self._known.get(_key(query, query.name)), "asked")
 
     def _rap(self, name: str) -> RapCoverage | None:
         """Return what is known of a RAP of the library that runs."""
         form = self._library.raps.get(name) if self._library is not None else None
-        return None if form is None else self._raps.get(_key(form))
+        return None if form is None else self._known.get(_key(form, form.name))
 
     def _method(self, rap: str, name: str) -> MethodCoverage | None:
         found = self._rap(rap)
@@ -220,28 +253,24 @@ class Coverage:
         return next(named, None)
 
     def _monitor(self, task: int) -> MonitorCoverage | None:
-        found = self._rap(self._tasks[task])
+        found = self._rap(self._tasks[task].rap)
         return None if found is None else found.monitor
 
     def files(self) -> tuple[FileCoverage, ...]:
         """Return what was counted of all files of all libraries, by name."""
-        for agenda in self._agendas.values():
-            for task in agenda.tasks:
-                task.given = self._given[task.goal]
-        for rap in self._raps.values():
-            rap.failed = dict(sorted(rap.failed.items()))
-        tables = (self._raps, self._queries, self._agendas, self._rules)
-        names = sorted({file for table in tables for file, _ in table})
+        found: dict[str, dict[type[nodes.Node], list[Any]]] = {}
+        for key, record in sorted(self._known.items(), key=lambda item: item[1].row):
+            of_file = found.setdefault(key.file, {kind: [] for kind in _KINDS})
+            of_file[key.kind].append(record)
+            if isinstance(record, RapCoverage):
+                record.failed = dict(sorted(record.failed.items()))
+            elif isinstance(record, AgendaCoverage):
+                for task in record.tasks:
+                    task.given = self._given[task.goal]
         return tuple(
             [
-                FileCoverage(
-                    name,
-                    _of_file(name, self._raps),
-                    _of_file(name, self._queries),
-                    _of_file(name, self._agendas),
-                    _of_file(name, self._rules),
-                )
-                for name in names
+                FileCoverage(file, *[tuple(found[file][kind]) for kind in _KINDS])
+                for file in sorted(found)
             ]
         )
 
@@ -253,22 +282,59 @@ def _count(record: msgspec.Struct | None, what: str) -> None:
         setattr(record, what, number + 1)
 
 
+def _is_monitor(event: events.TaskBlocked | events.TaskWoken) -> bool:
+    """Whether a task waits for its monitors, not for a signal or a thing."""
+    return event.holder is None and not event.on.startswith("(:")
+
+
 # --- what stands in the files ---------------------------------------------------------
 
+_KINDS = (
+    nodes.DefineRap,
+    nodes.DefineQuery,
+    nodes.DefineAgenda,
+    nodes.Alternative,
+)
+"""What is counted of a file, in the order of the fields of `FileCoverage`."""
 
-def _rap(library: Library, rap: nodes.DefineRap) -> RapCoverage:
+
+def _key(node: nodes.Node, name: str | int) -> _Key:
+    return _Key(type(node), normpath(node.span.file), name)
+
+
+def _countable(library: Library) -> Iterator[tuple[_Key, Any]]:
+    """Yield a record for all that is counted of a library, with its key."""
+    for rap in library.raps.values():
+        yield _key(rap, rap.name), _rap_record(library, rap)
+    for query in library.queries.values():
+        record = QueryCoverage(query.name, _row(library, query))
+        yield _key(query, query.name), record
+    for agenda in library.agendas.values():
+        tasks = [
+            GivenCoverage(format_list(flat(task.goal)), _row(library, task))
+            for task in agenda.tasks
+        ]
+        made = AgendaCoverage(agenda.name, _row(library, agenda), tuple(tasks))
+        yield _key(agenda, agenda.name), made
+    for name, rule in _rules(library):
+        for alternative in rule.alternatives:
+            row = _row(library, alternative)
+            yield _key(alternative, row), RuleCoverage(name, row)
+
+
+def _rap_record(library: Library, rap: nodes.DefineRap) -> RapCoverage:
     monitored = rap.monitor_state is not None or rap.monitor_time is not None
     return RapCoverage(
         rap.name,
         _row(library, rap),
-        tuple([_method(library, method) for method in rap.methods]),
+        tuple([_method_record(library, method) for method in rap.methods]),
         MonitorCoverage() if monitored else None,
     )
 
 
-def _method(library: Library, method: nodes.Method) -> MethodCoverage:
+def _method_record(library: Library, method: nodes.Method) -> MethodCoverage:
     waits: dict[str, WaitCoverage] = {}
-    for wait in waits_of(method):
+    for wait in _waits_of(method):
         waits.setdefault(wait.signal, WaitCoverage(wait.signal, _row(library, wait)))
     asked = None if method.context is None else 0
     return MethodCoverage(
@@ -281,68 +347,264 @@ def _method(library: Library, method: nodes.Method) -> MethodCoverage:
     )
 
 
-def _agenda(library: Library, agenda: nodes.DefineAgenda) -> AgendaCoverage:
-    tasks = [
-        GivenCoverage(format_list(flat(task.goal)), _row(library, task))
-        for task in agenda.tasks
-    ]
-    return AgendaCoverage(agenda.name, _row(library, agenda), tuple(tasks))
+def _waits_of(method: nodes.Method) -> list[nodes.WaitFor]:
+    """Return what a method, or a step of it, waits for, in the order of the text."""
+    if isinstance(method.body, nodes.Skills):
+        return list(method.body.waits)
+    steps = method.body.steps if isinstance(method.body, nodes.TaskNet) else ()
+    notes = [note for step in steps for note in step.annotations]
+    return [note for note in notes if isinstance(note, nodes.WaitFor)]
 
 
-def _alternatives(library: Library) -> Iterator[tuple[str, nodes.Alternative]]:
-    """Yield each query of a rule over memory with what the rule is for."""
-    found: list[tuple[str, tuple[nodes.Rule, ...]]] = [
-        (memory.index.name, case.rules)
-        for memory in library.memory_rules
-        for case in memory.cases
-    ]
-    found += [(event.signal, event.rules) for event in library.event_rules]
-    for name, rules in found:
-        for rule in rules:
-            for alternative in rule.alternatives:
-                yield name, alternative
+def _rules(library: Library) -> Iterator[tuple[str, nodes.Rule]]:
+    """Yield each rule over memory with what it is for."""
+    for memory in library.memory_rules:
+        for case in memory.cases:
+            for rule in case.rules:
+                yield memory.index.name, rule
+    for event in library.event_rules:
+        for rule in event.rules:
+            yield event.signal, rule
 
 
-def _is_monitor(event: events.TaskBlocked | events.TaskWoken) -> bool:
-    """Whether a task waits for its monitors, not for a signal or a thing."""
-    return event.holder is None and not event.on.startswith("(:")
-
-
-_Form = TypeVar("_Form", nodes.DefineRap, nodes.DefineQuery, nodes.DefineAgenda)
-
-
-def _outside_tests(forms: Iterable[_Form]) -> Iterator[_Form]:
-    """Yield the forms that stand in no file of tests."""
-    return (form for form in forms if not form.span.file.endswith(TEST_SUFFIX))
-
-
-def _key(
-    form: nodes.DefineRap | nodes.DefineQuery | nodes.DefineAgenda,
-) -> tuple[str, str]:
-    """Return the file of a form, by one name however it was reached, and its name."""
-    return normpath(form.span.file), form.name
-
-
-_Rowed = TypeVar("_Rowed", RapCoverage, QueryCoverage, AgendaCoverage, RuleCoverage)
-
-
-def _of_file(file: str, table: Mapping[tuple[str, Any], _Rowed]) -> tuple[_Rowed, ...]:
-    """Return what stands in a file in the order of its rows."""
-    found = [one for (where, _), one in table.items() if where == file]
-    return tuple(sorted(found, key=lambda one: one.row))
-
-
-_Placed = (
-    nodes.DefineRap
-    | nodes.Method
-    | nodes.DefineQuery
-    | nodes.DefineAgenda
-    | nodes.GivenTask
-    | nodes.WaitFor
-    | nodes.Alternative
-)
-
-
-def _row(library: Library, node: _Placed) -> int:
+def _row(library: Library, node: nodes.Node) -> int:
     source = library.files.get(node.span.file)
     return 0 if source is None else source.position(node.span.start).row
+
+
+def traced_name(method: nodes.Method) -> str:
+    """Return the name of a method as a trace writes it."""
+    return f"#{method.position}" if method.name is None else str(method.name)
+
+
+def asked_with(library: Library) -> Mapping[Asker, frozenset[str]]:
+    """Return the queries that are asked when a clause is, by whose clause it is.
+
+    The clauses of a RAP are asked when its task is selected, a context when a method
+    is to be chosen, the others of a method once it has been.
+    """
+    found: dict[Asker, set[str]] = {}
+    for rap in library.raps.values():
+        for at in walk.formulas(rap):
+            method = "" if at.method is None else traced_name(at.method)
+            clause = "context" if at.clause.word == "context" else ""
+            named = found.setdefault((rap.name, method, clause), set())
+            named.update(_within(library, at.formula))
+    return {asker: frozenset(named) for asker, named in found.items() if named}
+
+
+def _within(library: Library, formula: nodes.Formula) -> Iterable[str]:
+    """Return the queries that a formula names, and those that these name."""
+    seen: dict[str, None] = {}
+    stack = [formula]
+    while stack:
+        for part in walk.subformulas(stack.pop()):
+            if isinstance(part, nodes.Proposition) and part.name in library.queries:
+                if part.name not in seen:
+                    stack.append(library.queries[part.name].formula)
+                seen[part.name] = None
+    return seen
+
+
+# --- what it comes to -----------------------------------------------------------------
+
+FORMAT = 1
+"""The version of the JSON form."""
+
+COLUMNS = {
+    "methods_chosen": "methods",
+    "contexts_true": "true",
+    "contexts_false": "false",
+    "methods_ended_badly": "bad end",
+    "monitors_woken": "woken",
+    "raps_failed": "failed",
+}
+"""What is summed up, by its name in JSON, with its name in the table."""
+
+OTHERS = {
+    "queries_asked": "queries asked",
+    "agenda_tasks_given": "tasks of agendas given",
+    "constraints_broken": "constraints of methods broken",
+    "waits_heard": "awaited signals heard",
+    "rules_run": "rules run",
+}
+"""What is summed up besides, by its name in JSON, with its name below the table."""
+
+_COUNTED = (
+    "methods_chosen",
+    "contexts_true",
+    "contexts_false",
+    "monitors_woken",
+    "queries_asked",
+    "agenda_tasks_given",
+    "waits_heard",
+    "rules_run",
+)
+"""What a test should show, and `--coverage-min` counts; nothing has to fail."""
+
+_NAME = 24
+
+_NOTHING = "the tests run no library outside of test files"
+
+
+class Share(msgspec.Struct, frozen=True):
+    """How many of how many things were exercised."""
+
+    covered: int
+    of: int
+
+
+def shares(files: Iterable[FileCoverage]) -> dict[str, Share]:
+    """Return what was exercised of some files, by column.
+
+    Methods chosen and methods that ended badly; contexts seen true and seen false;
+    RAPs with a monitor that has woken a task; RAPs of which a task has failed; queries,
+    tasks of agendas, constraints of methods.
+    """
+    of: Counter[str] = Counter()
+    covered: Counter[str] = Counter()
+    for file in files:
+        for column, count in _counts(file):
+            if count is not None:
+                of[column] += 1
+                covered[column] += count > 0
+    return {c: Share(covered[c], of[c]) for c in (*COLUMNS, *OTHERS)}
+
+
+def _counts(file: FileCoverage) -> Iterator[tuple[str, int | None]]:
+    """Yield how often each thing in a file was exercised, with its column."""
+    for rap in file.raps:
+        yield "raps_failed", sum(rap.failed.values())
+        yield "monitors_woken", rap.monitor.woken if rap.monitor is not None else None
+        for method in rap.methods:
+            yield "methods_chosen", method.chosen
+            yield "contexts_true", method.context_true
+            yield "contexts_false", method.context_false
+            yield "methods_ended_badly", method.ended_badly
+            yield "constraints_broken", method.constraints_broken
+            for wait in method.waits:
+                yield "waits_heard", wait.heard
+    for rule in file.rules:
+        yield "rules_run", rule.ran
+    for query in file.queries:
+        yield "queries_asked", query.asked
+    for agenda in file.agendas:
+        for task in agenda.tasks:
+            yield "agenda_tasks_given", task.given
+
+
+def share_in_all(files: Iterable[FileCoverage]) -> Share:
+    """Return how much was exercised of all that a test should show."""
+    found = shares(files)
+    parts = [found[column] for column in _COUNTED]
+    return Share(sum(p.covered for p in parts), sum(p.of for p in parts))
+
+
+def per_cent(share: Share) -> str:
+    """Return a share in words: `87.5 % (35 of 40)`, rounded down."""
+    tenths = 1000 * share.covered // share.of if share.of else 1000
+    return f"{tenths / 10:g} % ({share.covered} of {share.of})"
+
+
+def verdict(files: Sequence[FileCoverage], least: float) -> tuple[bool, str]:
+    """Return whether less is covered than `least` per cent, and a line that says so.
+
+    Where the tests run no library, nothing meets a minimum.
+    """
+    share = share_in_all(files)
+    short = share.covered * 100 < least * share.of or (least > 0 and not files)
+    more = f", less than the {least:g} % that are asked for" if short else ""
+    return short, f"coverage: {per_cent(share) if files else _NOTHING}{more}"
+
+
+def as_json(files: Sequence[FileCoverage]) -> bytes:
+    """Everything that was counted, with what it comes to for each file and in all."""
+    listed = [
+        {
+            "file": one.file,
+            "covered": shares([one]),
+            "raps": one.raps,
+            "queries": one.queries,
+            "agendas": one.agendas,
+            "rules": one.rules,
+        }
+        for one in files
+    ]
+    whole = shares(files)
+    told = {"format": FORMAT, "covered": whole, "files": listed}
+    return msgspec.json.format(msgspec.json.encode(told), indent=2) + b"\n"
+
+
+def table(files: Sequence[FileCoverage]) -> Iterator[str]:
+    """A line for each file, one for all, and what each RAP still lacks."""
+    if not files:
+        yield f"coverage: {_NOTHING}"
+        return
+    yield _line("coverage", COLUMNS.values())
+    for one in files:
+        yield _line(one.file, _told(shares([one])))
+    whole = shares(files)
+    if len(files) > 1:
+        yield _line("all", _told(whole))
+    others = [
+        f"{words}: {whole[column].covered}/{whole[column].of}"
+        for column, words in OTHERS.items()
+        if whole[column].of
+    ]
+    if others:
+        yield "; ".join(others)
+    reasons: Counter[str] = Counter()
+    for rap in (rap for one in files for rap in one.raps):
+        reasons.update(rap.failed)
+    if reasons:
+        listed = ", ".join(f"{reason} {reasons[reason]}" for reason in sorted(reasons))
+        yield f"tasks failed: {listed}"
+    for one in files:
+        yield from _lacking_in(one)
+
+
+def _lacking_in(file: FileCoverage) -> Iterator[str]:
+    """Yield what no test has shown of what a file defines."""
+    for rap in file.raps:
+        lacking = "; ".join(_lacking(rap))
+        if lacking:
+            yield f"{file.file}:{rap.row} {rap.name}: {lacking}"
+    for query in file.queries:
+        if not query.asked:
+            yield f"{file.file}:{query.row} {query.name}: never asked"
+    for rule in file.rules:
+        if not rule.ran:
+            yield f"{file.file}:{rule.row} rule for {rule.name}: never run"
+    for agenda in file.agendas:
+        for task in agenda.tasks:
+            if not task.given:
+                place = f"{file.file}:{task.row}"
+                yield f"{place} {agenda.name}: never given {task.goal}"
+
+
+def _line(name: str, cells: Iterable[str]) -> str:
+    """A name, cut at its front, and numbers below one another: 79 columns."""
+    name = name if len(name) <= _NAME else "…" + name[1 - _NAME :]
+    return f"{name:<{_NAME}}" + "".join(f"{cell:>9}" for cell in cells)
+
+
+def _told(found: Mapping[str, Share]) -> list[str]:
+    told = [found[column] for column in COLUMNS]
+    return [f"{s.covered}/{s.of}" if s.of else "-" for s in told]
+
+
+def _lacking(rap: RapCoverage) -> Iterator[str]:
+    """Yield what no test has shown of a RAP; that nothing failed is not among it."""
+    lacks = (
+        ("never chosen", [m.name for m in rap.methods if not m.chosen]),
+        ("context never true", [m.name for m in rap.methods if m.context_true == 0]),
+        ("context never false", [m.name for m in rap.methods if m.context_false == 0]),
+    )
+    for what, names in lacks:
+        if names:
+            yield f"{what} {' '.join(names)}"
+    unheard = [w.signal for m in rap.methods for w in m.waits if not w.heard]
+    if unheard:
+        yield f"never heard {' '.join(unheard)}"
+    if rap.monitor is not None and not rap.monitor.woken:
+        yield "monitor never woken"

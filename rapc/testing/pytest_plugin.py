@@ -1,7 +1,7 @@
 """The pytest plug-in: collects `*.test.rap`, one item for each `define-test`.
 
 pytest loads this module in every run, so nothing of rapc is imported before a file is
-found. The items are in `rapc.console.testing.pytest_items`.
+found. The items are in `rapc.console.testing.under_pytest`.
 """
 
 from __future__ import annotations
@@ -15,9 +15,7 @@ if TYPE_CHECKING:
 
 SUFFIX = ".test.rap"
 
-
-COVERAGE = "rap_coverage"
-"""The name under which the configuration has what the tests exercise, if asked for."""
+_ITEMS = "rapc.console.testing.under_pytest"
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -39,8 +37,8 @@ def pytest_collect_file(
     """A collector for a file of tests; None for any other file."""
     if not file_path.name.endswith(SUFFIX):
         return None
-    items = import_module("rapc.console.testing.pytest_items")
-    collector: pytest.Collector = items.RapFile.from_parent(parent, path=file_path)
+    made = import_module(_ITEMS).RapFile.from_parent(parent, path=file_path)
+    collector: pytest.Collector = made
     return collector
 
 
@@ -48,5 +46,4 @@ def pytest_configure(config: pytest.Config) -> None:
     """Have coverage gathered and told, where one of the options asks for it."""
     options = (config.option.rap_coverage, config.option.rap_coverage_min)
     if options != (None, None):
-        told = import_module("rapc.console.testing.pytest_coverage")
-        config.pluginmanager.register(told.PytestCoverage(config), COVERAGE)
+        import_module(_ITEMS).gather_coverage(config)

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from rapc.console.testing.coverage_table import COLUMNS
 from rapc.language.heads import TEST_CLAUSES, rules_by_head
 from rapc.parser.special import tests
 from rapc.parser.special.expectations import EXPECTATIONS
+from rapc.testing.coverage import COLUMNS
 
 from ..cli.command import rapc
 

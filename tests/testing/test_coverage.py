@@ -11,15 +11,16 @@ from pathlib import Path
 import pytest
 
 from rapc.cli.main import main
-from rapc.console.testing.coverage_table import (
+from rapc.testing import discover
+from rapc.testing.coverage import (
+    Coverage,
+    FileCoverage,
     Share,
     as_json,
     share_in_all,
     table,
     verdict,
 )
-from rapc.testing import discover
-from rapc.testing.coverage import Coverage, FileCoverage
 from rapc.testing.session import TestSession
 from tests.cli.command import rapc as command
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from xml.etree import ElementTree
 
-from rapc.console.testing.junit import as_junit
+from rapc.console.testing.explain import as_junit
 
 from .small_suite import run
 

@@ -5,9 +5,11 @@ The same lines go to a terminal (`rapc.cli.test`), to pytest and into JUnit file
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from itertools import groupby
 
 from rapc.base.source import SourceFile, Span, place
+from rapc.console.junit import JUnitCase, junit
 from rapc.console.lines import Line
 from rapc.testing.run import Outcome, Status, Unmet
 
@@ -40,6 +42,22 @@ def failure_lines(outcome: Outcome) -> Iterator[Line]:
         yield Line("text", "  the last cycles:")
         for text in outcome.trace:
             yield Line("trace", "  " + text)
+
+
+def as_junit(outcomes: Iterable[Outcome]) -> bytes:
+    """Return outcomes as JUnit XML in UTF-8: one suite for each file."""
+    grouped = groupby(outcomes, key=lambda outcome: outcome.case.test.span.file)
+    suites = [(file, list(map(_junit_case, group))) for file, group in grouped]
+    return junit("rapc", suites).encode()
+
+
+def _junit_case(outcome: Outcome) -> JUnitCase:
+    name = outcome.case.test.name
+    if outcome.status is Status.PASSED:
+        return JUnitCase(name)
+    kind = "error" if outcome.status is Status.ERROR else "failure"
+    lines = (test_title(outcome), *[line.text for line in failure_lines(outcome)])
+    return JUnitCase(name, kind, {"message": reason(outcome)}, "\n".join(lines))
 
 
 def _happened(failure: Unmet, wrong: bool) -> Iterator[Line]:

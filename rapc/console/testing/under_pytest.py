@@ -1,4 +1,4 @@
-"""What pytest collects and runs: files of tests, and each `define-test` in them."""
+"""What pytest collects and runs: files of tests, each `define-test`, their coverage."""
 
 from __future__ import annotations
 
@@ -9,12 +9,20 @@ from typing import Any
 
 import pytest
 
+from rapc.base.outputs import COVERAGE, check_output
 from rapc.console.findings import concise
 from rapc.console.testing import explain
-from rapc.errors import Error
-from rapc.testing import discover
-from rapc.testing.pytest_plugin import COVERAGE
+from rapc.errors import Error, WriteError
+from rapc.testing import coverage, discover
 from rapc.testing.run import Case, Outcome, Status, run_case
+
+_COVERAGE = "rap_coverage"
+"""The name under which pytest knows what gathers coverage, if it is asked for."""
+
+
+def gather_coverage(config: pytest.Config) -> None:
+    """Have coverage gathered in a session, and told at its end."""
+    config.pluginmanager.register(PytestCoverage(config), _COVERAGE)
 
 
 class RapFile(pytest.File):
@@ -65,7 +73,7 @@ class RapTest(pytest.Item):
     def runtest(self) -> None:
         """Run it. Raises RapTestFailure if it does not pass."""
         modules: list[str] = self.config.getini("rap_world_modules")
-        told = self.config.pluginmanager.get_plugin(COVERAGE)
+        told = self.config.pluginmanager.get_plugin(_COVERAGE)
         gathered = None if told is None else told.gathered
         outcome = run_case(self.case, coverage=gathered, modules=modules)
         if outcome.status is not Status.PASSED:
@@ -105,3 +113,52 @@ def _shown(
         shown.reprcrash.path, shown.reprcrash.lineno = where
         shown.reprcrash.message = reason
     return shown
+
+
+class PytestCoverage:
+    """Gathers the coverage of one session of pytest, and tells it at the end.
+
+    Args:
+        config: says where it is written, and how much is asked for.
+
+    Raises:
+        UsageError: where several processes run the tests, each of which would see a
+            part, and for a file that may not be written.
+    """
+
+    def __init__(self, config: pytest.Config) -> None:
+        if getattr(config.option, "numprocesses", None) or hasattr(
+            config, "workerinput"
+        ):
+            raise pytest.UsageError("--rap-coverage needs all tests in one process")
+        self.gathered = coverage.Coverage()
+        self._file: str | None = config.option.rap_coverage
+        if self._file:
+            try:
+                check_output(self._file, COVERAGE)
+            except WriteError as error:
+                raise pytest.UsageError(
+                    f"--rap-coverage: {error.message}; {error.help}"
+                ) from None
+        self._least: float | None = config.option.rap_coverage_min
+
+    @pytest.hookimpl(trylast=True)
+    def pytest_sessionfinish(self, session: pytest.Session) -> None:
+        """Write the file, and fail a session that falls short of what is asked for."""
+        files = self.gathered.files()
+        if self._file:
+            Path(self._file).write_bytes(coverage.as_json(files))
+        short = coverage.verdict(files, self._least or 0)[0]
+        if short and session.exitstatus == pytest.ExitCode.OK:
+            session.exitstatus = pytest.ExitCode.TESTS_FAILED
+
+    def pytest_terminal_summary(
+        self, terminalreporter: pytest.TerminalReporter
+    ) -> None:
+        """Say what `rapc test --coverage` would say."""
+        files = self.gathered.files()
+        terminalreporter.section("coverage of RAP libraries")
+        for line in coverage.table(files):
+            terminalreporter.write_line(line)
+        if self._least is not None:
+            terminalreporter.write_line(coverage.verdict(files, self._least)[1])
