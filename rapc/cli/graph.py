@@ -21,7 +21,7 @@ from rapc.cli.run_options import prepared, read_spec, run_options
 from rapc.ir import nodes
 from rapc.library.library import Library
 from rapc.spec import RunSpec
-from rapc.worlds.skills.drawing import Networked
+from rapc.worlds.skills.world import SkillWorld
 
 EXAMPLES = """\b
 Examples:
@@ -121,7 +121,7 @@ def _network(path: str, world_name: str, moment: float, spec: RunSpec) -> Graph:
     """Return the network of skills at a time of a run; else end the command."""
     ready = prepared(load_checked(path), spec, world_name)
     world = inspect.unwrap(ready.world)  # type: ignore[arg-type]  # an object, too
-    if not isinstance(world, Networked):
+    if not isinstance(world, SkillWorld):
         fail(f"the world `{world.name}` has no network of skills to be drawn")
     found: list[Graph] = []
     run, time = ready.begin(), number(moment)

@@ -62,7 +62,7 @@ NETWORK = Style(
     ),
     "no skill is on",
 )
-"""Networks of skills, see `rapc.worlds.skills.drawing`."""
+"""Networks of skills, see `rapc.worlds.skills.network`."""
 
 
 def dot(graph: Graph, style: Style) -> str:

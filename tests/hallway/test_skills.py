@@ -16,7 +16,6 @@ from rapc.worlds.hallway.map_text import read_map
 from rapc.worlds.hallway.skills.all import catalogue
 from rapc.worlds.hallway.state import HallwaySettings
 from rapc.worlds.skills.catalogue import SkillRequest
-from rapc.worlds.skills.drawing import draw
 from tests.effort import first
 from tests.hallway.driver import (
     EAST,
@@ -118,7 +117,7 @@ def test_a_blocked_hall_is_told_from_its_end() -> None:
 def test_the_network_of_figure_5_has_its_boxes() -> None:
     driver = Driver()
     driver.on(*FOLLOW_HALL, events=("end-o-hall", "hall-blocked"))
-    drawing = draw(driver.sim.runtime)
+    drawing = driver.sim.runtime.network.graph()
     kinds = {box.label: box.kind for box in drawing.vertices}
     assert kinds == {
         "sonar": "sensor",

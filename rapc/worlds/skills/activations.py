@@ -7,14 +7,14 @@ with an input that nothing writes.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 
 import msgspec
 
 from rapc.base.values import Atom, Text, number
 from rapc.world import Refused
 from rapc.worlds.skills.catalogue import Catalogue, SkillRequest
-from rapc.worlds.skills.declarations import Skill
+from rapc.worlds.skills.declarations import NetworkNode
 from rapc.worlds.skills.network import Member, WiringError, wire
 
 
@@ -41,13 +41,29 @@ def members_of(
     """
     members: dict[str, Member] = {}
     for activation in activations:
-        for request in activation.skills:
-            entry = catalogue.entries[request.skill]
-            names = [parameter.name for parameter in entry.parameters]
-            given = dict(zip(names, request.arguments, strict=True))
-            for part in catalogue.parts(request.skill):
-                _make(part, given, activation.events, old, members)
+        for key, node, arguments, host in _wanted(catalogue, activation):
+            if key not in members:
+                made = old[key].node if key in old else node(arguments)
+                members[key] = Member(key, made, host)
+            if activation.ticket not in members[key].tickets:
+                members[key].tickets.append(activation.ticket)
     return members
+
+
+def _wanted(
+    catalogue: Catalogue, activation: ActiveSkills
+) -> Iterator[tuple[str, type[NetworkNode], Mapping[str, Atom], str | None]]:
+    """Yield key, class, arguments and host of what an activation is made of."""
+    for request in activation.skills:
+        names = [one.name for one in catalogue.entries[request.skill].parameters]
+        given = dict(zip(names, request.arguments, strict=True))
+        for part in catalogue.parts(request.skill):
+            arguments = {one.name: given[one.name] for one in part.parameters}
+            key = " ".join([part.name, *map(written, arguments.values())])
+            yield key, part, arguments, None
+            for event in part.events:
+                if event.name in activation.events:
+                    yield f"{event.name} of {key}", event, arguments, key
 
 
 def refusal(
@@ -60,7 +76,25 @@ def refusal(
         under_way: the activations that are on, in the order they came on.
         new: the one that is to come on.
     """
-    return _fault(catalogue, new) or _conflict(catalogue, list(under_way), new)
+    may: set[str] = set()
+    for request in new.skills:
+        if wrong := catalogue.fault(request):
+            return Refused(reason=wrong)
+        may.update(catalogue.describe(request.skill).events)
+    for event in new.events:
+        if event not in may:
+            return Refused(reason=f"none of these skills tells `{event}`")
+    for on in ([new], [*under_way, new]):
+        members = members_of(catalogue, on, {})
+        try:
+            _check_things(members.values())
+            wire(catalogue, list(members.values()))
+        except WiringError as error:
+            others = [members[key].tickets for key in error.skills if key in members]
+            in_the_way = {t for ts in others if new.ticket not in ts for t in ts}
+            tickets = [one.ticket for one in on if one.ticket in in_the_way]
+            return Refused(tuple(tickets), str(error))
+    return None
 
 
 def written(value: Atom) -> str:
@@ -70,69 +104,14 @@ def written(value: Atom) -> str:
     return value if isinstance(value, str) else str(number(value))
 
 
-def _fault(catalogue: Catalogue, new: ActiveSkills) -> Refused | None:
-    """Return why an activation could never come on, whatever is under way."""
-    may: set[str] = set()
-    for request in new.skills:
-        if wrong := catalogue.fault(request):
-            return Refused(reason=wrong)
-        may.update(catalogue.describe(request.skill).events)
-    for event in new.events:
-        if event not in may:
-            return Refused(reason=f"none of these skills tells `{event}`")
-    try:
-        _check(catalogue, [new])
-    except WiringError as error:
-        return Refused(reason=str(error))
-    return None
-
-
-def _conflict(
-    catalogue: Catalogue, under_way: Sequence[ActiveSkills], new: ActiveSkills
-) -> Refused | None:
-    """Return in whose way an activation would be, if in anybody's."""
-    try:
-        _check(catalogue, [*under_way, new])
-    except WiringError as error:
-        others = set(error.skills) - set(members_of(catalogue, [new], {}))
-        tickets = tuple(
-            activation.ticket
-            for activation in under_way
-            if others & set(members_of(catalogue, [activation], {}))
-        )
-        return Refused(tickets, str(error))
-    return None
-
-
-def _check(catalogue: Catalogue, activations: Iterable[ActiveSkills]) -> None:
-    """Raise WiringError if skills use one thing or cannot be wired."""
-    members = members_of(catalogue, activations, {})
+def _check_things(members: Iterable[Member]) -> None:
+    """Raise WiringError if two skills use one thing."""
     users: dict[str, str] = {}
-    for member in members.values():
-        if isinstance(member.node, Skill):
-            for thing in member.node.uses:
-                other = users.setdefault(thing, member.key)
-                if other != member.key:
-                    raise WiringError(
-                        f"`{other}` and `{member.key}` both use `{thing}`",
-                        (other, member.key),
-                    )
-    wire(catalogue, list(members.values()))
-
-
-def _make(
-    part: type[Skill],
-    given: Mapping[str, Atom],
-    events: Sequence[str],
-    old: Mapping[str, Member],
-    members: dict[str, Member],
-) -> None:
-    """Put a single skill and its events among the members, unless it is there."""
-    arguments = {p.name: given[p.name] for p in part.parameters}
-    key = " ".join([part.name, *map(written, arguments.values())])
-    if key not in members:
-        members[key] = old.get(key) or Member(key, part(arguments))
-    for event in part.events:
-        told = f"{event.name} of {key}"
-        if event.name in events and told not in members:
-            members[told] = old.get(told) or Member(told, event(arguments), key)
+    for member in members:
+        for thing in getattr(member.node, "uses", ()):
+            other = users.setdefault(thing, member.key)
+            if other != member.key:
+                raise WiringError(
+                    f"`{other}` and `{member.key}` both use `{thing}`",
+                    (other, member.key),
+                )

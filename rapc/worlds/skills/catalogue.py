@@ -7,7 +7,7 @@ parameter of its parts. What depends on which skills are active is left to `netw
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 import msgspec
@@ -15,11 +15,8 @@ import msgspec
 from rapc.base.values import Atom
 from rapc.worlds.skills.checks import (
     CatalogueError,
-    check_arbiter,
     check_entry,
     check_list,
-    check_together,
-    label_of,
 )
 from rapc.worlds.skills.declarations import (
     KINDS,
@@ -32,7 +29,9 @@ from rapc.worlds.skills.declarations import (
     Skill,
     as_input,
     first_line,
+    label_of,
 )
+from rapc.worlds.skills.network import Member, WiringError, wire
 
 
 class SkillRequest(msgspec.Struct, frozen=True):
@@ -75,10 +74,15 @@ class Catalogue:
     ) -> None:
         self.sensors = check_list("sensors", sensors, Channel, "channels")
         self.actuators = check_list("actuators", actuators, Channel, "channels")
-        self.arbiters: Mapping[Channel[Any], Arbiter] = {
-            check_arbiter(arbiter): arbiter
-            for arbiter in check_list("arbiters", arbiters, Arbiter, "arbiters")
-        }
+        #: Who decides on a channel that several skills may write.
+        self.arbiters: dict[Channel[Any], Arbiter] = {}
+        for arbiter in check_list("arbiters", arbiters, Arbiter, "arbiters"):
+            channel = getattr(arbiter, "channel", None)
+            if not isinstance(channel, Channel):
+                raise CatalogueError(
+                    f"the class {type(arbiter).__name__} has no `channel`"
+                )
+            self.arbiters[channel] = arbiter
         #: What a library may enable, by name.
         self.entries: dict[str, type[Skill] | Compound] = {}
         for entry in check_list("skills", skills, object, "skills"):
@@ -96,9 +100,7 @@ class Catalogue:
         for entry in self.entries.values():
             if isinstance(entry, Compound):
                 self._check_compound(entry)
-            parts = self.parts(entry.name)
-            singles = self._single_skills()
-            check_together(parts, singles, self.sensors, self.arbiters)
+            self._check_wiring(self.parts(entry.name))
 
     def parts(self, name: str) -> tuple[type[Skill], ...]:
         """Return the single skills that `name` stands for.
@@ -218,3 +220,25 @@ class Catalogue:
                         f"`{wanted.name}` of `{compound.name}` is not what its part "
                         f"`{part.name}` takes"
                     )
+
+    def _check_wiring(self, parts: Sequence[type[Skill]]) -> None:
+        """Wire a skill, or the parts of one, with those that alone write what it reads.
+
+        Raises:
+            CatalogueError: if they cannot be wired, whatever else comes on.
+        """
+        on = dict.fromkeys(parts)
+        queue = list(parts)
+        for skill in queue:  # it grows meanwhile
+            for read in map(as_input, skill.inputs):
+                channel, needed = read.channel, not (read.optional or read.delayed)
+                if needed and not channel.own and channel not in self.sensors:
+                    singles = self._single_skills()
+                    writers = [one for one in singles if channel in one.outputs]
+                    if len(writers) == 1 and writers[0] not in on:
+                        on[writers[0]] = None
+                        queue.append(writers[0])
+        try:
+            wire(self, [Member(skill.name, skill) for skill in on], trial=True)
+        except WiringError as error:
+            raise CatalogueError(str(error)) from error

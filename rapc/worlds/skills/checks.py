@@ -7,14 +7,12 @@ told the class and what it lacks.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
-from graphlib import CycleError, TopologicalSorter
+from collections.abc import Iterable, Mapping
 from typing import Any, TypeVar
 
 import msgspec
 
 from rapc.worlds.skills.declarations import (
-    Arbiter,
     Channel,
     Compound,
     Event,
@@ -22,7 +20,6 @@ from rapc.worlds.skills.declarations import (
     NetworkNode,
     Parameter,
     Skill,
-    as_input,
 )
 
 T = TypeVar("T")
@@ -41,11 +38,6 @@ _TUPLES: Mapping[str, tuple[tuple[type, ...], str]] = {
 
 class CatalogueError(ValueError):
     """Declarations of skills that cannot work together."""
-
-
-def label_of(node: type[NetworkNode]) -> str:
-    """Return how messages name a skill or an event: by its name and its class."""
-    return f"`{node.name}` ({node.__name__})"
 
 
 def check_list(
@@ -73,14 +65,6 @@ def check_list(
         if not isinstance(one, types):
             raise CatalogueError(f"{owner} has {word}, not {one!a:.60}")
     return listed
-
-
-def check_arbiter(arbiter: Arbiter) -> Channel[Any]:
-    """Return the channel of an arbiter. Raises CatalogueError if it names none."""
-    channel = getattr(arbiter, "channel", None)
-    if not isinstance(channel, Channel):
-        raise CatalogueError(f"the class {type(arbiter).__name__} has no `channel`")
-    return channel
 
 
 def check_entry(entry: object) -> None:
@@ -151,70 +135,3 @@ def _check_tuple(owner: str, what: str, given: object) -> None:
 
 def _no_tuple(owner: str, what: str) -> str:
     return f"`{what}` of {owner} is no tuple; one of a single thing has a comma: (x,)"
-
-
-def check_together(
-    parts: Sequence[type[Skill]],
-    singles: Iterable[type[Skill]],
-    known: Iterable[Channel[Any]],
-    decided: Iterable[Channel[Any]],
-) -> None:
-    """See that skills can come on, with those that alone write what they read.
-
-    Args:
-        parts: a skill, or the parts of a compound.
-        singles: all skills there are.
-        known: what is written without a skill, by sensors.
-        decided: channels that several skills may write, for they have an arbiter.
-
-    Raises:
-        CatalogueError: if two of them write one channel without an arbiter, or they
-            read each other in a circle without a delay.
-    """
-    singles, sensed, arbitrated = tuple(singles), set(known), set(decided)
-    on = dict.fromkeys(parts)
-    queue = list(parts)
-    for skill in queue:  # it grows meanwhile
-        for channel in _needed(skill):
-            writers = [one for one in singles if channel in one.outputs]
-            if channel not in sensed and len(writers) == 1 and writers[0] not in on:
-                on[writers[0]] = None
-                queue.append(writers[0])
-    writer: dict[Channel[Any], type[Skill]] = {}
-    for skill in on:
-        for channel in skill.outputs:
-            other = writer.setdefault(channel, skill)
-            if other is not skill and not channel.own and channel not in arbitrated:
-                raise CatalogueError(
-                    f"{label_of(other)} and {label_of(skill)}, which come on together, "
-                    f"both write `{channel.name}`"
-                )
-    _check_circles(on, writer, sensed)
-
-
-def _needed(skill: type[Skill]) -> Iterable[Channel[Any]]:
-    for read in map(as_input, skill.inputs):
-        if not (read.optional or read.delayed or read.channel.own):
-            yield read.channel
-
-
-def _check_circles(
-    on: Iterable[type[Skill]],
-    writer: Mapping[Channel[Any], type[Skill]],
-    sensed: set[Channel[Any]],
-) -> None:
-    before: dict[type[Skill], list[type[Skill]]] = {
-        skill: [
-            writer[read.channel]
-            for read in map(as_input, skill.inputs)
-            if read.channel in writer
-            and not read.delayed
-            and read.channel not in sensed
-        ]
-        for skill in on
-    }
-    try:
-        TopologicalSorter(before).prepare()
-    except CycleError as error:
-        circle = " reads ".join(map(label_of, reversed(error.args[1])))
-        raise CatalogueError(f"{circle}, without a delay") from error

@@ -224,6 +224,11 @@ class NetworkNode:
         self.state: Any = self.State()
 
 
+def label_of(node: type[NetworkNode]) -> str:
+    """Return how messages name a class of skills or events: by name and class."""
+    return f"`{node.name}` ({node.__name__})"
+
+
 class Event(NetworkNode):
     """A test on channels that tells the RAP system when it comes out true [S 2].
 

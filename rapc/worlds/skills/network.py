@@ -10,25 +10,28 @@ was written a tick ago.
 
 The order is that of activation wherever wiring leaves it open, so that two runs with
 the same activations step their skills alike.
+
+A catalogue wires its classes on trial, so nothing else checks a wiring.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
-import msgspec
-
-from rapc.worlds.skills.catalogue import Catalogue
+from rapc.base.graph import Edge, Graph, Vertex
 from rapc.worlds.skills.declarations import (
     Arbiter,
     Channel,
     Event,
-    NetworkNode,
     Ports,
-    Skill,
     as_input,
+    label_of,
 )
+
+if TYPE_CHECKING:
+    from rapc.worlds.skills.catalogue import Catalogue
 
 
 class WiringError(ValueError):
@@ -40,65 +43,78 @@ class WiringError(ValueError):
         self.skills = tuple(skills)
 
 
+@dataclass(slots=True)
 class Member:
-    """A skill or an event in a network."""
+    """A skill or an event in a network; on trial a class of skills."""
 
-    __slots__ = ("host", "key", "node", "ports")
+    #: Name and arguments: equal for what runs once.
+    key: str
+    node: Any
+    #: The key of an event's skill; None for a skill.
+    host: str | None = None
+    #: The activations that have the skill, or are told the event, oldest first.
+    tickets: list[int] = field(default_factory=list)
+    ports: Ports = field(init=False)
 
-    def __init__(self, key: str, node: NetworkNode, host: str | None = None) -> None:
-        #: Name and arguments: equal for what runs once.
-        self.key = key
-        self.node = node
-        #: The key of an event's skill; None for a skill.
-        self.host = host
-        self.ports: Ports
+    @property
+    def label(self) -> str:
+        """Return how messages name the skill or the event."""
+        return label_of(self.node) if isinstance(self.node, type) else f"`{self.key}`"
+
+    @property
+    def outputs(self) -> Sequence[Channel[Any]]:
+        """Return the channels that a skill writes; an event writes none."""
+        return getattr(self.node, "outputs", ())
 
 
-class Link(msgspec.Struct, frozen=True, order=True):
-    """A channel on its way from one end to another, ends by key."""
+@dataclass(slots=True)
+class Arbitration:
+    """The work of an arbiter in a network: many slots into one."""
 
-    start: str
-    end: str
-    channel: str
-    delayed: bool = False
+    arbiter: Arbiter
+    slots: tuple[str, ...]
 
 
+@dataclass(slots=True)
 class Network:
     """Members that have been wired, in the order in which they run.
 
     `values` is what the channels hold: the world puts in what its sensors say.
     """
 
-    __slots__ = ("arbiters", "delayed", "edges", "order", "sensors", "values")
+    #: What the channels hold in this tick, by slot.
+    values: dict[str, Any] = field(default_factory=dict)
+    #: Skills, events and arbiters by key, in the order in which they run.
+    order: dict[str, Member | Arbitration] = field(default_factory=dict)
+    edges: list[Edge] = field(default_factory=list)
+    #: The sensors that anything reads.
+    sensors: list[Channel[Any]] = field(default_factory=list)
+    #: Channels whose value is kept for the next tick.
+    delayed: list[Channel[Any]] = field(default_factory=list)
 
-    def __init__(self) -> None:
-        #: What the channels hold in this tick, by slot.
-        self.values: dict[str, Any] = {}
-        #: Skills and events, and arbiters as the slots they read and the one they
-        #: write, in the order in which they run.
-        self.order: list[Member | Arbitration] = []
-        #: Who writes a channel that has an arbiter, by the channel's name.
-        self.arbiters: dict[str, tuple[str, ...]] = {}
-        self.edges: list[Link] = []
-        #: The sensors that anything reads.
-        self.sensors: list[Channel[Any]] = []
-        #: Channels whose value is kept for the next tick.
-        self.delayed: list[Channel[Any]] = []
+    def graph(self) -> Graph:
+        """Return the network to be drawn, from sensors to actuators and events.
+
+        A vertex is of the kind `sensor`, `skill`, `event`, `arbiter` or `actuator`; an
+        edge is labelled with its channel. Where nothing is active there are neither.
+        """
+        kinds = {channel.name: "sensor" for channel in self.sensors}
+        for key, member in self.order.items():
+            kinds[key] = "skill"
+            if isinstance(member, Arbitration):
+                kinds[key] = "arbiter"
+            elif isinstance(member.node, Event):
+                kinds[key] = "event"
+        for edge in self.edges:
+            kinds.setdefault(edge.target, "actuator")
+        vertices = [Vertex(key, kind, _label(key, kind)) for key, kind in kinds.items()]
+        return Graph("skills", tuple(vertices), tuple(self.edges))
 
 
-class Arbitration:
-    """The work of an arbiter in a network: many slots into one."""
-
-    __slots__ = ("arbiter", "slots")
-
-    def __init__(self, arbiter: Arbiter, slots: tuple[str, ...]) -> None:
-        self.arbiter = arbiter
-        self.slots = slots
-
-    @property
-    def key(self) -> str:
-        """Return the name under which the arbiter stands in edges."""
-        return f"arbiter of {self.arbiter.channel.name}"
+def _label(key: str, kind: str) -> str:
+    if kind == "event":
+        return key.partition(" of ")[0]
+    return key.removesuffix(" (actuator)")
 
 
 def late(channel: Channel[Any]) -> str:
@@ -106,14 +122,21 @@ def late(channel: Channel[Any]) -> str:
     return f"{channel.name} before"
 
 
-def wire(catalogue: Catalogue, members: Sequence[Member]) -> Network:
+def wire(
+    catalogue: Catalogue, members: Sequence[Member], *, trial: bool = False
+) -> Network:
     """Return the network of `members`; their ports lead into it from now on.
+
+    Args:
+        catalogue: the sensors, actuators and arbiters.
+        members: the skills and events.
+        trial: whether other skills may still come on and write what is read.
 
     Raises:
         WiringError: if an input has no writer, a channel several without an arbiter,
             or skills read each other in a circle without a delay.
     """
-    wiring = _Wiring(catalogue, members)
+    wiring = _Wiring(catalogue, members, trial)
     for member in members:
         wiring.connect(member)
     wiring.finish()
@@ -123,55 +146,61 @@ def wire(catalogue: Catalogue, members: Sequence[Member]) -> Network:
 class _Wiring:
     """One call of `wire`."""
 
-    def __init__(self, catalogue: Catalogue, members: Sequence[Member]) -> None:
+    def __init__(
+        self, catalogue: Catalogue, members: Sequence[Member], trial: bool
+    ) -> None:
         self.catalogue = catalogue
-        self.members = members
+        self.trial = trial
         self.network = Network()
         self.sensors = {channel.name for channel in catalogue.sensors}
-        self.writers = self._find_writers()
+        self.members: dict[str, Member | Arbitration] = {m.key: m for m in members}
+        self.writers = self._find_writers(members)
         #: What each member has to come after.
         self.before: dict[str, list[str]] = {member.key: [] for member in members}
 
-    def _find_writers(self) -> Mapping[Channel[Any], list[str]]:
-        """The keys of the skills that write each shared channel, if allowed."""
+    def _find_writers(self, members: Sequence[Member]) -> dict[Channel[Any], list[str]]:
+        """Return the keys of the skills that write each shared channel, if allowed."""
         writers: dict[Channel[Any], list[str]] = {}
-        for member in self.members:
-            for channel in _outputs(member.node):
+        for member in members:
+            for channel in member.outputs:
                 if not channel.own:
                     writers.setdefault(channel, []).append(member.key)
+        together = ", which come on together," if self.trial else ""
         for channel, keys in writers.items():
             if len(keys) > 1 and channel not in self.catalogue.arbiters:
-                both = " and ".join(f"`{key}`" for key in keys[:2])
-                raise WiringError(f"{both} both write `{channel.name}`", keys)
+                both = " and ".join(map(self._named, keys[:2]))
+                told = f"{both}{together} both write `{channel.name}`"
+                raise WiringError(told, keys)
         return writers
+
+    def _named(self, key: str) -> str:
+        """Return how messages name a member or an arbiter."""
+        member = self.members[key]
+        return member.label if isinstance(member, Member) else f"`{key}`"
 
     def connect(self, member: Member) -> None:
         """Give `member` its ports, and note its edges."""
-        reads: dict[Channel[Any], str] = {}
-        for reads_ in member.node.inputs:
-            wanted = as_input(reads_)
-            slot, start = self._source(member, wanted.channel)
-            if start is None and not (wanted.optional or wanted.delayed):
+        network, reads = self.network, {}
+        for wanted in map(as_input, member.node.inputs):
+            channel = wanted.channel
+            slot, start = self._source(member, channel)
+            needed = not (wanted.optional or wanted.delayed or self.trial)
+            if start is None and needed:
                 raise WiringError(
-                    f"`{member.key}` reads `{wanted.channel.name}`, which no skill "
+                    f"{member.label} reads `{channel.name}`, which no skill "
                     "that comes on with it writes"
                 )
-            reads[wanted.channel] = late(wanted.channel) if wanted.delayed else slot
+            reads[channel] = late(channel) if wanted.delayed else slot
             if start is None:
                 continue
-            self.network.edges.append(
-                Link(start, member.key, wanted.channel.name, wanted.delayed)
-            )
-            if wanted.delayed:
-                if wanted.channel not in self.network.delayed:
-                    self.network.delayed.append(wanted.channel)
-            elif start not in self.sensors:
+            network.edges.append(Edge(start, member.key, channel.name, wanted.delayed))
+            if wanted.delayed and channel not in network.delayed:
+                network.delayed.append(channel)
+            if not wanted.delayed and start not in self.sensors:
                 self.before[member.key].append(start)
-        writes = {
-            channel: self._slot(member, channel) for channel in _outputs(member.node)
-        }
+        writes = {channel: self._slot(member, channel) for channel in member.outputs}
         node = f"`{member.key}` ({type(member.node).__name__})"
-        member.ports = Ports(node, self.network.values, reads, writes)
+        member.ports = Ports(node, network.values, reads, writes)
 
     def _slot(self, member: Member, channel: Channel[Any]) -> str:
         """Return where a skill writes one of its outputs."""
@@ -180,60 +209,49 @@ class _Wiring:
         return channel.name
 
     def _source(self, member: Member, channel: Channel[Any]) -> tuple[str, str | None]:
-        """The slot that a member reads for a channel, and who writes it, if any."""
+        """Return the slot that a member reads for a channel, and who writes it."""
         if channel.own:
             return f"{channel.name} of {member.host}", member.host
         if channel.name in self.sensors:
             if channel not in self.network.sensors:
                 self.network.sensors.append(channel)
             return channel.name, channel.name
+        return channel.name, self._writer(channel)
+
+    def _writer(self, channel: Channel[Any]) -> str | None:
+        """Return the key of the skill, or the arbiter, that writes a channel."""
         keys = self.writers.get(channel)
-        if not keys:
-            return channel.name, None
-        if channel in self.catalogue.arbiters:
-            return channel.name, f"arbiter of {channel.name}"
-        return channel.name, keys[0]
+        if keys and channel in self.catalogue.arbiters:
+            return f"arbiter of {channel.name}"
+        return keys[0] if keys else None
 
     def finish(self) -> None:
         """Put arbiters in, order everything, and connect the actuators."""
-        arbitrations = {}
+        network = self.network
         for channel, arbiter in self.catalogue.arbiters.items():
-            keys = self.writers.get(channel)
-            if keys:
-                slots = tuple(f"{channel.name} of {key}" for key in keys)
-                made = Arbitration(arbiter, slots)
-                arbitrations[made.key] = made
-                self.before[made.key] = list(keys)
-                self.network.arbiters[channel.name] = tuple(keys)
-                self.network.edges += (Link(k, made.key, channel.name) for k in keys)
-        by_key: dict[str, Member | Arbitration] = {m.key: m for m in self.members}
-        by_key |= arbitrations
-        self.network.order = [by_key[key] for key in _ordered(self.before)]
+            if keys := self.writers.get(channel):
+                key = f"arbiter of {channel.name}"
+                slots = tuple(f"{channel.name} of {writer}" for writer in keys)
+                self.members[key] = Arbitration(arbiter, slots)
+                self.before[key] = keys
+                network.edges += (Edge(writer, key, channel.name) for writer in keys)
+        network.order = {key: self.members[key] for key in self._ordered()}
         for channel in self.catalogue.actuators:
-            keys = self.writers.get(channel)
-            if keys:
-                judged = channel in self.catalogue.arbiters
-                start = f"arbiter of {channel.name}" if judged else keys[0]
-                self.network.edges.append(
-                    Link(start, f"{channel.name} (actuator)", channel.name)
-                )
+            if writer := self._writer(channel):
+                end = f"{channel.name} (actuator)"
+                network.edges.append(Edge(writer, end, channel.name))
 
-
-def _outputs(node: NetworkNode) -> Sequence[Channel[Any]]:
-    return node.outputs if isinstance(node, Skill) else ()
-
-
-def _ordered(before: Mapping[str, Sequence[str]]) -> Iterator[str]:
-    """The keys, each after those it has to come after; else in their own order."""
-    left = dict(before)
-    while left:
-        ready = next((k for k, b in left.items() if not any(x in left for x in b)), "")
-        if not ready:
-            circle = _circle(left)
-            told = " reads ".join(f"`{key}`" for key in [*circle, circle[0]])
-            raise WiringError(f"{told}, without a delay", circle)
-        del left[ready]
-        yield ready
+    def _ordered(self) -> Iterator[str]:
+        """Yield the keys, each after those it comes after; else in their own order."""
+        left = dict(self.before)
+        while left:
+            ready = next((k for k, b in left.items() if left.keys().isdisjoint(b)), "")
+            if not ready:
+                circle = _circle(left)
+                told = " reads ".join(map(self._named, [*circle, circle[0]]))
+                raise WiringError(f"{told}, without a delay", circle)
+            del left[ready]
+            yield ready
 
 
 def _circle(before: Mapping[str, Sequence[str]]) -> list[str]:
@@ -244,8 +262,3 @@ def _circle(before: Mapping[str, Sequence[str]]) -> list[str]:
         if following in walk:
             return walk[walk.index(following) :]
         walk.append(following)
-
-
-def is_event(member: Member) -> bool:
-    """Return whether a member is an event, not a skill."""
-    return isinstance(member.node, Event)

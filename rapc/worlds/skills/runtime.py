@@ -65,7 +65,6 @@ class SkillRuntime:
         self.activations: dict[int, ActiveSkills] = {}
         self._members: dict[str, Member] = {}
         self._told: dict[str, dict[int, float]] = {}
-        self._hearers: dict[str, tuple[int, ...]] = {}
         self.network = Network()
         self._before: dict[str, Any] = {}
 
@@ -112,7 +111,7 @@ class SkillRuntime:
         values.update(self._before)
         for channel in network.sensors:
             values[channel.name] = _sensed(channel, sensors)
-        for member in network.order:
+        for member in network.order.values():
             if isinstance(member, Arbitration):
                 self._arbitrate(member, values)
             elif isinstance(member.node, Skill):
@@ -175,17 +174,12 @@ class SkillRuntime:
 
     def _rebuild(self) -> None:
         """Wire what is under way now; skills that stay keep their state."""
-        old = self._members
-        self._members = members_of(self.catalogue, self.activations.values(), old)
-        hearers: dict[str, list[int]] = {}
-        for activation in self.activations.values():
-            for key, member in members_of(self.catalogue, [activation], old).items():
-                if isinstance(member.node, Event):
-                    hearers.setdefault(key, []).append(activation.ticket)
-        self._hearers = {key: tuple(tickets) for key, tickets in hearers.items()}
+        under_way, old = self.activations.values(), self._members
+        self._members = members_of(self.catalogue, under_way, old)
         self._told = {
-            key: {t: at for t, at in self._told.get(key, {}).items() if t in tickets}
-            for key, tickets in self._hearers.items()
+            key: {t: at for t, at in self._told.get(key, {}).items() if t in m.tickets}
+            for key, m in self._members.items()
+            if m.host is not None
         }
         self.network = wire(self.catalogue, list(self._members.values()))
         kept = {late(channel) for channel in self.network.delayed}
@@ -211,7 +205,7 @@ class SkillRuntime:
         _check_carried(event, said)
         hearers = [
             ticket
-            for ticket in self._hearers[member.key]
+            for ticket in member.tickets
             if ticket not in told
             or (event.again is not None and now - told[ticket] >= event.again - 1e-9)
         ]

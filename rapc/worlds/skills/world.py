@@ -29,7 +29,6 @@ from rapc.base.values import Atom, Fact, Number, number
 from rapc.errors import PortError
 from rapc.world import NOT_KNOWN, Offer, Refused, Signal, Time, World
 from rapc.worlds.skills.catalogue import Catalogue, SkillRequest
-from rapc.worlds.skills.drawing import draw
 from rapc.worlds.skills.runtime import EventTold, SkillRuntime
 
 
@@ -181,7 +180,7 @@ class SkillWorld(World):
 
     def network(self) -> Graph:
         """Return the network of skills that is active now, to be drawn."""
-        return draw(self.runtime)
+        return self.runtime.network.graph()
 
     def save(self) -> bytes:
         """Return the complete state, as JSON."""

@@ -17,7 +17,6 @@ from rapc.worlds.skills.declarations import (
     Skill,
     SkillError,
 )
-from rapc.worlds.skills.drawing import draw
 from rapc.worlds.skills.runtime import SkillRuntime
 from tests.worlds.skills.tank import FLOW, GOAL, LIMIT, SMOOTH, Tank
 
@@ -355,7 +354,7 @@ def test_a_drawing_shows_sensors_skills_events_and_actuators() -> None:
     tank = Tank()
     tank.runtime.activate(1, [HOLD_TWO], ["reached"])
     tank.runtime.activate(2, [SkillRequest("limit-flow", (0.5,))], [])
-    drawing = draw(tank.runtime)
+    drawing = tank.runtime.network.graph()
     assert {(box.label, box.kind) for box in drawing.vertices} == {
         ("level", "sensor"),
         ("smooth", "skill"),
@@ -382,6 +381,6 @@ def test_a_drawing_shows_sensors_skills_events_and_actuators() -> None:
 def test_a_delayed_edge_is_drawn_dashed() -> None:
     runtime = SkillRuntime(_circle(delayed=True))
     runtime.activate(1, [SkillRequest("one"), SkillRequest("other")], [])
-    drawing = draw(runtime)
+    drawing = runtime.network.graph()
     assert '"other" -> "one" [label="right", style=dashed];' in dot(drawing, NETWORK)
     assert '-.->|"right"|' in mermaid(drawing, NETWORK)
