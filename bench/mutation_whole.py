@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping
 from os.path import basename
 
 from bench.mutation_base import Base, Edit, Kind
-from rapc.analysis.facts.effects import is_never
+from rapc.analysis.facts.logic import is_never
 from rapc.base.source import Span
 from rapc.ir import nodes
 

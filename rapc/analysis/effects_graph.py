@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from rapc.analysis.facts.effects import Effect, Effects
+from rapc.analysis.facts.effects import Effect, Effects, calls_of
 from rapc.analysis.graphs import GraphDrawing, Kind, facts_of
-from rapc.base.graph import Graph
+from rapc.base.graph import Graph, reachable
 from rapc.base.values import Atom, format_atom, format_list
 from rapc.ir import nodes
 from rapc.ir.printer import format_node
@@ -52,8 +52,10 @@ def effects_of(library: Library, name: str) -> Graph:
     source = drawing.vertex("rap", name)
     summed = Effects(library)
     found = [*_facts(summed, name)]
-    for below in _below(library, name):
-        rap = library.raps.get(below)
+    raps = library.raps
+    every = reachable([name], lambda name: calls_of(raps[name]) if name in raps else ())
+    for below in every:
+        rap = raps.get(below)
         if rap is None or summed.is_open(below):
             found.append(_Said("not all is known of", "rap", below, below))
         if rap is not None:
@@ -65,19 +67,6 @@ def effects_of(library: Library, name: str) -> Graph:
         target = drawing.vertex(one.kind, f"{one.verb} {one.name}", one.label)
         drawing.edge(source, target, one.verb)
     return drawing.done()
-
-
-def _below(library: Library, name: str) -> Iterator[str]:
-    """Yield a RAP and all that its steps may lead to, each once."""
-    waiting, seen = [name], {name}
-    while waiting:
-        here = waiting.pop()
-        yield here
-        rap = library.raps.get(here)
-        asked = [s.goal.name for m in rap.methods for s in steps(m)] if rap else []
-        new = list(dict.fromkeys(one for one in asked if one not in seen))
-        seen.update(new)
-        waiting += reversed(new)
 
 
 def _facts(summed: Effects, name: str) -> Iterator[_Said]:

@@ -6,8 +6,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
+from typing import Generic, TypeVar
 
 import msgspec
+
+T = TypeVar("T")
 
 
 class Vertex(msgspec.Struct, frozen=True):
@@ -90,16 +93,67 @@ def components(
                 low[name] = min(low[name], low[following])
 
 
-def reachable_bits(
-    own: Mapping[str, int], successors: Mapping[str, Iterable[str]]
-) -> dict[str, int]:
-    """Return for each vertex the bits of all that can be reached from it."""
-    sums = dict(own)
-    for members in components(successors, lambda name: successors.get(name, ())):
+def reachable(
+    roots: Iterable[str], successors: Callable[[str], Iterable[str]]
+) -> Iterator[str]:
+    """Yield the vertices that can be reached from some, and these, each once.
+
+    A vertex comes before those that it leads to, in the order of its successors.
+    """
+    waiting = list(dict.fromkeys(roots))[::-1]
+    seen = set(waiting)
+    while waiting:
+        here = waiting.pop()
+        yield here
+        new = [one for one in dict.fromkeys(successors(here)) if one not in seen]
+        seen.update(new)
+        waiting += reversed(new)
+
+
+class Reachable(Generic[T]):
+    """The items of all vertices that can be reached from a vertex.
+
+    They are kept as bits of numbers: as sets they would take the square of the memory
+    where vertices stand in a long row.
+
+    Args:
+        own: the items of each vertex itself.
+        successors: what edges lead to.
+    """
+
+    def __init__(
+        self, own: Mapping[str, Iterable[T]], successors: Mapping[str, Iterable[str]]
+    ) -> None:
+        self._numbers: dict[T, int] = {}
+        self._sums = {name: self._bits(items) for name, items in own.items()}
+        for members in components(successors, lambda name: successors.get(name, ())):
+            bits = 0
+            for name in members:
+                bits |= self._sums.get(name, 0)
+                for following in successors.get(name, ()):
+                    bits |= self._sums.get(following, 0)
+            self._sums.update(dict.fromkeys(members, bits))
+        self._items = tuple(self._numbers)
+
+    def items(self, names: Iterable[str]) -> list[T]:
+        """Return the items that can be reached from some vertices, each once."""
         bits = 0
-        for name in members:
-            bits |= own.get(name, 0)
-            for following in successors.get(name, ()):
-                bits |= sums.get(following, 0)
-        sums.update(dict.fromkeys(members, bits))
-    return sums
+        for name in names:
+            bits |= self._sums.get(name, 0)
+        found = []
+        while bits:
+            low = bits & -bits
+            found.append(self._items[low.bit_length() - 1])
+            bits ^= low
+        return found
+
+    def has(self, name: str, item: T) -> bool:
+        """Whether an item can be reached from a vertex."""
+        at = self._numbers.get(item)
+        return at is not None and bool(self._sums.get(name, 0) >> at & 1)
+
+    def _bits(self, items: Iterable[T]) -> int:
+        bits = 0
+        for item in items:
+            bits |= 1 << self._numbers.setdefault(item, len(self._numbers))
+        return bits

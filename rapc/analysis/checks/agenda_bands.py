@@ -10,7 +10,8 @@ from bisect import bisect_right
 from collections.abc import Container, Iterator, Mapping
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.facts.effects import below_agendas, endless, is_never
+from rapc.analysis.facts.effects import below_agendas, endless
+from rapc.analysis.facts.logic import is_never
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 from rapc.ir.walk import steps

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from rapc.analysis.check import Pass, check
 from rapc.analysis.checks.unknown_result import REASONS
-from rapc.analysis.facts.effects import Outcomes
+from rapc.analysis.facts.effects import EFFECTS, Effects
 from rapc.analysis.facts.index import INDEX
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.source import Span
@@ -54,24 +54,20 @@ def dead_case(run: Pass) -> Iterator[Diagnostic]:
     results = {r for form in run.library.primitives.values() for r in form.results}
     results |= {name.removeprefix(":") for name in run.library.events}
     told = {e for form in run.library.skills.values() for e in form.events or ()}
-    raps, outcomes = run.library.raps, None
     for rule in run.result(INDEX).of(nodes.MemoryRule):
         dead = set[Span]()
         for found in _dead(rule.node):
             dead.add(found.span)
             yield found
-        if not run.complete or rule.node.index.name not in raps:
+        if not run.complete or rule.node.index.name not in run.library.raps:
             continue
-        if outcomes is None:
-            unread = {rap.name for rap in raps.values() if run.unsure(rap.span)}
-            outcomes = Outcomes(run.library, unread)
-        for found in _impossible(rule.node, outcomes, results, told):
+        for found in _impossible(rule.node, run.result(EFFECTS), results, told):
             if found.span not in dead:
                 yield found
 
 
 def _impossible(
-    rule: nodes.MemoryRule, outcomes: Outcomes, results: set[str], told: set[str]
+    rule: nodes.MemoryRule, effects: Effects, results: set[str], told: set[str]
 ) -> Iterator[Diagnostic]:
     """Tell of the cases for what never comes of a RAP, though of others it may."""
     name = rule.index.name
@@ -81,7 +77,7 @@ def _impossible(
             if (
                 isinstance(result, nodes.Signal)
                 and result.name in told
-                and not outcomes.tells(name, result.name)
+                and not effects.tells(name, result.name)
             ):
                 message = f"no skill that `{name}` has on, or what is below it, tells "
                 help = "move it to the RAP with that skill, or make it an event rule"
@@ -91,7 +87,7 @@ def _impossible(
             if failure == "okay":
                 message = "a task that ends well has the result `succeed`"
                 yield _wrong(case, message, "write `succeed` for `okay`")
-            elif failure in results - {*REASONS} and not outcomes.fails_with(
+            elif failure in results - {*REASONS} and not effects.fails_with(
                 name, failure
             ):
                 message = f"`{name}` never fails with `{failure}`"

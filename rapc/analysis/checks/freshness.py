@@ -7,20 +7,20 @@ shortest of these times is how old the belief may well be.
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import msgspec
 
 from rapc.analysis.check import Pass, check
 from rapc.analysis.checks.standing import is_described
-from rapc.analysis.facts.effects import Asking, asking
+from rapc.analysis.facts.effects import calls_of, request_effects, rule_effects
 from rapc.analysis.facts.index import INDEX
-from rapc.analysis.facts.logic import number_of
+from rapc.analysis.facts.logic import is_never, literals, number_of, through
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.source import Span
 from rapc.base.values import Number, format_atom
 from rapc.ir import nodes
-from rapc.ir.walk import formulas, subformulas
+from rapc.ir.walk import formulas
 from rapc.library.library import Library
 
 _GAUGE = """\
@@ -87,32 +87,12 @@ def freshness(run: Pass) -> Iterator[Diagnostic]:
 
 def _told(run: Pass) -> Iterator[nodes.Believe]:
     """Yield the beliefs in conditions of RAPs, and in queries that those name."""
-    library = run.library
-    asked = [
-        whole.formula
-        for rap in library.raps.values()
-        for whole in formulas(rap)
-        if whole.clause.is_condition
-    ]
-    waiting = [
-        part.name
-        for formula in asked
-        for part in subformulas(formula)
-        if isinstance(part, nodes.Proposition)
-    ]
-    seen: set[str] = set()
-    while waiting:
-        query = library.queries.get(waiting.pop())
-        if query is not None and query.name not in seen:
-            seen.add(query.name)
-            asked.append(query.formula)
-            for part in subformulas(query.formula):
-                if isinstance(part, nodes.Proposition):
-                    waiting.append(part.name)
-    for formula in asked:
-        for part in subformulas(formula):
-            if isinstance(part, nodes.Believe):
-                yield part
+    for rap in run.library.raps.values():
+        for whole in formulas(rap):
+            if whole.clause.is_condition:
+                for part in through(run.library, whole.formula):
+                    if isinstance(part, nodes.Believe):
+                        yield part
 
 
 def _finding(believe: nodes.Believe, age: Number, sensed: _Sensed) -> Diagnostic:
@@ -134,23 +114,13 @@ class _Sensing:
     """
 
     def __init__(self, library: Library) -> None:
-        asked = [
-            (form.span.file, asking(form))
-            for form in library.forms
-            if isinstance(form, nodes.DefineRap)
-        ]
-        self._sources = _sources(library, [one for _, one in asked])
+        raps = [form for form in library.forms if isinstance(form, nodes.DefineRap)]
+        self._sources = _sources(library, raps)
         self._callers: dict[str, dict[str, None]] = {}
-        self._pauses: dict[str, _Sensed | None] = {}
-        for file, one in asked:
-            pause = one.pause
-            self._pauses[one.rap] = (
-                _Sensed(pause.every, Span(file, pause.start, pause.end))
-                if pause is not None
-                else None
-            )
-            for callee in one.calls:
-                self._callers.setdefault(callee, {})[one.rap] = None
+        self._pauses = {rap.name: _pause(rap) for rap in raps}
+        for rap in raps:
+            for callee in calls_of(rap):
+                self._callers.setdefault(callee, {})[rap.name] = None
         agendas = (f for f in library.forms if isinstance(f, nodes.DefineAgenda))
         self._given = {task.goal.name for form in agendas for task in form.tasks}
         self._known: dict[str, _Sensed | None] = {}
@@ -191,53 +161,50 @@ class _Sensing:
         return best
 
 
+def _pause(rap: nodes.DefineRap) -> _Sensed | None:
+    """Return how long a standing RAP surely waits between two rounds."""
+    if rap.succeed is None or not is_never(rap.succeed):
+        return None
+    timed = rap.monitor_time
+    if timed is not None and timed.reference == "now":
+        start = number_of(timed.start)
+        if start is not None and start > 0:
+            return _Sensed(start, timed.span)
+    for one in literals(rap.monitor_state):
+        if isinstance(one.formula, nodes.Believe) and not one.holds:
+            age = number_of(one.formula.age)
+            if age is not None and age > 0:
+                return _Sensed(age, one.span)
+    return None
+
+
 def _sources(
-    library: Library, asked: Sequence[Asking]
+    library: Library, raps: Sequence[nodes.DefineRap]
 ) -> dict[str, dict[str | None, None]]:
     """Return the RAPs that may bring facts; None among them: what comes unasked."""
-    by_primitive: dict[str, set[str]] = {}
-    told = {name for form in library.primitives.values() for name in form.tells}
+    asked = {name for form in library.primitives.values() for name in form.tells}
     found: dict[str, dict[str | None, None]] = {}
+
+    def bring(facts: Iterable[str], by: str | None) -> None:
+        for fact in facts:
+            found.setdefault(fact, {})[by] = None
+
     for name, datum in library.data.items():
-        for fact in _brought(datum.on or ()):
-            if name not in told:
-                found.setdefault(fact, {})[None] = None
-    for form in library.primitives.values():
-        facts = {fact for on in form.on for fact in _brought(on.effects)}
-        for name in form.tells:
-            known = library.data.get(name)
-            facts |= set(_brought(known.on or ())) if known is not None else set()
-        by_primitive[form.name] = facts
-    for one in asked:
-        made = [by_primitive.get(name, ()) for name in one.requests]
-        for fact in (*one.notes, *(fact for facts in made for fact in facts)):
-            found.setdefault(fact, {})[one.rap] = None
-    raps = {one.rap for one in asked}
-    for fact, by in _by_rules(library, raps):
-        found.setdefault(fact, {})[by] = None
-    return found
-
-
-def _brought(effects: tuple[nodes.DeclaredEffect, ...]) -> Iterator[str]:
-    for effect in effects:
-        if not effect.negated:
-            yield effect.pattern.name
-
-
-def _by_rules(
-    library: Library, raps: Container[str]
-) -> Iterator[tuple[str, str | None]]:
-    """Yield the facts that rules over memory bring, with the RAPs they are about."""
-    rules: dict[str | None, list[nodes.Rule]] = {
-        None: [one for form in library.event_rules for one in form.rules]
-    }
+        if name not in asked:
+            bring((e.pattern.name for e in datum.on or () if not e.negated), None)
+    for rap in raps:
+        for method in rap.methods:
+            bring((note.name for note in method.notations), rap.name)
+            if isinstance(method.body, nodes.Primitive):
+                effects, _ = request_effects(library, method.body.request)
+                bring((one.name for one in effects if not one.gone), rap.name)
+    known = {rap.name for rap in raps}
+    rules: list[tuple[str | None, Sequence[nodes.Rule]]] = [
+        (None, form.rules) for form in library.event_rules
+    ]
     for form in library.memory_rules:
-        own = [one for case in form.cases for one in case.rules]
-        name = form.index.name if form.index.name in raps else None
-        rules.setdefault(name, []).extend(own)
-    for by, there in rules.items():
-        for one in there:
-            for alternative in one.alternatives:
-                for action in alternative.actions:
-                    if action.op == "mem-add":
-                        yield action.pattern.name, by
+        by = form.index.name if form.index.name in known else None
+        rules += [(by, case.rules) for case in form.cases]
+    for by, there in rules:
+        bring((one.name for one in rule_effects(there) if not one.gone), by)
+    return found

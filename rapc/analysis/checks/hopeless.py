@@ -13,13 +13,7 @@ from rapc.analysis.check import Pass, check
 from rapc.analysis.checks.kinds import KINDS
 from rapc.analysis.checks.settled import SETTLED
 from rapc.analysis.checks.standing import STANDING
-from rapc.analysis.facts.effects import (
-    EFFECTS,
-    Effect,
-    calls_of,
-    done_by_method,
-    is_never,
-)
+from rapc.analysis.facts.effects import EFFECTS, Effect, calls_of, done_by_method
 from rapc.analysis.facts.logic import (
     Literal,
     apart,
@@ -28,6 +22,7 @@ from rapc.analysis.facts.logic import (
     follows,
     is_computed,
     is_known,
+    is_never,
     literals,
 )
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity

@@ -11,12 +11,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.facts.effects import EFFECTS, Effect, done_by_method, is_never
+from rapc.analysis.facts.effects import EFFECTS, Effect, done_by_method
 from rapc.analysis.facts.logic import (
     apart,
     asked_by,
     follows,
     is_known,
+    is_never,
     literals,
     through,
 )

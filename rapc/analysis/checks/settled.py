@@ -9,8 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from rapc.analysis.check import Fact, Pass, Reported, check
-from rapc.analysis.facts.effects import is_never
-from rapc.analysis.facts.logic import literals
+from rapc.analysis.facts.logic import is_never, literals
 from rapc.analysis.facts.resources import FirstValues
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import clauses, nodes

@@ -6,13 +6,14 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from rapc.analysis.check import Fact, Pass, Reported, check
 from rapc.analysis.checks.settled import Always
-from rapc.analysis.facts.effects import below_agendas, endless, is_never
+from rapc.analysis.facts.effects import below_agendas, endless
 from rapc.analysis.facts.index import INDEX, Form, Index
 from rapc.analysis.facts.logic import (
     asked_by,
     asked_through,
     fact_name,
     is_computed,
+    is_never,
     literals,
 )
 from rapc.base.diagnostics import (

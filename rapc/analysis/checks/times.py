@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.facts.effects import is_never
 from rapc.analysis.facts.index import INDEX
-from rapc.analysis.facts.logic import number_of
+from rapc.analysis.facts.logic import is_never, number_of
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from rapc.analysis.check import Pass, check
 from rapc.analysis.facts.bindings import sites
-from rapc.analysis.facts.effects import is_never
+from rapc.analysis.facts.logic import is_never
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.names import nearest
 from rapc.ir import clauses, nodes

@@ -70,6 +70,13 @@ def literals(formula: nodes.Formula | None) -> Iterator[Literal]:
             yield Literal(here, True)
 
 
+def is_never(formula: nodes.Formula) -> bool:
+    """Whether a formula says itself that it never holds: `nil`, `(not true)`."""
+    if isinstance(formula, nodes.Not):
+        return isinstance(formula.part, nodes.Truth) and formula.part.value
+    return isinstance(formula, nodes.Truth) and not formula.value
+
+
 def apart(formula: nodes.Formula, kept: Container[str], mark: str) -> nodes.Formula:
     """Return a formula whose variables that are not kept have names of their own."""
     new = {n: nodes.Var(f"{n}{mark}") for n in variable_names(formula) if n not in kept}
