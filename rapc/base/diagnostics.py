@@ -42,11 +42,10 @@ class Edit(msgspec.Struct, frozen=True):
 
 
 class Applicability(enum.Enum):
-    """Whether a fix keeps the meaning (safe), may change it, or is only shown."""
+    """Whether a fix keeps the meaning (safe) or may change it."""
 
     SAFE = "safe"
     UNSAFE = "unsafe"
-    DISPLAY = "display"
 
 
 class Fix(msgspec.Struct, frozen=True):

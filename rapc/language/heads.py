@@ -1,4 +1,4 @@
-"""The words that begin the lists of the language, group by group, from its grammar."""
+"""The words that begin the lists of the language, and how its rules are written."""
 
 from __future__ import annotations
 
@@ -70,6 +70,34 @@ def _often(shape: Shape, *, repeated: bool) -> Iterator[str]:
 def rule_named(node: str) -> str:
     """The rule that a class of nodes is named after: `last_result` of `LastResult`."""
     return re.sub(r"(?<!^)(?=[A-Z])", "_", node).lower()
+
+
+def spelling(rule: str) -> str:
+    """Return how a list is written, as in `(believe (fact) term)`."""
+    return _spelt(RULES[rule])
+
+
+def _spelt(shape: Shape) -> str:
+    if isinstance(shape, tuple):
+        texts = [_spelt(part) for part in shape[1:]]
+        if shape[0] == "or":
+            texts = list(dict.fromkeys(texts))
+        return _JOINED[shape[0]].format("|".join(texts), " ".join(texts))
+    if is_word(shape):
+        return shape[1:-1]
+    name = shape.replace("_", "-").lower()
+    return (GRAMMAR[shape].short if is_rule(shape) else "") or name
+
+
+_JOINED: Mapping[Shape, str] = {
+    "list": "({1})",
+    "seq": "{1}",
+    "or": "{0}",
+    "?": "[{0}]",
+    "*": "{0}...",
+    "+": "{0}...",
+}
+"""How parts are written together: as alternatives, or one behind the other."""
 
 
 FORMS = heads("_form")

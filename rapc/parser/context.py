@@ -15,8 +15,7 @@ from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix, Label
 from rapc.base.names import nearest
 from rapc.base.source import SourceFile, Span
 from rapc.language.grammar import GRAMMAR
-from rapc.language.heads import ARROW, SLIPS
-from rapc.language.spelling import spelling
+from rapc.language.heads import ARROW, SLIPS, spelling
 from rapc.parser.syntax import (
     Arrow,
     Datum,
@@ -179,10 +178,6 @@ class Context:
         before = Edit(self.source.span(first.start, first.start), left)
         after = Edit(self.source.span(last.end, last.end), ")")
         return _fix(sure, "put parentheses around it", (before, after))
-
-    def delete(self, start: int, end: int, *, sure: bool = True) -> Fix:
-        """The fix that takes a stretch of text out."""
-        return _fix(sure, "take it out", (Edit(self.source.span(start, end), ""),))
 
     def unknown(
         self, rule: str, what: str, word: Symbol | Keyword, known: Iterable[str]

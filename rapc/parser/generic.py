@@ -69,10 +69,6 @@ def is_string(datum: Datum) -> bool:
     return type(datum) is String
 
 
-def _is_parameter(datum: Datum) -> bool:
-    return type(datum) is Variable and datum.name != "?"
-
-
 def terminal(name: str) -> OperandWanted:
     """Return what reads a terminal: constants, variables to nodes, names to strings."""
     if name in _NODES:

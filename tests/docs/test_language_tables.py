@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 
 from rapc.language.grammar import GRAMMAR, RULES
-from rapc.language.heads import rules_by_head
-from rapc.language.spelling import forms_table
+from rapc.language.heads import heads, rules_by_head, spelling
+from rapc.language.shapes import leaves
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGES = {
@@ -25,8 +25,40 @@ PAGES = {
 _TABLE = re.compile(r"(<!-- (\w+) -->\n).*?(<!-- end -->)", re.S)
 
 
+def _table_of(group: str) -> str:
+    """Return a table of the lists in a group of the grammar, as the pages have them.
+
+    Those that may stand several times beside others that stand once are marked *.
+    """
+    once = [rule for name in leaves(RULES[group]) for rule in _once(name)]
+    rules = [*dict.fromkeys(rules_by_head(group).values()) | _headless(group)]
+    titles = [group.rpartition("_")[2], "what it says"]
+    paged = any(GRAMMAR[rule].pages for rule in rules)
+    rows = [titles + ["page"] * paged, ["---"] * (len(titles) + paged)]
+    for rule in rules:
+        row = GRAMMAR[rule]
+        links = ", ".join(f"[{page[0]}]({page})" for page in row.pages)
+        spelt = spelling(rule).replace("|", "\\|")
+        said = f"{row.says}; {row.more}" if row.more else row.says
+        mark = " *" if once and rule not in once else ""
+        rows.append([f"`{spelt}`{mark}", said] + [links] * paged)
+    lines = [f"| {' | '.join(cells)} |\n" for cells in rows]
+    return "".join(lines).replace(" --- ", "---")
+
+
+def _once(name: str) -> list[str]:
+    """The rules of a group that stand once in a form."""
+    return list(leaves(RULES[name])) if name.startswith("_once") else []
+
+
+def _headless(group: str) -> dict[str, None]:
+    """The lists of a group that begin with a part of their own, as `protect` does."""
+    lists = [rule for rule in leaves(RULES[group]) if rule[0] != "_"]
+    return dict.fromkeys(rule for rule in lists if not heads(rule))
+
+
 def _written(text: str) -> str:
-    return _TABLE.sub(lambda found: found[1] + forms_table(found[2]) + found[3], text)
+    return _TABLE.sub(lambda found: found[1] + _table_of(found[2]) + found[3], text)
 
 
 @pytest.mark.parametrize("page", PAGES)

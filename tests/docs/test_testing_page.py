@@ -9,7 +9,6 @@ import pytest
 
 from rapc.language.heads import TEST_CLAUSES, rules_by_head
 from rapc.parser.special import tests
-from rapc.parser.special.expectations import EXPECTATIONS
 from rapc.testing.coverage import COLUMNS
 
 from ..cli.command import rapc
@@ -52,7 +51,7 @@ def test_tables_name_everything_and_nothing_else() -> None:
     assert _told("## What is given") == set(TEST_CLAUSES)
     assert _told("### The script") == set(rules_by_head("_once_row_option"))
     assert _told("### At a time") == set(tests.ACTIONS)
-    assert _told("## What is expected") == set(EXPECTATIONS)
+    assert _told("## What is expected") == {*rules_by_head("expectation")}
 
 
 def test_the_columns_of_coverage_are_explained() -> None:

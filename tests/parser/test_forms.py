@@ -13,10 +13,11 @@ from pathlib import Path
 import pytest
 
 from rapc.base.source import SourceFile
-from rapc.ir.dump import dump
 from rapc.parser.parse import parse
 from rapc.parser.unit import SourceUnit
 from tests.expected import expected
+
+from .dump import dump
 
 PROGRAMS = sorted((Path(__file__).parent / "forms").glob("*.rap"))
 

@@ -6,16 +6,13 @@ from collections.abc import Sequence
 from typing import cast
 
 from rapc.ir import nodes
-from rapc.language.heads import ARROW, rules_by_head
+from rapc.language.heads import ARROW
 from rapc.parser.context import Context, head_of
 from rapc.parser.forms import options
 from rapc.parser.generic import made, terminal
 from rapc.parser.special.formulas import lone_formula
 from rapc.parser.syntax import Arrow, Datum, Keyword, List, Numeral, Symbol
 from rapc.parser.terms import term
-
-EXPECTATIONS = tuple(rules_by_head("expectation"))
-"""The words that expectations begin with."""
 
 
 def memory(ctx: Context, datum: Datum) -> nodes.MemoryHolds | None:

@@ -15,7 +15,6 @@ from rapc.world import OKAY, DatumHandler, HandlerMemory, Handlers, ResultHandle
 _ARMS = ("arm1", "arm2")
 _ON_BOARD = ("bay1", "bay2", "weapon-bay", "fuel-bay", "folded", *_ARMS)
 _DISTINCT = ("gun", "gun-tool")
-_LIQUIDS = ("liquid-held", "quantity-held")
 
 
 def _spot(memory: HandlerMemory, place: Atom) -> Atom:
