@@ -13,10 +13,9 @@ from collections.abc import Iterator
 import msgspec
 
 from bench.common import Figure
-from rapc.experiments import reading
-from rapc.experiments.config import PointConfig
+from rapc.experiments import definition
 from rapc.experiments.measures import Measures
-from rapc.experiments.run import measure
+from rapc.experiments.run import PointConfig, measure
 from rapc.experiments.session import Batch
 from rapc.host import load
 
@@ -38,8 +37,8 @@ def run(config: PointConfig, seed: int) -> Run:
 
 def session() -> Batch:
     """The experiment that comes with rapc, ready to be run."""
-    file = reading.experiment_file("chapter6")
-    made = reading.read_experiment(file)
+    file = definition.experiment_file("chapter6")
+    made = definition.read_experiment(file)
     return Batch(made, file.parent, lambda path: load(path).program)
 
 

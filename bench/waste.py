@@ -27,9 +27,8 @@ import msgspec
 
 from bench.chapter6 import session
 from rapc.events import Cause
-from rapc.experiments.config import PointConfig
 from rapc.experiments.measures import Measures
-from rapc.experiments.run import measure
+from rapc.experiments.run import PointConfig, measure
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.states import FUTILE_LOOP
 from rapc.runtime.state.task import Env, Task

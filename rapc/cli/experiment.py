@@ -19,7 +19,7 @@ from rapc.cli.options import WholeNumber, command, fail, say, settings
 from rapc.console.experiments import output
 from rapc.console.experiments.tables import show
 from rapc.errors import reason
-from rapc.experiments import definition, reading
+from rapc.experiments import definition
 from rapc.experiments.batch import BatchResult, Workers, WorkersLost, jobs, run_batch
 from rapc.experiments.local import LocalWorkers, cores
 from rapc.experiments.session import Batch
@@ -107,8 +107,8 @@ def experiment(
 
 
 def _session(name: str, parts: Sequence[str], seeds: int | None) -> Batch:
-    file = reading.experiment_file(name)
-    made = reading.read_experiment(file)
+    file = definition.experiment_file(name)
+    made = definition.read_experiment(file)
     return Batch(made, file.parent, load_checked, parts, seeds)
 
 

@@ -15,8 +15,7 @@ from typing import Protocol
 import msgspec
 
 from rapc.errors import Error
-from rapc.experiments.config import PointConfig
-from rapc.experiments.run import Job, Result
+from rapc.experiments.run import Job, PointConfig, Result
 
 ATTEMPTS = 3
 """How often a run is dispatched before it is given up."""

@@ -1,23 +1,30 @@
-"""What an experiment is: library, world, tasks, what varies, seeds.
+"""What an experiment is, as its file says: library, world, tasks, what varies, seeds.
 
-How it is read from a file is in `reading`; whether what it names exists is found out
-by `points`, which has the library and the world.
+An experiment is read from TOML: one that comes with rapc, or a file of the user's. Here
+it is found out whether the file has the right form and does not contradict itself;
+whether what it names exists, by `points`, which has the library and the world.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Annotated
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Annotated, Any
 
 import msgspec
 from msgspec import Meta
 
+from rapc.base import toml
+from rapc.base.files import read_text
 from rapc.base.names import did_you_mean
-from rapc.errors import Error
-from rapc.experiments.draws import Draw, Value
+from rapc.errors import Error, LoadError
+from rapc.experiments.draws import Between, Draw, Value, names_in
 
 MOST_SEEDS = 100_000
 """How many runs a point may get."""
+
+SUFFIX = ".toml"
+"""What the names of files of experiments end with."""
 
 _Name = Annotated[str, Meta(pattern=r"^[a-z0-9][a-z0-9-]{0,30}\Z")]
 _Time = Annotated[int, Meta(gt=0, le=10**9)] | Annotated[float, Meta(gt=0, le=10**9)]
@@ -125,3 +132,177 @@ class Experiment(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
                 did_you_mean(name, named, f"it has {', '.join(named)}"),
             )
         return named[name]
+
+
+# --- read from TOML -------------------------------------------------------------------
+
+
+def shipped() -> Mapping[str, Path]:
+    """The experiments that come with rapc, by name."""
+    files = sorted(Path(__file__).parent.glob(f"*{SUFFIX}"))
+    return {file.name.removesuffix(SUFFIX): file for file in files}
+
+
+def experiment_file(name: str) -> Path:
+    """The file of an experiment: one that comes with rapc, or a path that ends so.
+
+    Raises:
+        ExperimentError: if there is no such experiment.
+    """
+    if name.endswith(SUFFIX):
+        return Path(name)
+    known = shipped()
+    if name not in known:
+        listed = f"name {', '.join(known)}, or a file that ends in `{SUFFIX}`"
+        raise ExperimentError(
+            f"there is no experiment `{name}`", did_you_mean(name, known, listed)
+        )
+    return known[name]
+
+
+def read_experiment(file: Path) -> Experiment:
+    """Read and decode a file.
+
+    Raises:
+        ExperimentError: for a file that cannot be read or is no experiment.
+    """
+    try:
+        text = read_text(file)
+    except LoadError as error:
+        raise ExperimentError(str(error)) from error
+    try:
+        return decode_experiment(text, file.name.removesuffix(SUFFIX))
+    except ExperimentError as error:
+        raise ExperimentError(f"{file}: {error.message}", error.help) from error
+
+
+def decode_experiment(text: str, name: str) -> Experiment:
+    """An experiment from TOML text.
+
+    Raises:
+        ExperimentError: for text that is no TOML, unknown keys, values of the wrong
+            kind, and what contradicts itself.
+    """
+    try:
+        data = toml.parsed(text)
+        for where, key, known in _unknown(data):
+            raise ExperimentError(
+                f"there is no key `{key}`{where}", did_you_mean(key, known)
+            )
+        found = toml.converted({**data, "name": name}, Experiment)
+    except toml.TomlError as error:
+        raise ExperimentError(error.message) from error
+    for problem in _contradictions(found):
+        raise ExperimentError(problem)
+    return found
+
+
+def _unknown(data: Mapping[str, Any]) -> Iterator[tuple[str, str, list[str]]]:
+    """Unknown keys with where they are, and the keys that are known there."""
+
+    def look(
+        table: object, kind: type[msgspec.Struct], where: str
+    ) -> Iterator[tuple[str, str, list[str]]]:
+        known = [field.encode_name for field in msgspec.structs.fields(kind)]
+        if kind is Experiment:
+            known.remove("name")
+        if isinstance(table, Mapping):
+            yield from ((where, key, known) for key in table if key not in known)
+
+    yield from look(data, Experiment, "")
+    parts = data.get("part")
+    for number, part in enumerate(parts if isinstance(parts, list) else (), 1):
+        yield from look(part, Series, f" in part {number}")
+        for key, kind in (("reference", Reference), ("mark", PlotMark)):
+            inner = part.get(key) if isinstance(part, Mapping) else None
+            yield from look(inner, kind, f" in `{key}` of part {number}")
+    draws = data.get("draw")
+    for name, draw in draws.items() if isinstance(draws, Mapping) else ():
+        yield from look(draw, Between, f" in `{name}` of `draw`")
+
+
+# --- what contradicts itself ----------------------------------------------------------
+
+
+def _contradictions(experiment: Experiment) -> Iterator[str]:
+    """Yield what is wrong with an experiment, in words."""
+    if experiment.library == "-":
+        yield "`library`: standard input is there only once, a file is wanted"
+    yield from _about_tasks(experiment)
+    names = [part.name for part in experiment.part]
+    for part in experiment.part:
+        told = f"part `{part.name}`"
+        if names.count(part.name) > 1:
+            yield f"there is more than one {told}"
+        if (part.vary is None) != (not part.values):
+            yield f"{told} needs both `vary` and `values`, or neither"
+        if len(set(map(repr, part.values))) < len(part.values):
+            yield f"{told} has a value twice"
+        if part.mark is not None and part.vary is None:
+            yield f"{told} has a `mark`, but varies nothing"
+        others = {p.name for p in experiment.part if p.vary == part.vary and p.vary}
+        yield from (
+            f"{told} is to be drawn beside `{other}`, which is no part that varies "
+            "the same"
+            for other in part.beside
+            if other not in others - {part.name}
+        )
+        yield from _misfits(part, told)
+
+
+def _misfits(part: Series, told: str) -> Iterator[str]:
+    """Figures from elsewhere that are not one for each value."""
+    if part.reference is None:
+        return
+    many = len(part.reference.at) if part.vary is not None else 1
+    if part.vary is None and part.reference.at:
+        yield f"{told} varies nothing, so its reference needs no `at`"
+        return
+    for value in part.reference.at:
+        if value not in part.values:
+            what = f"reference figures at {value}, which is none of its `values`"
+            yield f"{told} has {what}"
+    for measure, bounds in part.reference.bounds.items():
+        for value, low, high in bounds:
+            if value not in part.values:
+                what = f"a bound of `{measure}` at {value}, which is none of its values"
+                yield f"{told} has {what}"
+            if low > high:
+                yield f"{told} has a bound of `{measure}` that ends below its beginning"
+    for measure, figures in part.reference.figures.items():
+        if len(figures) != many:
+            yield (
+                f"{told} has {len(figures)} reference figures for `{measure}`, "
+                f"but {many} values they could be for"
+            )
+
+
+def _about_tasks(experiment: Experiment) -> Iterator[str]:
+    """Parts without a task, and draws that nobody uses or makes."""
+    for part in experiment.part:
+        agenda, tasks = experiment.given(part)
+        if agenda is None and not tasks:
+            yield f"part `{part.name}` needs an `agenda` or `tasks`"
+    used = dict.fromkeys(name for text in _texts(experiment) for name in names_in(text))
+    for name, draw in experiment.draw.items():
+        if name not in used:
+            yield f"`draw`, {name}: no task and no option has `{{{name}}}`"
+        if isinstance(draw, Between) and draw.low > draw.high:
+            yield f"`draw`, {name}: `from` is more than `to`"
+        elif not isinstance(draw, Between) and not draw:
+            yield f"`draw`, {name}: there is nothing to draw from"
+    for part in experiment.part:
+        for task in experiment.given(part)[1]:
+            for name in names_in(task):
+                if name not in experiment.draw:
+                    yield f"a task has `{{{name}}}`, which `draw` does not have"
+
+
+def _texts(experiment: Experiment) -> Iterator[str]:
+    """The texts in which a value that is drawn may stand."""
+    for part in experiment.part:
+        yield from experiment.given(part)[1]
+        yield from (value for value in part.values if isinstance(value, str))
+    for table in (experiment.set, *[part.set for part in experiment.part]):
+        for settings in table.values():
+            yield from (text for text in settings.values() if isinstance(text, str))

@@ -19,15 +19,10 @@ from rapc.base.values import format_atom, typed
 from rapc.base.version import VERSION
 from rapc.compiler.program import Program
 from rapc.errors import RefusedError, SettingError, TextError, WorldError
-from rapc.experiments.config import (
-    PointConfig,
-    digest_of_code,
-    resolved,
-)
 from rapc.experiments.definition import Experiment, ExperimentError, Series
 from rapc.experiments.draws import Value, drawn, extremes, names_in, with_draws
 from rapc.experiments.measures import LABELS, figures_of
-from rapc.experiments.run import counted_tasks
+from rapc.experiments.run import PointConfig, counted_tasks, digest_of_code, resolved
 from rapc.runtime.prepare import prepare
 from rapc.runtime.settings import read_settings
 from rapc.runtime.task_request import TaskRequest, as_text, of_agenda, read_task_request

@@ -7,9 +7,9 @@ from functools import cache
 from pathlib import Path
 
 from rapc.compiler.program import Program
-from rapc.experiments.config import PointConfig
 from rapc.experiments.definition import Experiment
 from rapc.experiments.points import Point, command, points, unit
+from rapc.experiments.run import PointConfig
 from rapc.experiments.store import Store
 from rapc.experiments.summary import PartSummary, summarize
 from rapc.worlds.registry import find_world

@@ -16,9 +16,8 @@ from pathlib import Path
 import msgspec
 
 from rapc.errors import Error
-from rapc.experiments.config import PointConfig
 from rapc.experiments.measures import Measures
-from rapc.experiments.run import Result
+from rapc.experiments.run import PointConfig, Result
 
 try:
     import fcntl
@@ -28,16 +27,16 @@ except ModuleNotFoundError:  # not a POSIX system
 FORMAT = 2
 """The version of the tables; other ones are refused."""
 
-_SCHEMA = """
+_MEASURES = Measures.__struct_fields__
+"""The measures of a run, each a column of its name."""
+
+_COLUMNS = ("config", "seed", *_MEASURES, "seconds")
+
+_SCHEMA = f"""
 create table config (hash text primary key, config text not null);
 create table result (
     config text not null references config (hash), seed integer not null,
-    reason text not null, disaster text, time numeric not null,
-    completed integer not null, given_up integer not null, pending integer not null,
-    effector integer not null, sensor integer not null, failed integer not null,
-    counts text not null, missed_deadlines integer not null,
-    query_faults integer not null, figures text not null, tasks text not null,
-    seconds real not null,
+    {", ".join(_MEASURES)}, seconds real not null,
     primary key (config, seed)
 ) without rowid;
 """
@@ -51,7 +50,7 @@ _IN_JSON = ("counts", "figures", "tasks")
 _NO_LOCKS = (errno.EBADF, errno.ENOLCK, errno.EOPNOTSUPP, errno.EINVAL, errno.ENOSYS)
 """What file systems say that cannot lock a folder."""
 
-_KEEP = "insert or ignore into result values (?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)"
+_KEEP = f"insert or ignore into result values ({', '.join('?' * len(_COLUMNS))})"  # noqa: S608
 
 _KEEP_CONFIG = "insert or ignore into config values (?, ?)"
 
@@ -59,11 +58,10 @@ _SEEDS = "select seed from result where config = ?"
 
 _CONFIGS = "select hash from config order by hash"
 
-_FIND = """
-select seed, reason, disaster, time, completed, given_up, pending, effector, sensor,
-    failed, counts, missed_deadlines, query_faults, figures, tasks
-from result where config = ? and seed >= ? and seed < ? order by seed
-"""
+_FIND = f"""
+select seed, {", ".join(_MEASURES)} from result
+where config = ? and seed >= ? and seed < ? order by seed
+"""  # noqa: S608  # the names of columns are those of a class
 
 
 class StoreError(Error):
@@ -179,7 +177,7 @@ class Store:
 
 
 def _measures(values: list[object]) -> Measures:
-    row = dict(zip(Measures.__struct_fields__, values, strict=True))
+    row = dict(zip(_MEASURES, values, strict=True))
     for name in _IN_JSON:
         row[name] = msgspec.json.decode(str(row[name]))
     return msgspec.convert(row, Measures)

@@ -11,10 +11,10 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from rapc.compiler.program import Program
-from rapc.experiments import reading
-from rapc.experiments.config import PointConfig
+from rapc.experiments import definition
 from rapc.experiments.definition import Experiment
 from rapc.experiments.measures import Measures
+from rapc.experiments.run import PointConfig
 from rapc.experiments.session import Batch
 from rapc.experiments.store import Store
 from rapc.host import load
@@ -70,7 +70,7 @@ def session(
     text: str = TRUCK, parts: Sequence[str] = (), seeds: int | None = None
 ) -> Batch:
     """A session for the text of an experiment that lies in the checkout."""
-    made: Experiment = reading.decode_experiment(text, "truck")
+    made: Experiment = definition.decode_experiment(text, "truck")
     return Batch(made, CHECKOUT, checked, parts, seeds)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from rapc.experiments import reading
+from rapc.experiments import definition
 from rapc.experiments.session import Batch
 from tests.cli.command import rapc
 
@@ -13,8 +13,8 @@ from .small_experiment import checked
 
 
 def chapter6() -> Batch:
-    file = reading.experiment_file("chapter6")
-    made = reading.read_experiment(file)
+    file = definition.experiment_file("chapter6")
+    made = definition.read_experiment(file)
     return Batch(made, file.parent, checked)
 
 

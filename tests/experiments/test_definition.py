@@ -6,9 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from rapc.experiments import definition, reading
-from rapc.experiments.definition import ExperimentError
-from rapc.experiments.reading import decode_experiment
+from rapc.experiments import definition
+from rapc.experiments.definition import ExperimentError, decode_experiment
 
 from .small_experiment import LIBRARY, TRUCK, session
 
@@ -237,16 +236,16 @@ def test_parts_are_found_by_name() -> None:
 
 def test_files_are_found_by_name(tmp_path: Path) -> None:
     with pytest.raises(ExperimentError) as caught:
-        reading.experiment_file("chapter")
+        definition.experiment_file("chapter")
     assert caught.value.message == "there is no experiment `chapter`"
     file = tmp_path / "my.toml"
-    assert reading.experiment_file(str(file)) == file
+    assert definition.experiment_file(str(file)) == file
     with pytest.raises(ExperimentError) as caught:
-        reading.read_experiment(file)
+        definition.read_experiment(file)
     assert caught.value.message == f"cannot read `{file}`: no such file or directory"
     file.write_bytes(b"\xff")
     with pytest.raises(ExperimentError) as caught:
-        reading.read_experiment(file)
+        definition.read_experiment(file)
     assert caught.value.message == f"`{file}` is not UTF-8: byte 0xff in line 1"
     file.write_text(TRUCK)
-    assert reading.read_experiment(file).name == "my"
+    assert definition.read_experiment(file).name == "my"

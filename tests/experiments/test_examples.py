@@ -10,7 +10,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
-from rapc.experiments import reading
+from rapc.experiments import definition
 from rapc.experiments.run import measure
 from rapc.experiments.session import Batch
 
@@ -23,7 +23,7 @@ FILES = sorted(
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
 def test_an_experiment_among_the_examples_runs(file: Path) -> None:
-    made = msgspec.structs.replace(reading.read_experiment(file), until=250)
+    made = msgspec.structs.replace(definition.read_experiment(file), until=250)
     points = Batch(made, file.parent, checked).points
     run = measure(points[0].config, 0)
     assert (run.reason, run.disaster) == ("until", None)

@@ -8,7 +8,7 @@ from itertools import product
 import pytest
 
 from rapc.base.values import Atom, Text
-from rapc.experiments import reading
+from rapc.experiments import definition
 from rapc.runtime.settings import Settings
 from rapc.runtime.task_request import TaskRequest, of_agenda
 from tests.effort import first
@@ -96,7 +96,7 @@ def test_who_minds_the_mud_arrives_and_who_does_not_is_stuck() -> None:
 
 
 def test_the_experiment_sets_both_ways_to_the_same_worlds() -> None:
-    made = reading.read_experiment(reading.experiment_file("rounds"))
+    made = definition.read_experiment(definition.experiment_file("rounds"))
     parts = {part.name: part for part in made.part}
     for mine, theirs in (
         ("still", "orders-still"),

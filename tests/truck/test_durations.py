@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import pytest
 
 from rapc.base.values import Text
-from rapc.experiments import reading
+from rapc.experiments import definition
 from rapc.worlds.truck.options import TruckSettings, read_settings
 
 from .runs import EXAMPLES, STDLIB, Run, agenda, library, task
@@ -157,7 +157,7 @@ def calibrated() -> TruckSettings:
     """The world that is calibrated on T's tables."""
     file = EXAMPLES / "experiments" / "calibrated.toml"
     return read_settings(
-        {**reading.read_experiment(file).set["truck"], "map": Text("")}
+        {**definition.read_experiment(file).set["truck"], "map": Text("")}
     )
 
 
