@@ -26,7 +26,6 @@ class StepPlan:
         "effects",
         "has_results",
         "has_timing",
-        "next",
         "node",
         "outputs",
         "position",
@@ -59,8 +58,6 @@ class StepPlan:
         self.has_timing = False
         #: Whether its success brings outputs or effects.
         self.has_results = False
-        #: The step that waits for this one, if it is the only one.
-        self.next: StepPlan | None = None
 
 
 class OutputTarget:
@@ -122,7 +119,6 @@ def steps_of(compiler: Compiler, net: nodes.TaskNet) -> tuple[StepPlan, ...]:
             _annotate(compiler, plans, at_tag, plan, annotation)
     for plan in plans:
         plan.after.sort()
-        plan.next = plans[plan.after[0]] if len(plan.after) == 1 else None
         plan.has_timing = bool(plan.windows or plan.waits or plan.until)
         plan.has_results = bool(plan.outputs or plan.effects)
     return plans

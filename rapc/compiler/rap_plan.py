@@ -152,10 +152,10 @@ class MethodPlan:
         "gives_back",
         "index",
         "key",
+        "makes",
         "name",
         "node",
         "notations",
-        "ordered_alone",
         "otherwise",
         "raps",
         "request",
@@ -164,6 +164,7 @@ class MethodPlan:
         "steps_by_variable",
         "things",
         "tracks_step_ends",
+        "windows",
     )
 
     def __init__(
@@ -218,16 +219,20 @@ class MethodPlan:
         self.steps_by_variable = steps_using(self.steps)
         #: The RAPs that the steps ask for, once they have been looked up.
         self.raps: tuple[RapPlan, ...] = ()
-        #: Whether order alone decides when the steps run, once `raps` are there.
-        self.ordered_alone = False
+        #: Whether anything is made of the inputs of steps, once `raps` are there.
+        self.makes = False
         #: Whether steps may add to the environment of the method.
         self.binds = any(s.outputs or s.conditions or s.waits for s in self.steps)
         self.binds |= self.activation is not None and bool(self.activation.waits)
         self.size = len(self.steps)
-        #: The positions of the steps that follow none.
-        self.first_steps = tuple([s.position for s in self.steps if not s.before])
+        #: The positions of the steps that follow none, or have windows to be fixed.
+        self.first_steps = tuple(
+            [s.position for s in self.steps if s.windows or not s.before]
+        )
         #: Whether any step has `for` formulas put on it.
         self.conditions = any(step.conditions for step in self.steps)
+        #: Whether any step has time windows.
+        self.windows = any(step.windows for step in self.steps)
         #: Whether inputs of steps are computed.
         self.computes = any(step.computes for step in self.steps)
         #: Whether anything depends on how and when steps have ended.
@@ -266,7 +271,6 @@ class RapPlan:
         "recursive",
         "repeat_while",
         "resources",
-        "sole_method",
         "static_identity",
         "steady",
         "succeed",
@@ -336,9 +340,6 @@ class RapPlan:
             MethodPlan(compiler, node, method, index)
             for index, method in enumerate(node.methods)
         )
-        single = len(self.methods) == 1 and node.repeat_while is None
-        #: The one method, if there is one and no `repeat-while`.
-        self.sole_method = self.methods[0] if single else None
 
 
 def _resources(

@@ -67,7 +67,6 @@ class Interpreter:
             and returns methods (T 7.4.1).
         comparators: comparators of descriptions by registered name (T A.5), besides
             those of the world: see `rapc.world.Kit`.
-        fast: see `Machine`; for tests.
 
     Raises:
         RefusedError: if the library cannot run in this world, before anything happens.
@@ -82,7 +81,6 @@ class Interpreter:
         functions: Mapping[str, Callable[..., Any]] | None = None,
         solvers: Mapping[str, Callable[..., Any]] | None = None,
         comparators: Mapping[str, Callable[..., Any]] | None = None,
-        fast: bool = True,
     ) -> None:
         need_program(library, "`library`")
         need_world(world)
@@ -97,7 +95,7 @@ class Interpreter:
             settings = Settings()
         need_settings(settings)
         code = code_of_authors(world.kit, functions, solvers, comparators)
-        self._machine = put_together(library, world, seed, settings, code, fast)
+        self._machine = put_together(library, world, seed, settings, code)
         self._loop = Loop(self._machine)
 
     # --- before and while it runs -------------------------------------------------
@@ -153,7 +151,6 @@ class Interpreter:
         """Tell `listener` whenever the context of a method is asked, and the answer."""
         need_call(listener, "a listener")
         self._machine.context_asked = listener
-        self._machine.may_choose_sole = False
 
     def assert_fact(self, *fact: Atom) -> None:
         """Assert a fact on behalf of the user.
@@ -455,9 +452,8 @@ class Interpreter:
     ) -> Interpreter:
         """Return a run that has not begun, with the callables of this one."""
         functions, solvers, comparators = self._registered
-        fast = self._machine.fast
         return Interpreter(
-            library, world, self.seed, settings, functions, solvers, comparators, fast
+            library, world, self.seed, settings, functions, solvers, comparators
         )
 
     # --- the end ------------------------------------------------------------------

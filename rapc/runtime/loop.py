@@ -15,7 +15,7 @@ from rapc.runtime.intake import take_in
 from rapc.runtime.machine import Machine
 from rapc.runtime.tasks.cycle import run_cycle
 from rapc.runtime.tasks.hold_things import resume_skills
-from rapc.runtime.tasks.start import create_top, release_at_start_time
+from rapc.runtime.tasks.start import create_top, release
 from rapc.world import NOT_KNOWN, Time
 
 
@@ -134,8 +134,7 @@ class Loop:
             machine.state.expected -= not submission.background
             create_top(machine, submission)
         for task in machine.monitors.due():
-            if task.wait is None or not task.wait.awaits_signal:
-                release_at_start_time(machine, task)
+            release(machine, task, again=True)
 
     def _spend(self, cost: Time) -> None:
         """Let a cycle take its time."""

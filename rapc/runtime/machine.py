@@ -21,7 +21,7 @@ from rapc.runtime.memory.build import assemble
 from rapc.runtime.monitors.monitors import Monitors
 from rapc.runtime.query_context import NotingContext, QueryContext
 from rapc.runtime.settings import Settings
-from rapc.runtime.state.agenda import Agenda, SortingAgenda
+from rapc.runtime.state.agenda import Agenda
 from rapc.runtime.state.run_state import RunState
 from rapc.runtime.state.things import Things
 from rapc.world import ResultHandler, Time
@@ -41,9 +41,6 @@ class Machine:
         functions: the registered functions, by name.
         solvers: the problem solvers, by RAP.
         comparators: the registered comparators, by name.
-        fast: whether rules of the language that stand a second time, for speed, are
-            used where they hold; else only the full ones. It makes no difference but
-            to time: tests compare the two.
     """
 
     def __init__(
@@ -55,9 +52,7 @@ class Machine:
         functions: Mapping[str, Callable[..., Any]],
         solvers: Mapping[str, Callable[..., Any]],
         comparators: Mapping[str, Callable[..., Any]],
-        fast: bool = True,
     ) -> None:
-        self.fast = fast
         self.library = library
         self.world = world
         self.settings = settings
@@ -81,7 +76,7 @@ class Machine:
         self.context = QueryContext(*asked)
         #: Asks what kept a task from going on, without leaving a mark on the run.
         self.noting = NotingContext(*asked)
-        self.agenda = Agenda(rng) if fast else SortingAgenda(rng)
+        self.agenda = Agenda(rng)
         self.things = Things()
         self.held, self.waits = self.things.held, self.things.waits  # parts of them
         self.monitors = Monitors(self.context, self.recorder, self.agenda, self.things)
@@ -95,9 +90,6 @@ class Machine:
         self.turning = self.broken = False
         #: Told of each context that is asked, for coverage.
         self.context_asked: ContextListener | None = None
-        #: Whether a sole method may be chosen without further ado: no solver may help,
-        #: and nobody is to be told of contexts.
-        self.may_choose_sole = fast and not solvers
         #: Whether any RAP can come up among its own subtasks: a solver may bring it
         #: in. Without solvers only those whose plans are `recursive` can.
         self.all_may_recur = bool(solvers)

@@ -28,7 +28,6 @@ def put_together(
     seed: int,
     settings: Settings,
     code: Mapping[str, Named],
-    fast: bool,
 ) -> Machine:
     """Return the machine of a run that has not begun.
 
@@ -38,7 +37,6 @@ def put_together(
         seed: the run's seed.
         settings: those of the interpreter.
         code: what `code_of_authors` has made of that of world and host.
-        fast: see `Machine`.
 
     Raises:
         RefusedError: if the library cannot run in this world.
@@ -50,7 +48,7 @@ def put_together(
         raise RefusedError(found)
     refuse_other_world(library, world)
     try:
-        machine = wired(library, held, seed, settings, fast)
+        machine = wired(library, held, seed, settings)
         found = refusals(library, held)
     except BaseException as error:
         held.blame(error)
@@ -59,9 +57,7 @@ def put_together(
     return machine
 
 
-def wired(
-    library: Program, world: HeldWorld, seed: int, settings: Settings, fast: bool = True
-) -> Machine:
+def wired(library: Program, world: HeldWorld, seed: int, settings: Settings) -> Machine:
     """Return a machine whose handlers can ask memory, and are held if so wanted."""
     machine = Machine(
         library,
@@ -71,7 +67,6 @@ def wired(
         world.code["the function"],
         world.code["the solver of"],
         world.code["the comparator"],
-        fast,
     )
     machine.recognizer.renamed = partial(rename, machine)
     machine.access.answers = HandlerQuestions(machine).ask

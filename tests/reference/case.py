@@ -208,7 +208,7 @@ def _world(case: Case, library: Library) -> ScriptedWorld:
     )
 
 
-def interpreter_of(case: Case, fast: bool = True) -> Interpreter:
+def interpreter_of(case: Case) -> Interpreter:
     """Return rapc's interpreter for a case, nothing begun."""
     library = read_library(case.text)
     return Interpreter(
@@ -218,7 +218,6 @@ def interpreter_of(case: Case, fast: bool = True) -> Interpreter:
         case.settings,
         functions=FUNCTIONS,
         solvers=_solvers(case),
-        fast=fast,
     )
 
 
@@ -254,9 +253,9 @@ Trace = Sequence[events.Event | dict[str, object]]
 """Events, and what was refused or broke a run off."""
 
 
-def run_rapc(case: Case, fast: bool = True) -> Trace:
+def run_rapc(case: Case) -> Trace:
     """The trace of rapc's interpreter, without `run-started`."""
-    interpreter = interpreter_of(case, fast)
+    interpreter = interpreter_of(case)
     found: list[Any] = []
     interpreter.listen(found.append)
     begin(case, interpreter, found)

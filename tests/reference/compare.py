@@ -1,13 +1,11 @@
 """Run random programs through both interpreters and compare the traces.
 
-By hand: `python -m tests.reference.compare --seeds 100000`; `--seed N` shows one,
-`--full` does without the fast twins of the language's rules.
+By hand: `python -m tests.reference.compare --seeds 100000`; `--seed N` shows one.
 """
 
 from __future__ import annotations
 
 import argparse
-import functools
 import time
 from collections import Counter
 from collections.abc import Callable
@@ -71,16 +69,12 @@ class Outcome(msgspec.Struct, frozen=True):
         )
 
 
-def compare(case: Case, fast: bool = True) -> Outcome:
-    """Run a case through both. What either raises is a verdict of its own.
-
-    Without `fast`, rapc's interpreter does without its fast twins.
-    """
+def compare(case: Case) -> Outcome:
+    """Run a case through both. What either raises is a verdict of its own."""
     traces: list[list[Row]] = []
-    rapc = functools.partial(run_rapc, fast=fast)
     for name, run, write in (
         ("reference", run_reference, msgspec.to_builtins),
-        ("rapc", rapc, written),
+        ("rapc", run_rapc, written),
     ):
         try:
             traces.append(rows(run(case), write))
@@ -122,7 +116,6 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=1000)
     parser.add_argument("--from", type=int, default=0, dest="start")
     parser.add_argument("--seed", type=int)
-    parser.add_argument("--full", action="store_true", help="without fast twins")
     parser.add_argument("--stop-after", type=int, default=5)
     parser.add_argument("--forms", nargs="*", choices=FORMS, default=FORMS)
     options = parser.parse_args()
@@ -137,14 +130,14 @@ def main() -> None:
     for seed in seeds:
         tried += 1
         case = generate(seed, options.forms)
-        outcome = compare(case, not options.full)
+        outcome = compare(case)
         here = Counter(kind_of(row) for row in outcome.reference)
         kinds.update(here)
         runs.update(dict.fromkeys(here, 1))
         if outcome.verdict != "agree":
             failed.append(seed)
-            small = shrink(case, lambda c: compare(c, not options.full).verdict)
-            print(report(small, compare(small, not options.full)), flush=True)
+            small = shrink(case, lambda c: compare(c).verdict)
+            print(report(small, compare(small)), flush=True)
             if len(failed) >= options.stop_after:
                 break
     spent = time.monotonic() - begun

@@ -2,11 +2,12 @@
 
 Order of choice [T 3.2.4; L 4]: higher priority; earlier latest start; tasks
 none of whose methods has ended badly; the family on top of the stack; chance. A task
-that is alone on the agenda is neither sorted nor grouped.
+that is alone on the agenda is not sorted in.
 """
 
 from __future__ import annotations
 
+import math
 import random
 from bisect import bisect_left, insort
 from collections.abc import Iterable
@@ -14,28 +15,8 @@ from collections.abc import Iterable
 from rapc.base.chance import below
 from rapc.runtime.state.task import Task
 
-_Key = tuple[float, float, bool]
-
-
-class _Group:
-    """The eligible tasks that priority, latest start and failure do not tell apart."""
-
-    __slots__ = ("families", "numbers")
-
-    def __init__(self) -> None:
-        self.numbers: list[int] = []
-        self.families: dict[int, list[int]] = {}
-
-    def add(self, task: Task) -> None:
-        insort(self.numbers, task.number)
-        insort(self.families.setdefault(task.family, []), task.number)
-
-    def discard(self, task: Task) -> None:
-        del self.numbers[bisect_left(self.numbers, task.number)]
-        family = self.families[task.family]
-        del family[bisect_left(family, task.number)]
-        if not family:
-            del self.families[task.family]
+_Entry = tuple[float, float, bool, int]
+"""What order looks at: priority, negated; latest start; failure; then the number."""
 
 
 class Agenda:
@@ -51,9 +32,10 @@ class Agenda:
         self.last_family: int | None = None
         self._rng = rng
         self._only: Task | None = None
-        self._tasks: dict[int, tuple[Task, _Key]] = {}
-        self._groups: dict[_Key, _Group] = {}
-        self._keys: list[_Key] = []
+        self._tasks: dict[int, tuple[Task, _Entry]] = {}
+        #: The entries of all tasks but a sole one, and those of each family, sorted.
+        self._order: list[_Entry] = []
+        self._families: dict[int, list[_Entry]] = {}
 
     def __len__(self) -> int:
         return len(self._tasks) + (self._only is not None)
@@ -68,23 +50,24 @@ class Agenda:
             self._only = None
             self._insert(only)
         elif not self._tasks:
-            # fast twin of sorting it in: holds while it is alone
             self._only = task
             return
         self._insert(task)
 
     def _insert(self, task: Task) -> None:
-        wait = task.wait
+        wait, history = task.wait, task.history
         latest = task.limit if wait is None else task.limit - wait.duration
-        self._place(task, (-task.priority, latest, task.failed))
+        self._place(task, latest, history is not None and bool(history.failures))
 
-    def _place(self, task: Task, key: _Key) -> None:
-        group = self._groups.get(key)
-        if group is None:
-            group = self._groups[key] = _Group()
-            insort(self._keys, key)
-        group.add(task)
-        self._tasks[task.number] = task, key
+    def _place(self, task: Task, latest: float, failed: bool) -> None:
+        entry = (-task.priority, latest, failed, task.number)
+        self._tasks[task.number] = task, entry
+        insort(self._order, entry)
+        family = self._families.get(task.family)
+        if family is None:
+            self._families[task.family] = [entry]
+        else:
+            insort(family, entry)
 
     def entries(self) -> tuple[int | None, list[tuple[int, float, bool]]]:
         """Return the number of the sole task, and the others as they are sorted in.
@@ -92,16 +75,16 @@ class Agenda:
         Each of these has its number, its latest start, and whether it had failed.
         """
         sole = None if self._only is None else self._only.number
-        return sole, [(n, key[1], key[2]) for n, (_, key) in self._tasks.items()]
+        return sole, [(n, entry[1], entry[2]) for n, (_, entry) in self._tasks.items()]
 
     def load(
         self, sole: Task | None, others: Iterable[tuple[Task, float, bool]]
     ) -> None:
         """Hold these tasks and no others, as `entries` told of them."""
         self._only = sole
-        self._tasks, self._groups, self._keys = {}, {}, []
+        self._tasks, self._order, self._families = {}, [], {}
         for task, latest, failed in others:
-            self._place(task, (-task.priority, latest, failed))
+            self._place(task, latest, failed)
 
     def discard(self, task: Task) -> None:
         """Remove a task that was eligible; others are left alone."""
@@ -111,12 +94,12 @@ class Agenda:
             self._take_out(task.number)
 
     def _take_out(self, number: int) -> Task:
-        task, key = self._tasks.pop(number)
-        group = self._groups[key]
-        group.discard(task)
-        if not group.numbers:
-            del self._groups[key]
-            del self._keys[bisect_left(self._keys, key)]
+        task, entry = self._tasks.pop(number)
+        family = self._families[task.family]
+        for entries in (self._order, family):
+            del entries[bisect_left(entries, entry)]
+        if not family:
+            del self._families[task.family]
         return task
 
     def choose(self) -> Task | None:
@@ -124,7 +107,7 @@ class Agenda:
         task = self._only
         if task is not None:
             self._only = None
-        elif self._keys:
+        elif self._order:
             task = self._pick()
         else:
             return None
@@ -135,18 +118,20 @@ class Agenda:
 
     def _pick(self) -> Task:
         """The next of several."""
-        key = self._keys[0]
-        group = self._groups[key]
-        numbers = group.numbers
-        if len(numbers) == 1:
-            del self._groups[key]
-            del self._keys[0]
-            return self._tasks.pop(numbers[0])[0]
-        self._drop_above(-int(key[0]))
+        entries = self._order
+        priority, latest, failed, number = entries[0]
+        behind = (priority, latest, failed, math.inf)
+        size = bisect_left(entries, behind)
+        if size == 1:
+            return self._take_out(number)
+        self._drop_above(-int(priority))
         if self.stack:
-            numbers = group.families.get(self.stack[-1][1], numbers)
-        at = below(self._rng, len(numbers)) if len(numbers) > 1 else 0
-        return self._take_out(numbers[at])
+            family = self._families.get(self.stack[-1][1], [])
+            same = bisect_left(family, behind)
+            if same:
+                entries, size = family, same
+        at = below(self._rng, size) if size > 1 else 0
+        return self._take_out(entries[at][3])
 
     def _drop_above(self, priority: int) -> None:
         """Pop what has nothing eligible at or above its priority."""
@@ -159,11 +144,3 @@ class Agenda:
         while stack and stack[-1][0] >= priority:
             stack.pop()
         stack.append((priority, task.family))
-
-
-class SortingAgenda(Agenda):
-    """An agenda that sorts in a task that is alone, too."""
-
-    def add(self, task: Task) -> None:
-        """Add a task that has become eligible."""
-        self._insert(task)

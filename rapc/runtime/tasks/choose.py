@@ -39,49 +39,43 @@ Key = tuple[object, ...]
 by value."""
 
 
-Choice = tuple[MethodPlan, Env, Key, Sequence[Held]]
-"""The method to try, what its choice binds, its key, and all that it was drawn from."""
-
-_SOLE: tuple[Held, ...] = ()
-"""It was drawn from no others."""
+Choice = tuple[MethodPlan, Env, Sequence[Held]]
+"""The method to try, what its choice binds, and all that it was drawn from."""
 
 
-def choose(machine: Machine, task: Task) -> Choice | None:
-    """Return what to try, or None if there is nothing; asks a solver in that case."""
+def choose(machine: Machine, task: Task, asked: bool = False) -> Choice | None:
+    """Return what to try, or None if there is nothing.
+
+    A solver is asked if no method holds, unless it was `asked` already.
+    """
     context, plan, env = machine.context, task.plan, task.env
     context.task = task
-    repeat = plan.repeat_while
-    if repeat is not None and not repeat.holds(context, env):
+    repeat, told = plan.repeat_while, machine.context_asked
+    if repeat is not None and not (asked or repeat.holds(context, env)):
         return None
-    holding = _holding(machine, task)
-    if not holding and _ask_solver(machine, task):
-        holding = _holding(machine, task)
+    holding: list[Held] = []
+    for method in machine.state.methods(plan):
+        found: Env | None
+        if method.otherwise and holding:
+            found = None
+        elif method.choice is None:
+            found = {}
+        else:
+            found = context.bound[method.choice].first(env)
+        if found is not None:
+            holding.append((method, found))
+        if told is not None and method.node.context is not None:
+            told(plan.name, method.name, found is not None)
     if len(holding) > 1:
-        return _choose_among(machine, task, holding)
-    for method, found in holding:
-        return method, found, choice_key(method, env, found), _SOLE
-    return None
-
-
-def choose_sole(machine: Machine, task: Task) -> Choice | None:
-    """Return what `choose` returns, sooner where there is but one method to choose."""
-    # fast twin of `choose`: holds when no solver may help, nobody is told of contexts,
-    # and the RAP has one method and no `repeat-while`
-    method, env = task.plan.sole_method, task.env
-    if method is None:
-        return choose(machine, task)
-    if method.choice is None:
-        return method, {}, choice_key(method, env, {}) if env else method.key, _SOLE
-    context = machine.context
-    context.task = task
-    found = context.bound[method.choice].first(env)
-    if found is None:
+        return _draw(machine, task, holding)
+    if holding:
+        return (*holding[0], ())
+    if asked or not _ask_solver(machine, task):
         return None
-    key = choice_key(method, env, found) if env or found else method.key
-    return method, found, key, _SOLE
+    return choose(machine, task, asked=True)
 
 
-def _choose_among(machine: Machine, task: Task, holding: list[Held]) -> Choice:
+def _draw(machine: Machine, task: Task, holding: list[Held]) -> Choice:
     """One of several: failed least, chosen least, not kept waiting, then by chance."""
     holding = _least(holding, [task.failures_of(method) for method, _ in holding])
     if len(holding) > 1:
@@ -90,14 +84,11 @@ def _choose_among(machine: Machine, task: Task, holding: list[Held]) -> Choice:
         free = [held for held in holding if not must_wait(machine, task, *held)]
         holding = free or holding
     at = below(machine.rng, len(holding)) if len(holding) > 1 else 0
-    method, found = holding[at]
-    return method, found, choice_key(method, task.env, found), holding
+    return (*holding[at], holding)
 
 
 def choice_key(method: MethodPlan, env: Env, found: Env) -> Key:
     """The key of a choice, with what the task's environment holds now."""
-    if not (env or found):
-        return method.key
     held = [frozen(value) for value in env.values()]
     if not found:
         return (method.index, *held)
@@ -107,26 +98,6 @@ def choice_key(method: MethodPlan, env: Env, found: Env) -> Key:
 def _least(choices: Sequence[_Any], counts: Sequence[int]) -> list[_Any]:
     least = min(counts)
     return [c for c, count in zip(choices, counts, strict=True) if count == least]
-
-
-def _holding(machine: Machine, task: Task) -> list[Held]:
-    """The methods that hold, in the order of the text, with their first bindings."""
-    context, env = machine.context, task.env
-    context.task = task
-    held: list[Held] = []
-    for method in machine.state.methods(task.plan):
-        found: Env | None
-        if method.otherwise and held:
-            found = None
-        elif method.choice is None:
-            found = {}
-        else:
-            found = method.choice.first(context, env)
-        if found is not None:
-            held.append((method, found))
-        if machine.context_asked is not None and method.node.context is not None:
-            machine.context_asked(task.plan.name, method.name, found is not None)
-    return held
 
 
 def _ask_solver(machine: Machine, task: Task) -> bool:

@@ -30,7 +30,7 @@ from rapc.world import OKAY
 
 def run_cycle(machine: Machine, task: Task) -> None:
     """Process the task that the agenda has chosen."""
-    plan, wait, run = task.plan, task.wait, task.within
+    plan, wait = task.plan, task.wait
     if machine.waits:
         machine.things.stop_waiting(task)
     if task.identity is None or (
@@ -56,9 +56,9 @@ def run_cycle(machine: Machine, task: Task) -> None:
         and not (wait.first_selected and machine.monitors.still_hold(task, wait))
     ):
         machine.monitors.block(task)
-    elif (plan.conditional or (run is not None and run.has_conditions)) and not (
-        _conditions_hold(machine, task)
-    ):
+    elif (
+        plan.conditional or (task.within is not None and task.within.has_conditions)
+    ) and not _conditions_hold(machine, task):
         if task.state is not ENDED:
             because = causes.of_conditions(machine, task)
             fail(machine, task, INTERFERENCE, because)
@@ -165,14 +165,13 @@ def _constraints_hold(machine: Machine, nearest: Task | MethodRun) -> bool:
     """Whether the constraints of `nearest` and of all above it hold now.
 
     One of a method that does not hold ends the method, and all below leaves.
-    Where nothing has changed since they were all found to hold, they still do: so an
-    endless descent looks at each of its tasks but once.
+    Where nothing has changed since they were all found to hold, they still do, if they
+    ask of memory, resources and the clock alone: so an endless descent looks at each of
+    its tasks but once.
     """
     context, changes = machine.context, machine.monitors.listeners.changes
     faults, steady = context.faults, True
     stated: Task | MethodRun | None = nearest
-    # fast twin of asking all of them: holds when nothing has changed since, and what
-    # they ask of are memory, resources and the clock alone
     while stated is not None:
         if isinstance(stated, MethodRun):
             if not _method_holds(machine, stated):
@@ -187,7 +186,7 @@ def _constraints_hold(machine: Machine, nearest: Task | MethodRun) -> bool:
                 return False
             steady = steady and plan.steady
         stated = stated.constrained
-    if steady and machine.fast and context.faults == faults:
+    if steady and context.faults == faults:
         assert isinstance(nearest, Task)
         nearest.held_at = changes
     return True

@@ -7,7 +7,7 @@ tasks are removed that have not ended by themselves is in `rapc.runtime.tasks.re
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from rapc.base.resources import Value
 from rapc.compiler.net_plan import OutputTarget, StepPlan
@@ -25,95 +25,91 @@ from rapc.runtime.state.states import (
     FUTILE_LOOP,
     INTERFERENCE,
     SIGNAL,
-    WAITING,
 )
 from rapc.runtime.state.task import Env, MethodRun, Task, as_told
 from rapc.runtime.tasks import causes, method_causes
 from rapc.runtime.tasks.effects import Change, carry_out, changes_of
-from rapc.runtime.tasks.remove import discount, drop, free, leave, remove, stop
+from rapc.runtime.tasks.remove import discount, drop, free, remove, stop, unregister
 from rapc.runtime.tasks.rules import run_finish_rules
 from rapc.runtime.tasks.start import (
     read_inputs,
     read_windows,
     release,
     repeats_ancestor,
-    test_or_enqueue,
 )
 from rapc.world import OKAY
+
+_Received = tuple[Env, Sequence[Change]]
+"""What the success of a step binds in its method, and what it changes."""
+
+_NOTHING: _Received = ({}, ())
 
 # --- good endings ----------------------------------------------------------------
 
 
 def succeed(machine: Machine, task: Task, found: Env) -> None:
-    """End `task`, whose `succeed` holds, and hand its outputs up; or fail it.
+    """Succeed a task that is not on the agenda, or fail it if its outputs do not fit.
 
-    It stands on the agenda no longer.
+    Outputs and effects of a step are all brought to its method, or none is. Its end
+    carries out `until`s, then releases what follows, or ends the method.
     """
-    step, run = task.step, task.within
-    if (
-        step is None
-        or run is None
-        or step.has_results
-        or task.plan.tells_end
-        or not machine.fast
-    ):
-        _succeed_with(machine, task, _outputs(task, found))
-        return
-    # fast twin of `_succeed_with`: holds when a step has neither outputs nor effects,
-    # and its RAP no rules
-    if task.wait is None:
-        task.state = ENDED
-    else:
-        leave(machine, task)
-    machine.state.succeeded += 1
-    if machine.recorder.on:
-        _tell_success(machine, task, {})
-    run.steps_left -= 1
-    if run.ends is None:
-        _go_on(machine, run, step)
-    else:
-        _finish_step_with(machine, run, step, ())
-
-
-def _succeed_with(machine: Machine, task: Task, outputs: Env) -> None:
-    """Let a task that is no step, or has outputs or effects, succeed or fail."""
-    step, run = task.step, task.within
-    bound: Env | None = {}
-    changes: list[Change] | None = []
-    if step is not None and run is not None:
-        names = zip(task.plan.outputs, step.outputs, strict=False)
-        arriving = [(to, outputs[name]) for name, to in names if name in outputs]
-        bound = receive(machine, run, arriving)
-        changes = None if bound is None else changes_of(machine, run, step, bound)
-    if bound is None or changes is None:
-        told = machine.recorder.tells_causes
-        because = causes.of_step_end(machine, task, outputs) if told else None
-        fail(machine, task, INTERFERENCE, because)
-        return
-    if step is None:
+    plan, step, run = task.plan, task.step, task.within
+    outputs = _outputs(task, found) if plan.outputs else {}
+    if step is None or run is None:
         given = machine.state.live_top[task.number]
         given.outcome, given.outputs = OKAY, outputs
-    leave(machine, task)
+        received: _Received | None = _NOTHING
+    else:
+        brings = step.has_results
+        received = _received(machine, run, step, outputs) if brings else _NOTHING
+    if received is None:
+        fail(machine, task, INTERFERENCE, causes.of_step_end(machine, task, outputs))
+        return
+    task.state = ENDED
+    if step is None or task.wait is not None or machine.waits:
+        unregister(machine, task)
     machine.state.succeeded += 1
     if machine.recorder.on:
-        _tell_success(machine, task, outputs)
-    if task.plan.finish_rules:
+        machine.recorder.emit(
+            TaskSucceeded,
+            task=task.number,
+            goal=task.goal(outputs),
+            outputs=as_told(outputs),
+        )
+    if plan.finish_rules:
         run_finish_rules(machine, task, OKAY, outputs)
     if step is None or run is None:
         return
+    bound, changes = received
     run.env.update(bound)
     for change in changes:
         carry_out(machine, task, change)
-    finish_step(machine, run, step, bound)
+    run.steps_left -= 1
+    following = step.after
+    if run.ends is not None:
+        run.ends.times[step.position] = machine.recorder.time
+        following = following + apply_until(machine, run, step, at_end=True)
+    if bound and recheck_bound_steps(machine, run, bound):
+        return
+    if run.steps_left:
+        release_followers(machine, run, following)
+    else:
+        end_method(machine, run, OKAY)
 
 
-def _tell_success(machine: Machine, task: Task, outputs: Env) -> None:
-    machine.recorder.emit(
-        TaskSucceeded,
-        task=task.number,
-        goal=task.goal(outputs),
-        outputs=as_told(outputs),
-    )
+def _received(
+    machine: Machine, run: MethodRun, step: StepPlan, outputs: Env
+) -> _Received | None:
+    """Return what outputs bind and effects change; None if one of them cannot be."""
+    names = run.steps[step.position].plan.outputs
+    arriving = [
+        (to, outputs[name])
+        for name, to in zip(names, step.outputs, strict=False)
+        if name in outputs
+    ]
+    bound = receive(machine, run, arriving)
+    changes = None if bound is None else changes_of(machine, run, step, bound)
+    return None if bound is None or changes is None else (bound, changes)
 
 
 def _outputs(task: Task, found: Env) -> Env:
@@ -145,85 +141,33 @@ def receive(
     return bound
 
 
-def finish_step(
-    machine: Machine, run: MethodRun, step: StepPlan, bound: Iterable[str] = ()
-) -> None:
-    """Finish a step: carry out `until`s, release followers or end the method.
-
-    `bound` are the variables of its method that its outputs have bound.
-    """
-    run.steps_left -= 1
-    if run.ends is not None or bound or not machine.fast:
-        _finish_step_with(machine, run, step, bound)
-    else:
-        _go_on(machine, run, step)
-
-
-def _go_on(machine: Machine, run: MethodRun, step: StepPlan) -> None:
-    """Let a method go on after one of its steps, or end."""
-    # fast twin of `_finish_step_with`: holds when nothing asks how steps have ended,
-    # and nothing was bound
-    if run.steps_left == 0:
-        end_method(machine, run, OKAY)
-    elif step.next is not None:
-        following = step.next
-        task = run.steps[following.position]
-        if task.waiting == 1 and task.wait is None and task.state is WAITING:
-            # fast twin of `release`: holds when order alone decides
-            task.waiting = 0
-            if following.computes:
-                read_inputs(machine, task)
-            task.state = ELIGIBLE
-            machine.agenda.add(task)
-        else:
-            release_followers(machine, run, (step,))
-    elif step.after:
-        release_followers(machine, run, (step,))
-
-
-def _finish_step_with(
-    machine: Machine, run: MethodRun, step: StepPlan, bound: Iterable[str]
-) -> None:
-    """Do what `finish_step` does where the end of a step or its outputs matter."""
-    ended = [step]
-    if run.ends is not None:
-        run.ends.times[step.position] = machine.recorder.time
-        ended += apply_until(machine, run, step, at_end=True)
-    if recheck_bound_steps(machine, run, bound):
-        return
-    if run.steps_left:
-        release_followers(machine, run, ended)
-    else:
-        end_method(machine, run, OKAY)
-
-
 def release_followers(
-    machine: Machine, run: MethodRun, ended: Iterable[StepPlan]
+    machine: Machine, run: MethodRun, following: Sequence[int]
 ) -> None:
-    """Let go what follows steps that have ended, in the order of the text."""
-    freed = []
-    for step in ended:
-        for behind in step.after:
-            task = run.steps[behind]
-            if task.state is ENDED:
-                continue
-            if task.wait is not None:
-                read_windows(machine, task)
+    """Release, in the order of the text, steps that follow no other step any more.
+
+    `following` are the positions of the steps that follow each one that has ended.
+    """
+    steps = run.steps
+    if run.plan.windows:
+        for at in following:
+            if steps[at].live:
+                read_windows(machine, steps[at])
+    for at in sorted(following):
+        task = steps[at]
+        if task.state is not ENDED:
             task.waiting -= 1
             if task.waiting == 0:
-                freed.append(behind)
-    if len(freed) > 1:
-        freed.sort()
-    for behind in freed:
-        release(machine, run.steps[behind])
+                release(machine, task)
 
 
 def apply_until(
     machine: Machine, run: MethodRun, step: StepPlan, *, at_end: bool
-) -> list[StepPlan]:
-    """Remove the live steps whose `until` names `step`; return their plans.
+) -> list[int]:
+    """Remove the live steps whose `until` names `step`.
 
-    Each of them counts as ended, so the caller releases the steps that follow.
+    Each of them counts as ended. Return the positions of the steps that follow each
+    of them, to be released by the caller.
 
     Args:
         machine: the run's.
@@ -231,7 +175,7 @@ def apply_until(
         step: the step that has started or ended.
         at_end: whether `step` has ended: `until-end` is meant, else `until-start`.
     """
-    ended = []
+    following: list[int] = []
     for target, when in step.until:
         task = run.steps[target]
         if when != at_end or not task.live:
@@ -241,8 +185,8 @@ def apply_until(
             run.ends.ended_by_until.add(target)
             run.ends.times[target] = machine.recorder.time
         run.steps_left -= 1
-        ended.append(run.plan.steps[target])
-    return ended
+        following += run.plan.steps[target].after
+    return following
 
 
 def recheck_bound_steps(
@@ -274,7 +218,7 @@ def recheck_bound_steps(
             return True
         if task.bound and task in machine.agenda:
             machine.agenda.discard(task)
-            test_or_enqueue(machine, task)
+            release(machine, task, again=True)
     return False
 
 
@@ -290,7 +234,8 @@ def fail(
     if task.step is None:
         given = machine.state.live_top[task.number]
         given.outcome, given.because = result, because
-    leave(machine, task)
+    task.state = ENDED
+    unregister(machine, task)
     if machine.recorder.on:
         machine.recorder.emit(
             TaskFailed,
@@ -321,8 +266,8 @@ def end_method(
 
     `because` says why it ends badly, `cause` why its steps leave.
     """
-    task, recorder = run.task, machine.recorder
-    if result != OKAY and because is None:
+    task, recorder, failed = run.task, machine.recorder, result != OKAY
+    if failed and because is None:
         because = method_causes.of_result(machine, run, result)
     task.run = None
     if run.steps_left:
@@ -341,10 +286,10 @@ def end_method(
             because=because,
         )
     task.last_result = result
-    if result != OKAY or task.history is not None:
+    if failed or task.history is not None:
         task.note_result(run.plan, result)
         task.remember().because = because
-    if task.plan.outputs and result == OKAY:
+    if task.plan.outputs and not failed:
         task.remember().success = run.env
     task.state = ELIGIBLE
     if task.wait is not None:

@@ -28,7 +28,8 @@ def remove(machine: Machine, task: Task, cause: str) -> None:
     for gone in reversed(leaving):
         run = stop(machine, gone)
         machine.agenda.discard(gone)
-        leave(machine, gone)
+        gone.state = ENDED
+        unregister(machine, gone)
         if run is not None:
             drop(machine, run)
         if machine.recorder.on:
@@ -82,12 +83,12 @@ def free(machine: Machine, run: MethodRun) -> None:
         machine.memory.release_notation(notation)
 
 
-def leave(machine: Machine, task: Task) -> None:
-    """End a task, which from now on waits for nothing and hears of nothing.
+def unregister(machine: Machine, task: Task) -> None:
+    """Unregister a task that has ended from things, signals, monitors and tasks given.
 
-    What it is at work on is not looked at, nor is it told.
+    Nothing else can be registered than a top-level task, one with a `WaitState`, and
+    one that waits for a thing.
     """
-    task.state = ENDED
     if machine.waits:
         machine.things.stop_waiting(task)
     if task.step is None:

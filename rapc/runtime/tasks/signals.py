@@ -24,7 +24,7 @@ from rapc.runtime.tasks.finish import (
     recheck_bound_steps,
 )
 from rapc.runtime.tasks.rules import run_event_rules, run_rules_of
-from rapc.runtime.tasks.start import release_at_start_time
+from rapc.runtime.tasks.start import release
 from rapc.world import OKAY
 
 
@@ -215,4 +215,4 @@ def _proceed(machine: Machine, task: Task, content: Fact) -> None:
     if machine.recorder.on:
         on = format_list(content)
         machine.recorder.emit(events.TaskWoken, task=task.number, on=on)
-    release_at_start_time(machine, task)
+    release(machine, task, again=True)

@@ -143,25 +143,38 @@ def repeats_ancestor(machine: Machine, task: Task) -> bool:
     return above is not None
 
 
-def release(machine: Machine, task: Task) -> None:
-    """Release a task whose predecessors have ended.
+def release(machine: Machine, task: Task, again: bool = False) -> None:
+    """Release a task whose predecessors have ended: let it be selected.
 
-    Its windows are fixed, its `wait-for` listens from now on, and the task is enqueued
-    once its start time has come; a step that waits for a signal is held until then.
+    Its windows are fixed, and its `wait-for` listens from now on. A step that waits
+    for a signal is held until then, and one with a start time until that; monitors are
+    tested first. What its step computes for it is what it comes to now.
+
+    Args:
+        machine: the run's.
+        task: the task.
+        again: whether it was released before, and only its signal, its time or its
+            monitors have held it up.
     """
     wait, step = task.wait, task.step
-    if wait is None and machine.fast:
-        # fast twin of the rest: holds when order alone decides when a task may run
-        if step is not None and step.computes:
-            read_inputs(machine, task)
+    if wait is not None:
+        if step is not None and not again:
+            read_windows(machine, task, last=True)
+            _listen(machine, task, wait, step)
+        if wait.awaits_signal:
+            return
+        if wait.earliest_start > machine.recorder.time:
+            machine.monitors.at(wait.earliest_start, task)
+            return
+    if step is not None and step.computes:
+        read_inputs(machine, task)
+    if wait is not None and (
+        task.plan.monitored and task.bound and not wait.setup_failed
+    ):
+        machine.monitors.first_test(task)
+    else:
         task.state = ELIGIBLE
         machine.agenda.add(task)
-        return
-    if step is not None and wait is not None:
-        read_windows(machine, task, last=True)
-        _listen(machine, task, wait, step)
-    if wait is None or not wait.awaits_signal:
-        release_at_start_time(machine, task)
 
 
 def _listen(machine: Machine, task: Task, wait: WaitState, step: StepPlan) -> None:
@@ -173,30 +186,6 @@ def _listen(machine: Machine, task: Task, wait: WaitState, step: StepPlan) -> No
             wait.blocked_on = on = format_formula(signal.pattern, env)
             if machine.recorder.on:
                 machine.recorder.emit(TaskBlocked, task=task.number, on=on)
-
-
-def release_at_start_time(machine: Machine, task: Task) -> None:
-    """Let a task run as soon as its start times have come."""
-    wait = task.wait
-    if wait is not None and wait.earliest_start > machine.recorder.time:
-        machine.monitors.at(wait.earliest_start, task)
-    else:
-        test_or_enqueue(machine, task)
-
-
-def test_or_enqueue(machine: Machine, task: Task) -> None:
-    """Order and start times let a task run: test its monitors or make it eligible.
-
-    What its step computes for it is what it comes to now.
-    """
-    if task.step is not None and task.step.computes:
-        read_inputs(machine, task)
-    broken = task.wait is not None and task.wait.setup_failed
-    if task.plan.monitored and task.bound and not broken:
-        machine.monitors.first_test(task)
-    else:
-        task.state = ELIGIBLE
-        machine.agenda.add(task)
 
 
 def read_windows(machine: Machine, task: Task, last: bool = False) -> None:

@@ -6,8 +6,6 @@ Which method it is is decided in `rapc.runtime.tasks.choose`; how methods end is
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from rapc.compiler.rap_plan import ActivationPlan, MethodPlan
 from rapc.errors import FactError
 from rapc.events import Cause, MethodChosen
@@ -17,9 +15,10 @@ from rapc.runtime.machine import Machine
 from rapc.runtime.state.states import FUTILE_LOOP, INTERFERENCE, NO_METHOD, RUNNING
 from rapc.runtime.state.task import MethodRun, Task, as_told
 from rapc.runtime.tasks import causes, method_causes
-from rapc.runtime.tasks.choose import Held, choose, choose_sole
+from rapc.runtime.tasks.choose import Key, choice_key, choose
 from rapc.runtime.tasks.finish import end_method, fail
 from rapc.runtime.tasks.hold_things import (
+    HOLDS,
     UNFILLED,
     WAITS,
     can_claim,
@@ -38,24 +37,19 @@ from rapc.world import OKAY, Refused
 
 def try_method(machine: Machine, task: Task) -> None:
     """Steps 5 to 9: choose a method and start it, or fail."""
-    if machine.may_choose_sole:
-        choice = choose_sole(machine, task)
-    else:
-        choice = choose(machine, task)
+    choice = choose(machine, task)
     if choice is None:
         fail(machine, task, NO_METHOD, causes.of_no_method(machine, task))
         return
-    method, found, key, others = choice
-    settings = machine.settings
+    method, found, others = choice
+    env = task.env
+    key = choice_key(method, env, found) if env or found else method.key
     if task.choice is None:
         task.choice = key
-    elif task.times_chosen(key, settings.max_choices) < settings.futile_limit:
-        task.note_choice(key)
-    else:
+    elif not _note_choice(machine, task, key):
         because = causes.of_futile_choice(machine, task, method, found)
         fail(machine, task, FUTILE_LOOP, because)
         return
-    env = task.env
     if found:
         env = {**env, **found}
     elif method.binds:
@@ -66,17 +60,18 @@ def try_method(machine: Machine, task: Task) -> None:
         if repeating is not None:
             fail(machine, task, FUTILE_LOOP, causes.of_recursion(machine, repeating))
             return
-    if method.things:
-        _start_if_free(machine, run, others)
-    else:
-        start_method(machine, run)
-
-
-def _start_if_free(machine: Machine, run: MethodRun, others: Sequence[Held]) -> None:
-    """Start a method that asks for things, unless its task has to wait for them."""
-    come = hold_or_wait(machine, run, others)
+    come = hold_or_wait(machine, run, others) if method.things else HOLDS
     if come is not WAITS:
-        start_method(machine, run, unfilled=come is UNFILLED)
+        start_method(machine, run, come is UNFILLED)
+
+
+def _note_choice(machine: Machine, task: Task, key: Key) -> bool:
+    """Note a choice that is not the first one; return False if it is futile."""
+    settings = machine.settings
+    if task.times_chosen(key, settings.max_choices) >= settings.futile_limit:
+        return False
+    task.note_choice(key)
+    return True
 
 
 def _spawn(machine: Machine, run: MethodRun) -> Task | None:
@@ -103,13 +98,10 @@ def _look_up(machine: Machine, method: MethodPlan) -> None:
     """Find the RAPs that the steps of a method ask for, once for all runs."""
     names = [step.node.goal.name for step in method.steps]
     method.raps = raps = tuple([machine.library.known_rap(name) for name in names])
-    method.ordered_alone = not (
-        any(rap.needs_wait_state for rap in raps)
-        or any(step.has_timing for step in method.steps)
-    )
+    method.makes = method.computes or any(rap.needs_setup for rap in raps)
 
 
-def start_method(machine: Machine, run: MethodRun, unfilled: bool = False) -> None:
+def start_method(machine: Machine, run: MethodRun, unfilled: bool) -> None:
     """Start the method of `run`; its task waits for it until it ends.
 
     With `unfilled`, something that it asks for has no value: it ends badly at once.
@@ -141,11 +133,10 @@ def start_method(machine: Machine, run: MethodRun, unfilled: bool = False) -> No
     if method.request is None:
         if method.activation is not None:
             _switch_on(machine, run, method.activation, unfilled)
-            return
-        _release_steps(machine, run)
+        else:
+            _release_steps(machine, run)
         return
-    result = request(machine, run, method.request)
-    because = None
+    result, because = request(machine, run, method.request), None
     if result != OKAY and isinstance(result, Refused):
         result = settle_refusal(machine, run, result)
         because = _of_refusal(machine, run, result)
@@ -200,25 +191,17 @@ def _switch_on(
 def _release_steps(machine: Machine, run: MethodRun) -> None:
     """Add the tasks of steps to the run; release those that follow no other step."""
     steps, plan = run.steps, run.plan
-    if plan.ordered_alone and machine.fast:
-        if machine.recorder.on or plan.computes:
-            for task in steps:
-                create(machine, task)
-        else:
-            # fast twin of `create`: holds when nothing is made of the tasks' inputs,
-            # and nobody is told of them
-            number = machine.state.numbers
-            for task in steps:
-                number += 1
-                task.number = number
-            machine.state.numbers = number
-        # fast twin of looking at all of them: holds when order alone decides
-        for position in plan.first_steps:
-            release(machine, steps[position])
-        return
-    for task in steps:
-        create(machine, task)
-    for task in steps:
+    if plan.makes or machine.recorder.on:
+        for task in steps:
+            create(machine, task)
+    else:
+        number = machine.state.numbers
+        for task in steps:
+            number += 1
+            task.number = number
+        machine.state.numbers = number
+    for position in plan.first_steps:
+        task = steps[position]
         if task.wait is not None:
             read_windows(machine, task)
         if task.waiting == 0:
