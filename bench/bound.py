@@ -41,7 +41,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from statistics import mean, pstdev
 from typing import NamedTuple
 
-from rapc.worlds.truck.default_map import MAP
+from rapc.worlds.maps import shipped_map
 from rapc.worlds.truck.map import Map
 from rapc.worlds.truck.map_text import read_map
 from rapc.worlds.truck.movement import SPEEDS
@@ -107,7 +107,7 @@ def problem(seed: int, last: int, usual: bool, anywhere: bool) -> Problem:
         usual: whether trips take their nominal time at medium speed.
         anywhere: whether rocks may be taken up at any place that is no factory.
     """
-    settings, ground = TruckSettings(), read_map(MAP)
+    settings, ground = TruckSettings(), read_map(shipped_map("truck", "default"))
     rng = random.Random(f"{seed}:bound")
     quarries = {str(place.color): place.name for place in ground.places}
     open_places = [place.name for place in ground.places if place.kind != "factory"]

@@ -25,9 +25,9 @@ from rapc.library.library import Library
 from rapc.library.signatures import Signatures
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.memory.build import assemble
+from rapc.worlds.maps import shipped_map
 from rapc.worlds.registry import build_world
 from rapc.worlds.truck import TruckWorld
-from rapc.worlds.truck.default_map import MAP
 from tests.memory.bench import MemoryBench
 
 PROPERTIES = ("color", "size", "content", "mark", "lid")
@@ -83,7 +83,7 @@ def _without(library: Library) -> Library:
 def _options(items: int, seed: int) -> Mapping[str, Atom | bool]:
     """A world of so many items on the map of T 6.1, in which nothing else happens."""
     rng = random.Random(seed)
-    ground = json.loads(MAP)
+    ground = json.loads(shipped_map("truck", "default"))
     places = [place["name"] for place in ground["places"]]
     kinds = (("rock", "red"), ("rock", "blue"), ("fuel-drum", None), ("ammo-box", None))
     lying = []

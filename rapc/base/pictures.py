@@ -7,6 +7,7 @@ draws it can set the one against the other, and the world knows nothing of memor
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Literal, get_args
 
 import msgspec
 
@@ -17,6 +18,19 @@ Point = tuple[float, float]
 
 Pose = tuple[float, float, float]
 """A place on a plan and the direction faced there, counter-clockwise in radians."""
+
+Direction = Literal[
+    "north",
+    "northeast",
+    "east",
+    "southeast",
+    "south",
+    "southwest",
+    "west",
+    "northwest",
+]
+DIRECTIONS: tuple[str, ...] = get_args(Direction)
+"""The eight directions, clockwise."""
 
 Rectangle = tuple[float, float, float, float]
 """Left, bottom, right and top on a plan."""

@@ -7,10 +7,11 @@ import math
 import pytest
 
 from bench.corridors import corridors, toml_text
-from rapc.worlds.hallway.map import Map, MapError, signs
+from rapc.worlds.hallway.map import Map, signs
 from rapc.worlds.hallway.map_checks import check_map
 from rapc.worlds.hallway.map_text import named_map, read_map
 from rapc.worlds.hallway.random_map import random_map
+from rapc.worlds.maps import MapError
 from tests.hallway.journey import route
 
 SMALL = """

@@ -16,9 +16,9 @@ from rapc.library.loader import load
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import Settings
 from rapc.runtime.task_request import TaskRequest, of_agenda
+from rapc.worlds.maps import shipped_map
 from rapc.worlds.registry import build_world
 from rapc.worlds.truck import TruckWorld
-from rapc.worlds.truck.default_map import MAP
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 STDLIB = Path(__file__).parents[2] / "stdlib"
@@ -61,7 +61,7 @@ def agenda(name: str) -> tuple[TaskRequest, ...]:
 
 def map_with(*items: tuple[str, str, int, str | None]) -> Text:
     """The map of T 6.1 with other items: kind, place, number and colour of each."""
-    ground = json.loads(MAP)
+    ground = json.loads(shipped_map("truck", "default"))
     ground["items"] = [
         {"kind": kind, "place": place, "count": count, "color": color}
         for kind, place, count, color in items

@@ -9,10 +9,10 @@ from typing import Any
 import pytest
 
 from rapc.base.values import Text
+from rapc.worlds.maps import MapError, shipped_map
 from rapc.worlds.truck import TruckWorld
-from rapc.worlds.truck.default_map import MAP
 from rapc.worlds.truck.map import opposite
-from rapc.worlds.truck.map_text import MapError, read_map
+from rapc.worlds.truck.map_text import read_map
 from rapc.worlds.truck.options import TruckSettings, describe_options, read_settings
 
 from .drive import PLACES, ROADS, map_text, rock, thing
@@ -47,7 +47,7 @@ def sectors(*spots: list[str]) -> str:
 
 
 def test_the_default_map_has_all_that_the_thesis_names() -> None:
-    made = read_map(MAP)
+    made = read_map(shipped_map("truck", "default"))
     kinds = [place.kind for place in made.places]
     counts = {kind: kinds.count(kind) for kind in kinds}
     assert counts == {
@@ -64,7 +64,7 @@ def test_the_default_map_has_all_that_the_thesis_names() -> None:
 
 def test_the_default_map_lies_as_its_directions_say() -> None:
     """Walking the roads by their directions gives every place one spot on a plane."""
-    made = read_map(MAP)
+    made = read_map(shipped_map("truck", "default"))
     north = {"north": 1, "northeast": 1, "northwest": 1}
     north |= {"south": -1, "southeast": -1, "southwest": -1}
     heights: dict[str, int] = {}

@@ -9,11 +9,11 @@ from __future__ import annotations
 import json
 import random
 
+from rapc.base.pictures import DIRECTIONS
 from rapc.base.values import Atom, Fact, Text
 from rapc.world import Reply
 from rapc.worlds.truck import TruckWorld
 from rapc.worlds.truck.kinds import ENEMY, KINDS
-from rapc.worlds.truck.map import DIRECTIONS
 from rapc.worlds.truck.primitives import OFFER
 from rapc.worlds.truck.state import ARMS, BAYS, TruckState
 

@@ -12,6 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import msgspec
 from rich.text import Text
 
+from rapc.base.pictures import DIRECTIONS
 from rapc.base.values import format_atom, readable
 from rapc.console.lines import wrapped
 from rapc.console.show.beliefs import (
@@ -25,16 +26,7 @@ from rapc.console.show.plan import draw_plan, legend
 from rapc.runtime.memory.view import MemoryView
 from rapc.world import Gauge, Picture, Spot, Time
 
-_ARROWS: Mapping[str, str] = {
-    "north": "↑",
-    "northeast": "↗",
-    "east": "→",
-    "southeast": "↘",
-    "south": "↓",
-    "southwest": "↙",
-    "west": "←",
-    "northwest": "↖",
-}
+_ARROWS = dict(zip(DIRECTIONS, "↑↗→↘↓↙←↖", strict=True))
 _ROAD, _PLACE, _HERE, _TRUE = "blue", "bold", "bold reverse", ""
 _RIGHT, _WRONG, _UNKNOWN = "green", "bold red", "yellow"
 _LEAST = 3

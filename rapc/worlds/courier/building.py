@@ -41,21 +41,16 @@ SOLD: Mapping[str, tuple[str, ...]] = {
 """What each store gives out."""
 
 
-def corridor_place(room: str) -> int:
-    """Return how far along the corridor a room is."""
-    return ROOMS[room][0]
-
-
 def way_to_room(along: int, depth: int, room: str) -> int:
     """Return how long the way is from a place to a room that it is not in."""
-    return depth + abs(corridor_place(room) - along) + DEPTH
+    return depth + abs(ROOMS[room][0] - along) + DEPTH
 
 
 def passed(along: int, depth: int, room: str, gone: int) -> tuple[int, int]:
     """The place on the way to a room after so much of it."""
     if gone <= depth:
         return along, depth - gone
-    ahead = corridor_place(room) - along
+    ahead = ROOMS[room][0] - along
     straight = min(gone - depth, abs(ahead))
     reached = along + (straight if ahead > 0 else -straight)
     return reached, gone - depth - straight

@@ -45,12 +45,8 @@ def _position(memory: HandlerMemory, datum: Fact) -> None:
     memory.erase("docked")
 
 
-def _battery(memory: HandlerMemory, datum: Fact) -> None:
-    memory.assert_fact("battery", datum[1])
-
-
-def _called(memory: HandlerMemory, datum: Fact) -> None:
-    memory.assert_fact("call", datum[1])
+def _noted(memory: HandlerMemory, datum: Fact) -> None:
+    memory.assert_fact(*datum)
 
 
 def way(memory: HandlerMemory, from_: Atom, to: Atom) -> int | None:
@@ -63,15 +59,12 @@ def way(memory: HandlerMemory, from_: Atom, to: Atom) -> int | None:
     if from_ == to:
         return 0
     if from_ == CORRIDOR:
-        along = memory.value("robot-along")
-        return (
-            building.way_to_room(along, 0, str(to)) if isinstance(along, int) else None
-        )
-    if from_ not in building.ROOMS:
+        along, depth = memory.value("robot-along"), 0
+    else:
+        along, depth = building.ROOMS.get(str(from_), (None, ""))[0], building.DEPTH
+    if not isinstance(along, int):
         return None
-    return building.way_to_room(
-        building.corridor_place(str(from_)), building.DEPTH, str(to)
-    )
+    return building.way_to_room(along, depth, str(to))
 
 
 HANDLERS = Handlers(
@@ -82,5 +75,5 @@ HANDLERS = Handlers(
         "dock": _docked,
         "help": _helped,
     },
-    data={"position": _position, "battery": _battery, "call": _called},
+    data={"position": _position, "battery": _noted, "call": _noted},
 )

@@ -9,13 +9,13 @@ like what the battery holds, is in `robot`.
 from __future__ import annotations
 
 import random
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 
 import msgspec
 
 from rapc.base.chance import Stream, stream_in, stream_state
-from rapc.world import OKAY, Refused, Reply, Time
+from rapc.world import OKAY, Message, Refused, Reply, Time, World
 from rapc.worlds.courier import robot
 from rapc.worlds.courier.building import BASE, CORRIDOR, DEPTH, ROOMS, SOLD, WARDS
 from rapc.worlds.courier.robot import CHARGE, FULL
@@ -37,7 +37,7 @@ RING_TIME, DOCK_TIME, HAND_TIME = 1, 2, 3
 """How long the robot is held by what it does alone."""
 
 
-class SavedHospital(msgspec.Struct, frozen=True):
+class _Saved(msgspec.Struct, frozen=True):
     """What `save` writes: the options are kept to refuse a state of other ones."""
 
     options: dict[str, int]
@@ -45,8 +45,8 @@ class SavedHospital(msgspec.Struct, frozen=True):
     rng: Stream
 
 
-class Hospital:
-    """The hospital with its robot.
+class Hospital(World):
+    """The hospital with its robot, and the clock of the port.
 
     Args:
         rng: what all chance is made of.
@@ -56,22 +56,44 @@ class Hospital:
     def __init__(self, rng: random.Random, options: Mapping[str, int]) -> None:
         self._options = dict(options)
         self._rng = rng
-        #: All that changes.
-        self.state = HospitalState(battery=options["battery"])
-        robot.tell(self.state, robot.position(self.state), robot.level(self.state))
+        self._state = HospitalState(battery=options["battery"])
+        robot.tell(self._state, robot.position(self._state), robot.level(self._state))
         self._plan_call()
 
-    def leave_off(self, ticket: int) -> None:
-        """Stop the drive, or leave off the work, that is under way for a ticket."""
-        state = self.state
+    @property
+    def state(self) -> HospitalState:
+        """A copy of the whole truth, for tests; the robot has no part in it."""
+        whole = msgspec.json.encode(self._state)
+        return msgspec.json.decode(whole, type=HospitalState)
+
+    def now(self) -> Time:
+        """The clock."""
+        return self._state.now
+
+    def messages(self) -> Sequence[Message]:
+        """Return what was sent since this was last asked."""
+        sent, self._state.sent = self._state.sent, []
+        return sent
+
+    def ended(self) -> str | None:
+        """Return why the run is over: the battery is empty; None while it is not."""
+        return self._state.ended
+
+    def cancel(self, ticket: int) -> None:
+        """Stop where the robot is, or leave off what was to be done."""
+        state = self._state
         if state.drive is not None and state.drive.ticket == ticket:
             robot.stop(state)
             robot.tell(state, robot.position(state), robot.level(state))
         state.work = [work for work in state.work if work.ticket != ticket]
 
     def next_time(self) -> Time | None:
-        """Return when something is sent next; None if nothing is to come."""
-        state = self.state
+        """Return when something is sent next; None if nothing is to come.
+
+        A nurse for whom the robot is not there sends nothing. What could bring it there
+        before she comes sends something, and this is asked again.
+        """
+        state = self._state
         if state.sent:
             return state.now
         nurses = [nurse for nurse in state.nurses if nurse.ward == state.room]
@@ -79,7 +101,7 @@ class Hospital:
 
     def advance(self, to: Time) -> None:
         """Move the clock on; what is due until then happens, one after the other."""
-        state = self.state
+        state = self._state
         while due := sorted(self._due(state.nurses), key=lambda event: event[0]):
             time, happens = due[0]
             if time > to:
@@ -89,27 +111,27 @@ class Hospital:
         state.now = max(state.now, int(to))
 
     def save(self) -> bytes:
-        """Return the state of hospital and random stream, as JSON."""
-        saved = SavedHospital(self._options, self.state, stream_state(self._rng))
+        """The state of world and random stream, as JSON."""
+        saved = _Saved(self._options, self._state, stream_state(self._rng))
         return msgspec.json.encode(saved)
 
-    def restore(self, saved: bytes) -> None:
+    def restore(self, state: bytes) -> None:
         """Take up a saved state.
 
         Raises:
             ValueError: if it is none, or one of a hospital with other options.
         """
         try:
-            read = msgspec.json.decode(saved, type=SavedHospital)
+            read = msgspec.json.decode(state, type=_Saved)
         except msgspec.DecodeError as error:
             raise ValueError(f"no state of a courier's world: {error}") from error
         if read.options != self._options:
             raise ValueError("the state is that of a courier's world otherwise made")
-        rng, before = stream_in(read.rng), self.state
+        rng, before = stream_in(read.rng), self._state
         _check_rooms(read.state)
-        self.state = read.state
-        if any(time < self.state.now for time, _ in self._due(self.state.nurses)):
-            self.state = before
+        self._state = read.state
+        if any(time < self._state.now for time, _ in self._due(self._state.nurses)):
+            self._state = before
             raise ValueError("no state of a courier's world: something is overdue")
         self._rng = rng
 
@@ -117,7 +139,7 @@ class Hospital:
 
     def drive(self, ticket: int, room: str) -> Reply | Refused | None:
         """Set off for a room; the end comes by a message."""
-        state = self.state
+        state = self._state
         if state.drive is not None:
             return Refused((state.drive.ticket,))
         if room not in ROOMS:
@@ -135,7 +157,7 @@ class Hospital:
 
     def take_on(self, ticket: int, goods: str, ward: str) -> Reply | None:
         """Begin to take goods on that are labelled with a ward."""
-        state = self.state
+        state = self._state
         if goods not in SOLD.get(state.room, ()):
             return Reply("not-here")
         if len(state.tray) >= self._options["tray"]:
@@ -147,8 +169,8 @@ class Hospital:
 
     def ring(self, ticket: int) -> Reply:
         """Ring for the nurse of the ward in which the robot is."""
-        self.advance(self.state.now + RING_TIME)
-        state = self.state
+        self.advance(self._state.now + RING_TIME)
+        state = self._state
         if state.room not in WARDS:
             return Reply("not-here")
         if not self._happens("absent"):
@@ -158,8 +180,8 @@ class Hospital:
 
     def hand_over(self, ticket: int, goods: str, ward: str) -> Reply:
         """Hand goods over to the nurse who stands before the robot."""
-        self.advance(self.state.now + HAND_TIME)
-        state = self.state
+        self.advance(self._state.now + HAND_TIME)
+        state = self._state
         if (goods, ward) not in state.tray:
             return Reply("not-aboard")
         if state.nurse is None or state.now > state.nurse.time:
@@ -171,16 +193,16 @@ class Hospital:
 
     def dock(self, ticket: int) -> Reply:
         """Dock at the base, where the battery is charged."""
-        self.advance(self.state.now + DOCK_TIME)
-        if self.state.room != BASE:
+        self.advance(self._state.now + DOCK_TIME)
+        if self._state.room != BASE:
             return Reply("not-here")
-        robot.meter(self.state)
-        self.state.docked = True
-        return Reply(OKAY, (robot.level(self.state),))
+        robot.meter(self._state)
+        self._state.docked = True
+        return Reply(OKAY, (robot.level(self._state),))
 
     def help(self, ticket: int, ward: str) -> Reply | None:
         """Begin to help in a ward that has called."""
-        state = self.state
+        state = self._state
         if state.room != ward:
             return Reply("not-here")
         if ward not in state.calls:
@@ -197,7 +219,7 @@ class Hospital:
         Args:
             nurses: those on their way whose coming counts.
         """
-        state = self.state
+        state = self._state
         if state.ended is not None:
             return
         if state.drive is not None:
@@ -216,18 +238,18 @@ class Hospital:
 
     def _run_down(self) -> None:
         """Stop on the way with an empty battery."""
-        robot.end_drive(self.state, "battery-empty")
-        self.state.ended = "the battery is empty"
+        robot.end_drive(self._state, "battery-empty")
+        self._state.ended = "the battery is empty"
 
     def _arrive(self) -> None:
-        room = self.state.drive.room if self.state.drive else CORRIDOR
+        room = self._state.drive.room if self._state.drive else CORRIDOR
         if self._happens("blocked"):
-            robot.end_drive(self.state, "blocked")
+            robot.end_drive(self._state, "blocked")
         else:
-            robot.end_drive(self.state, OKAY, room)
+            robot.end_drive(self._state, OKAY, room)
 
     def _finish(self, work: Work) -> None:
-        state = self.state
+        state = self._state
         state.work.remove(work)
         name, what, *rest = (str(part) for part in work.request)
         if work.result == OKAY and name == "take-on":
@@ -238,7 +260,7 @@ class Hospital:
 
     def _come(self, nurse: Nurse) -> None:
         """Let a nurse come to the door, and see whether the robot is there."""
-        state = self.state
+        state = self._state
         state.nurses.remove(nurse)
         if state.room == nurse.ward:
             state.nurse = Nurse(nurse.ward, nurse.time + PATIENCE)
@@ -247,7 +269,7 @@ class Hospital:
             state.in_vain += 1
 
     def _call(self) -> None:
-        state = self.state
+        state = self._state
         ward = self._rng.choice(WARDS)
         if ward not in state.calls:
             state.calls.append(ward)
@@ -255,16 +277,16 @@ class Hospital:
         self._plan_call()
 
     def _tell_level(self) -> None:
-        robot.meter(self.state)
-        if self.state.drive is not None:
-            robot.tell(self.state, robot.position(self.state))
-        robot.tell(self.state, robot.level(self.state))
+        robot.meter(self._state)
+        if self._state.drive is not None:
+            robot.tell(self._state, robot.position(self._state))
+        robot.tell(self._state, robot.level(self._state))
 
     def _plan_call(self) -> None:
         """Settle when the next ward will call."""
         often = self._options["calls"]
         pause = self._rng.randint(often // 2, often + often // 2) if often else 0
-        self.state.next_call = self.state.now + pause if pause else None
+        self._state.next_call = self._state.now + pause if pause else None
 
     def _happens(self, option: str) -> bool:
         """Whether something happens that does so in so many of a hundred cases."""

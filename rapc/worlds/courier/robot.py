@@ -7,8 +7,9 @@ only when the way in which they change is another one.
 from __future__ import annotations
 
 from rapc.base.values import Fact
+from rapc.world import Datum, Finished, Reply, Signal
 from rapc.worlds.courier.building import CORRIDOR
-from rapc.worlds.courier.state import HospitalState, Sent
+from rapc.worlds.courier.state import HospitalState
 
 FULL = 100
 """What a full battery holds: so long a way."""
@@ -69,9 +70,11 @@ def leave_behind(state: HospitalState) -> None:
 
 def tell(state: HospitalState, *contents: Fact) -> None:
     """Send data and signals, in this order."""
-    state.sent.extend(Sent(content) for content in contents)
+    for content in contents:
+        kind = Signal if str(content[0]).startswith(":") else Datum
+        state.sent.append(kind(content))
 
 
 def answer(state: HospitalState, ticket: int, result: str, *data: Fact) -> None:
     """Send the result of what was asked for under a ticket, with its data."""
-    state.sent.append(Sent((result,), ticket, data))
+    state.sent.append(Finished(ticket, Reply(result, data)))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import msgspec
 
 from rapc.base.values import Fact
+from rapc.world import Message
 from rapc.worlds.courier import building
 
 
@@ -43,14 +44,6 @@ class Nurse(msgspec.Struct, frozen=True):
     time: int
 
 
-class Sent(msgspec.Struct, frozen=True):
-    """A message not taken in yet; `ticket` is None for a datum or a signal."""
-
-    content: Fact
-    ticket: int | None = None
-    data: tuple[Fact, ...] = ()
-
-
 class HandOver(msgspec.Struct, frozen=True):
     """Goods were handed over in a ward; `label` is the ward that they were for."""
 
@@ -86,5 +79,6 @@ class HospitalState(msgspec.Struct):
     #: How often somebody was left standing: the robot drove off while goods were put on
     #: or help was given, or while or before a nurse came for whom it had rung.
     in_vain: int = 0
-    sent: list[Sent] = msgspec.field(default_factory=list)
+    #: The messages not taken in yet.
+    sent: list[Message] = msgspec.field(default_factory=list)
     ended: str | None = None

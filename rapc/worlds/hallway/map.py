@@ -35,6 +35,8 @@ from typing import Annotated, Literal
 import msgspec
 from msgspec import Meta
 
+from rapc.worlds.maps import MapError
+
 Metres = Annotated[float, Meta(ge=-1000, le=1000)]
 """Where something is along an axis."""
 
@@ -71,10 +73,6 @@ NORMALS: dict[str, float] = {
 
 WALL = (0.1, 0.5)
 """The thinnest and the thickest wall that a doorway may lead through, in metres."""
-
-
-class MapError(ValueError):
-    """A text that is no map, or a map that contradicts itself."""
 
 
 class Space(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

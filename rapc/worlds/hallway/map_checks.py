@@ -15,13 +15,13 @@ from rapc.worlds.hallway.map import (
     Doorway,
     Landmark,
     Map,
-    MapError,
     Sign,
     Space,
     middle,
     signs,
 )
 from rapc.worlds.hallway.simulation import STANDOFF
+from rapc.worlds.maps import MapError
 
 FREE = 0.4
 """Free space around a person, and around the robot before a landmark, in metres."""

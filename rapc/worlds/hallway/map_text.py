@@ -1,23 +1,18 @@
-"""Maps as TOML texts: read, and checked by `map_checks`.
-
-The maps that come with rapc are files of the folder `maps`, by their names.
-"""
+"""Maps as TOML texts: read, and checked by `map_checks`."""
 
 from __future__ import annotations
 
 import re
 import tomllib
 from collections.abc import Mapping
-from importlib.resources import files
 from typing import Any
 
 import msgspec
 
-from rapc.worlds.hallway.map import Map, MapError
+from rapc.worlds.hallway.map import Map
 from rapc.worlds.hallway.map_checks import check_map
+from rapc.worlds.maps import MapError, shipped_map
 
-_MAPS = files("rapc.worlds.hallway") / "maps"
-_SUFFIX = ".toml"
 _PLACE = re.compile(r"(?P<said>.*) - at `\$(?P<path>.*)`", re.DOTALL)
 _FIELD = re.compile(
     r"Object (?P<fault>missing required|contains unknown) field `(?P<key>.*)`",
@@ -26,22 +21,13 @@ _FIELD = re.compile(
 _STEP = re.compile(r"\.(\w+)|\[(\d+)\]")
 
 
-def map_names() -> list[str]:
-    """Return the names of the maps that come with rapc, sorted."""
-    names = (file.name for file in _MAPS.iterdir())
-    return sorted(n.removesuffix(_SUFFIX) for n in names if n.endswith(_SUFFIX))
-
-
 def named_map(name: str) -> Map:
     """Return a map that comes with rapc.
 
     Raises:
         MapError: if none has that name.
     """
-    if name not in map_names():
-        known = ", ".join(f"`{one}`" for one in map_names())
-        raise MapError(f"no map is called `{name}`; there are {known}")
-    return read_map((_MAPS / f"{name}{_SUFFIX}").read_text(encoding="utf-8"))
+    return read_map(shipped_map("hallway", name))
 
 
 def read_map(text: str) -> Map:

@@ -12,6 +12,7 @@ import math
 from collections.abc import Iterator
 
 from rapc.base.pictures import (
+    DIRECTIONS,
     Area,
     Door,
     Gauge,
@@ -23,7 +24,8 @@ from rapc.base.pictures import (
     Reckoning,
     Spot,
 )
-from rapc.worlds.hallway.channels import DIRECTIONS, SONAR
+from rapc.worlds.hallway import channels
+from rapc.worlds.hallway.channels import SONAR
 from rapc.worlds.hallway.map import Space, middle
 from rapc.worlds.hallway.plan import outlines
 from rapc.worlds.hallway.planner import REMEMBERED
@@ -34,18 +36,6 @@ STEP = 6.0
 
 READ = 3.0
 """For how many seconds what was said stays in the picture."""
-
-POINTS = (
-    "east",
-    "northeast",
-    "north",
-    "northwest",
-    "west",
-    "southwest",
-    "south",
-    "southeast",
-)
-"""The points of the compass, counter-clockwise as headings go."""
 
 _SPACE = ("current-space", "robot")
 """The fact, up to its value, in which memory holds the robot's space."""
@@ -62,7 +52,7 @@ def picture(simulation: Simulation) -> Picture:
         for gap in simulation.openings.values()
         if gap.doorway.name not in shut and names.issuperset(gap.doorway.joins)
     ]
-    point = POINTS[round(body.heading / (math.pi / 4)) % len(POINTS)]
+    point = DIRECTIONS[(2 - round(body.heading / (math.pi / 4))) % len(DIRECTIONS)]
     return Picture(
         state.space,
         tuple(_spots(simulation, spaces)),
@@ -151,5 +141,5 @@ def _echoes(simulation: Simulation) -> tuple[Point, ...]:
     cos, sin = math.cos(body.heading), math.sin(body.heading)
     return tuple(
         (body.x + far * (cos * dx - sin * dy), body.y + far * (sin * dx + cos * dy))
-        for far, (dx, dy) in zip(ranges, DIRECTIONS, strict=True)
+        for far, (dx, dy) in zip(ranges, channels.DIRECTIONS, strict=True)
     )

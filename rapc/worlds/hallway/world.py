@@ -18,7 +18,7 @@ from rapc.worlds.hallway.geometry import (
     new_y,
     turn_between,
 )
-from rapc.worlds.hallway.map import Map, MapError
+from rapc.worlds.hallway.map import Map
 from rapc.worlds.hallway.map_text import named_map, read_map
 from rapc.worlds.hallway.picture import picture
 from rapc.worlds.hallway.random_map import random_map
@@ -26,6 +26,7 @@ from rapc.worlds.hallway.robot import TICK
 from rapc.worlds.hallway.simulation import Simulation
 from rapc.worlds.hallway.skills.all import catalogue
 from rapc.worlds.hallway.state import HallwaySettings
+from rapc.worlds.maps import MapError
 from rapc.worlds.skills.runtime import EventTold
 from rapc.worlds.skills.world import SkillWorld, offer
 

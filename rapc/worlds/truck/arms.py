@@ -13,7 +13,7 @@ from rapc.worlds.truck.enemies import fire
 from rapc.worlds.truck.eye import contents
 from rapc.worlds.truck.machines import switch
 from rapc.worlds.truck.orders import deliver
-from rapc.worlds.truck.scene import Scene
+from rapc.worlds.truck.scene import Scene, tidy
 from rapc.worlds.truck.state import ARMS, BAYS, EXTERNAL, FOLDED, Arm, TruckItem
 
 NOT_AT = Reply("arm-not-at")
@@ -96,12 +96,11 @@ def arm_pour(scene: Scene, name: Atom, thing: Atom) -> Reply:
         target.liquid, target.amount = vessel.liquid, number(target.amount + flow)
     elif _over_fuel_bay(arm) and vessel.liquid == "fuel":
         truck = scene.state.truck
-        flow = min(vessel.amount, scene.settings.fuel_capacity - truck.fuel)
-        flow = max(flow, 0)
-        truck.fuel = _tidy(truck.fuel + flow)
+        flow = max(0, min(vessel.amount, scene.settings.fuel_capacity - truck.fuel))
+        truck.fuel = tidy(truck.fuel + flow)
     else:
         flow = vessel.amount
-    vessel.amount = _tidy(vessel.amount - flow)
+    vessel.amount = tidy(vessel.amount - flow)
     return Reply(OKAY, _fuel(scene))
 
 
@@ -116,15 +115,15 @@ def arm_ladle(scene: Scene, name: Atom, thing: Atom) -> Reply:
         if not _takes(scene, vessel, source.liquid):
             return NOT_AT
         flow = min(source.amount, room)
-        source.amount = _tidy(source.amount - flow)
+        source.amount = tidy(source.amount - flow)
         vessel.liquid = source.liquid
     elif _over_fuel_bay(arm) and truck.fuel > 0 and _takes(scene, vessel, "fuel"):
         flow = min(truck.fuel, room)
-        truck.fuel = _tidy(truck.fuel - flow)
+        truck.fuel = tidy(truck.fuel - flow)
         vessel.liquid = "fuel"
     else:
         return NOT_AT
-    vessel.amount = _tidy(vessel.amount + flow)
+    vessel.amount = tidy(vessel.amount + flow)
     return Reply(OKAY, _fuel(scene))
 
 
@@ -190,7 +189,3 @@ def _over_fuel_bay(arm: Arm) -> bool:
 
 def _fuel(scene: Scene) -> tuple[Fact, ...]:
     return (("fuel-level", scene.state.truck.fuel),)
-
-
-def _tidy(amount: Number) -> Number:
-    return number(round(amount, 2))

@@ -10,12 +10,13 @@ into the state.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from typing import Any
 
-from rapc.base.values import Number, number
+from rapc.base.values import Number
 from rapc.worlds.truck import enemies
 from rapc.worlds.truck.machines import work
 from rapc.worlds.truck.map import PRODUCTS
-from rapc.worlds.truck.scene import Scene
+from rapc.worlds.truck.scene import Scene, tidy
 from rapc.worlds.truck.shuffle import shuffle
 from rapc.worlds.truck.state import Demon, TruckState
 from rapc.worlds.truck.weather import change_weather
@@ -76,7 +77,7 @@ def pass_time(scene: Scene, to: Number) -> None:
         if rest is None:
             state.demons = [each for each in state.demons if each is not demon]
         else:
-            demon.time = number(round(demon.time + rest, 2))
+            demon.time = tidy(demon.time + rest)
     state.now = max(state.now, to)
 
 
@@ -84,9 +85,8 @@ def _pause(scene: Scene, job: str) -> Number:
     return scene.vary(_interval(scene, job), 50)
 
 
-def _interval(scene: Scene, job: str) -> Number:
-    interval: Number = getattr(scene.settings, f"{job}_interval")
-    return interval
+def _interval(scene: Scene, job: str) -> Any:
+    return getattr(scene.settings, f"{job}_interval")
 
 
 def _produce(scene: Scene, demon: Demon) -> Number:

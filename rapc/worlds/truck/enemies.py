@@ -67,8 +67,7 @@ def appear(scene: Scene, demon: Demon) -> Number:
     if not _units(scene, place) and not on_road:
         for _ in range(units):
             scene.make(ENEMY, place)
-        due = number(round(scene.state.now + settings.enemy_stay, 2))
-        scene.state.demons.append(Demon("leaving", place, due))
+        scene.expect("leaving", place, settings.enemy_stay)
         meet(scene)
     return pause(scene)
 
@@ -92,8 +91,7 @@ def meet(scene: Scene) -> None:
     state.encounters.append(Encounter(state.now, place, units))
     if settings.capture_time > 0:
         spread = sqrt(-log2(1 - scene.chance["enemies"].random()))
-        due = number(round(state.now + settings.capture_time * spread, 2))
-        state.demons.append(Demon("capture", place, due))
+        scene.expect("capture", place, settings.capture_time * spread)
 
 
 def take_truck(scene: Scene, demon: Demon) -> None:
@@ -145,8 +143,4 @@ def _remove(scene: Scene, place: str) -> None:
     """Remove all enemies from a place, and drop what they were about to do."""
     for item in _units(scene, place):
         scene.remove(item)
-    scene.state.demons = [
-        demon
-        for demon in scene.state.demons
-        if demon.job not in ("leaving", "capture") or demon.place != place
-    ]
+    scene.dismiss(place, "leaving", "capture")

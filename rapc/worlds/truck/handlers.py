@@ -245,20 +245,15 @@ def _shots_left(memory: HandlerMemory, datum: Fact) -> None:
     memory.assert_fact("quantity-held", item, rounds)
 
 
-def _machine(memory: HandlerMemory, datum: Fact) -> None:
-    _, item, state = datum
-    memory.assert_fact("machine-state", item, state)
-
-
 def _property(memory: HandlerMemory, datum: Fact) -> None:
     memory.assert_fact(*datum)
 
 
-def _gauge(name: str) -> DatumHandler:
-    """Assert what a gauge reads as what the truck knows of itself."""
+def _called(name: str) -> DatumHandler:
+    """Return a handler that asserts a datum under the name that memory has for it."""
 
     def read(memory: HandlerMemory, datum: Fact) -> None:
-        memory.assert_fact(name, datum[1])
+        memory.assert_fact(name, *datum[1:])
 
     return read
 
@@ -287,15 +282,15 @@ _DATA: Mapping[str, DatumHandler] = {
     "shots-left": _shots_left,
     "capacity": _property,
     "holds": _property,
-    "machine": _machine,
+    "machine": _called("machine-state"),
     "weather": _property,
     "light": _property,
     "color": _property,
     "size": _property,
-    "heading": _gauge("truck-heading"),
-    "speed": _gauge("truck-speed"),
-    "fuel-level": _gauge("truck-fuel"),
-    "clock": _gauge("truck-time"),
+    "heading": _called("truck-heading"),
+    "speed": _called("truck-speed"),
+    "fuel-level": _called("truck-fuel"),
+    "clock": _called("truck-time"),
 }
 
 HANDLERS = Handlers(_RESULTS, _DATA)

@@ -6,9 +6,9 @@ runs has a demon of its own, wherever it stands or is carried.
 
 from __future__ import annotations
 
-from rapc.base.values import Number, number
+from rapc.base.values import Number
 from rapc.worlds.truck.kinds import TruckMachine
-from rapc.worlds.truck.scene import Scene
+from rapc.worlds.truck.scene import Scene, tidy
 from rapc.worlds.truck.state import Demon, TruckItem
 from rapc.worlds.truck.weather import dark
 
@@ -27,14 +27,10 @@ def doing(scene: Scene, item: TruckItem) -> str:
 
 def switch(scene: Scene, item: TruckItem, machine: TruckMachine) -> None:
     """Switch a machine on, or off if it is on."""
-    state = scene.state
     if running(scene, item):
-        state.demons = [
-            d for d in state.demons if (d.job, d.place) != ("machine", item.name)
-        ]
-        return
-    due = number(round(state.now + machine.every, 2))
-    state.demons.append(Demon("machine", item.name, due))
+        scene.dismiss(item.name, "machine")
+    else:
+        scene.expect("machine", item.name, machine.every)
 
 
 def work(scene: Scene, demon: Demon) -> Number | None:
@@ -46,23 +42,19 @@ def work(scene: Scene, demon: Demon) -> Number | None:
     if machine.daylight and dark(scene, scene.root(item)):
         return machine.every
     used = _used(scene, item, machine)
-    if used is None or item.amount < machine.uses:
+    if item.place in scene.map.spots():
+        has_room = not scene.crowded(item.place)
+    else:
+        has_room = scene.room(item.place, machine.makes)
+    if used is None or item.amount < machine.uses or not has_room:
         return None
-    if not _room(scene, item.place, machine.makes):
-        return None
-    item.amount = number(round(item.amount - machine.uses, 2))
+    item.amount = tidy(item.amount - machine.uses)
     for each in used:
         scene.remove(each)
     scene.make(machine.makes, item.place)
     wear = scene.settings.wear
     item.broken = bool(wear) and 100 * scene.chance["wear"].random() < wear
     return None if item.broken else machine.every
-
-
-def _room(scene: Scene, place: str, kind: str) -> bool:
-    if place in scene.map.spots():
-        return not scene.crowded(place)
-    return scene.room(place, kind)
 
 
 def _used(

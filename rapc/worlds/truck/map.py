@@ -1,32 +1,19 @@
 """The map: places, the roads between them, what lies where at the start (T 6.1.1).
 
-A map is data, read and checked by `map_text`; `default_map` holds the one that is used
-if no other is given. What the robot may know of it are `facts`: places
-and roads, never items.
+A map is data, read and checked by `map_text`. What the robot may know of it are
+`facts`: places and roads, never items.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Annotated, Literal, get_args
+from typing import Annotated, Literal
 
 import msgspec
 
+from rapc.base.pictures import DIRECTIONS, Direction
 from rapc.base.values import Fact, Number, number
 from rapc.worlds.truck.kinds import KINDS, Color, Kind, Word
-
-Direction = Literal[
-    "north",
-    "northeast",
-    "east",
-    "southeast",
-    "south",
-    "southwest",
-    "west",
-    "northwest",
-]
-DIRECTIONS: tuple[str, ...] = get_args(Direction)
-"""The eight directions, clockwise."""
 
 PlaceKind = Literal["quarry", "factory", "warehouse", "depot", "zone"]
 

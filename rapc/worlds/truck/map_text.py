@@ -9,16 +9,13 @@ from collections.abc import Collection, Iterator, Mapping
 import msgspec
 
 from rapc.base.names import hint
+from rapc.worlds.maps import MapError
 from rapc.worlds.truck.kinds import COLORED, ENEMY, KINDS, Kind, TruckMachine
 from rapc.worlds.truck.map import TAKEN, Map
 
 _MOST = 1_000_000
 _NUMBERED = re.compile(r"-s?[0-9]+$")
 """How the names of items and their sensor names end."""
-
-
-class MapError(ValueError):
-    """A map that cannot be used; the text says why, in one line."""
 
 
 def read_map(text: str) -> Map:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from rapc.base.values import Atom, Number, number
+from rapc.base.pictures import DIRECTIONS
+from rapc.base.values import Atom, Number
 from rapc.world import OKAY, Reply
 from rapc.worlds.truck.demons import pass_time
 from rapc.worlds.truck.enemies import meet, part
 from rapc.worlds.truck.kinds import ENEMY
-from rapc.worlds.truck.map import DIRECTIONS, WayOut
-from rapc.worlds.truck.scene import Scene
+from rapc.worlds.truck.map import WayOut
+from rapc.worlds.truck.scene import Scene, tidy
 from rapc.worlds.truck.state import EXTERNAL
 from rapc.worlds.truck.weather import hardships
 
@@ -59,9 +60,8 @@ def truck_move(scene: Scene) -> Reply:
     time, fuel = _cost(scene, leg, part, slower, thirstier)
     mishap = _mishap(scene, leg, mud)
     if fuel > truck.fuel:
-        return _stranded(
-            scene, leg, time * truck.fuel / fuel, truck.fuel, "out of fuel"
-        )
+        time = time * truck.fuel / fuel
+        return _stranded(scene, leg, time, truck.fuel, "out of fuel")
     if mishap:
         return _stranded(scene, leg, time, fuel, "mishap")
     _drive(scene, leg, leg.road.name if stop else leg.to, time, fuel)
@@ -92,7 +92,7 @@ def _cost(
     nominal = leg.road.time * settings.road_time * part * slower * time
     time = scene.vary(nominal, settings.time_spread)
     fuel = scene.vary(leg.road.fuel * part * thirstier * fuel, settings.fuel_spread)
-    return time, number(round(fuel * settings.fuel_use, 2))
+    return time, tidy(fuel * settings.fuel_use)
 
 
 def _mishap(scene: Scene, leg: WayOut, mud: Number) -> bool:
@@ -104,7 +104,7 @@ def _mishap(scene: Scene, leg: WayOut, mud: Number) -> bool:
 
 
 def _stranded(scene: Scene, leg: WayOut, time: Number, fuel: Number, why: str) -> Reply:
-    _drive(scene, leg, leg.road.name, number(round(time, 2)), fuel)
+    _drive(scene, leg, leg.road.name, tidy(time), fuel)
     scene.end(f"{why} on {leg.road.name}")
     return Reply(MISHAP, (("fuel-level", scene.state.truck.fuel),))
 
@@ -114,9 +114,9 @@ def _drive(scene: Scene, leg: WayOut, to: str, time: Number, fuel: Number) -> No
     state = scene.state
     part(scene)
     state.truck.place = leg.road.name
-    pass_time(scene, number(round(state.now + time, 2)))
+    pass_time(scene, tidy(state.now + time))
     state.truck.place = to
     meet(scene)
-    state.truck.fuel = number(round(state.truck.fuel - fuel, 2))
+    state.truck.fuel = tidy(state.truck.fuel - fuel)
     state.sighted.clear()
     state.names.clear()

@@ -8,12 +8,13 @@ with the rocks that `chapter6.toml` sets.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from functools import cache
 from typing import Annotated, get_args, get_type_hints
 
 import msgspec
 from msgspec import Meta
+from msgspec.structs import replace
 
 from rapc.base.values import Atom, Number, Text
 from rapc.world import Option
@@ -21,12 +22,14 @@ from rapc.world import Option
 _TIME = "time units"
 
 
-Row = tuple[str, type, str | bool | Number, Meta]
-"""An option as a field of `TruckSettings`: name, type, default, and what it means."""
-
-
 def _row(unit: str, doc: str, most: Number = 1_000_000) -> Meta:
-    return Meta(description=doc, extra={"unit": unit, "most": most})
+    extra = {"unit": unit, "most": most, "changes": False}
+    return Meta(description=doc, extra=extra)
+
+
+def _now(unit: str, doc: str, most: Number = 1_000_000) -> Meta:
+    """Describe an option that is asked for whenever it matters: it may change."""
+    return Meta(description=doc, extra={"unit": unit, "most": most, "changes": True})
 
 
 class TruckSettings(msgspec.Struct, frozen=True, rename="kebab"):
@@ -41,35 +44,35 @@ class TruckSettings(msgspec.Struct, frozen=True, rename="kebab"):
     ] = False
 
     scan_tells_gone: Annotated[
-        bool, _row("", "a scan reports what was there and is gone")
+        bool, _now("", "a scan reports what was there and is gone")
     ] = True
 
     arm1_capacity: Annotated[Number, _row("size", "what arm1 can hold")] = 8
     arm2_capacity: Annotated[Number, _row("size", "what arm2 can hold")] = 15
-    arm1_drops: Annotated[Number, _row("%", "grasps that arm1 drops", 100)] = 15
-    arm2_drops: Annotated[Number, _row("%", "grasps that arm2 drops", 100)] = 50
+    arm1_drops: Annotated[Number, _now("%", "grasps that arm1 drops", 100)] = 15
+    arm2_drops: Annotated[Number, _now("%", "grasps that arm2 drops", 100)] = 50
     bay1_capacity: Annotated[Number, _row("size", "what bay1 can hold")] = 20
     bay2_capacity: Annotated[Number, _row("size", "what bay2 can hold")] = 100
     fuel_capacity: Annotated[Number, _row("fuel", "what the fuel bay can hold")] = 30
     fuel: Annotated[Number, _row("fuel", "in the fuel bay at the start")] = 22
-    fuel_use: Annotated[Number, _row("factor", "on what a road burns; 0: none")] = 1
-    fuel_spread: Annotated[Number, _row("%", "a trip burns more or less", 100)] = 20
-    road_time: Annotated[Number, _row("factor", "on what a trip down a road takes")] = 1
-    time_spread: Annotated[Number, _row("%", "a trip takes more or less", 90)] = 20
+    fuel_use: Annotated[Number, _now("factor", "on what a road burns; 0: none")] = 1
+    fuel_spread: Annotated[Number, _now("%", "a trip burns more or less", 100)] = 20
+    road_time: Annotated[Number, _now("factor", "on what a trip down a road takes")] = 1
+    time_spread: Annotated[Number, _now("%", "a trip takes more or less", 90)] = 20
 
-    arm_move_time: Annotated[Number, _row(_TIME, "for arm-move")] = 1
-    arm_grasp_time: Annotated[Number, _row(_TIME, "for arm-grasp")] = 2.5
-    arm_ungrasp_time: Annotated[Number, _row(_TIME, "for arm-ungrasp")] = 0.5
-    arm_pour_time: Annotated[Number, _row(_TIME, "for arm-pour")] = 4
-    arm_ladle_time: Annotated[Number, _row(_TIME, "for arm-ladle")] = 4
-    arm_toggle_time: Annotated[Number, _row(_TIME, "for arm-toggle")] = 7
-    arm_examine_time: Annotated[Number, _row(_TIME, "for arm-examine")] = 0.4
-    truck_turn_time: Annotated[Number, _row(_TIME, "for truck-turn")] = 1
-    truck_speed_time: Annotated[Number, _row(_TIME, "for truck-speed")] = 1
-    truck_move_time: Annotated[Number, _row(_TIME, "for truck-move, trip aside")] = 1
-    eye_examine_time: Annotated[Number, _row(_TIME, "for eye-examine")] = 0.5
-    eye_scan_time: Annotated[Number, _row(_TIME, "for eye-scan")] = 2
-    eye_monitor_time: Annotated[Number, _row(_TIME, "for eye-(un)monitor")] = 1
+    arm_move_time: Annotated[Number, _now(_TIME, "for arm-move")] = 1
+    arm_grasp_time: Annotated[Number, _now(_TIME, "for arm-grasp")] = 2.5
+    arm_ungrasp_time: Annotated[Number, _now(_TIME, "for arm-ungrasp")] = 0.5
+    arm_pour_time: Annotated[Number, _now(_TIME, "for arm-pour")] = 4
+    arm_ladle_time: Annotated[Number, _now(_TIME, "for arm-ladle")] = 4
+    arm_toggle_time: Annotated[Number, _now(_TIME, "for arm-toggle")] = 7
+    arm_examine_time: Annotated[Number, _now(_TIME, "for arm-examine")] = 0.4
+    truck_turn_time: Annotated[Number, _now(_TIME, "for truck-turn")] = 1
+    truck_speed_time: Annotated[Number, _now(_TIME, "for truck-speed")] = 1
+    truck_move_time: Annotated[Number, _now(_TIME, "for truck-move, trip aside")] = 1
+    eye_examine_time: Annotated[Number, _now(_TIME, "for eye-examine")] = 0.5
+    eye_scan_time: Annotated[Number, _now(_TIME, "for eye-scan")] = 2
+    eye_monitor_time: Annotated[Number, _now(_TIME, "for eye-(un)monitor")] = 1
 
     quarry_rocks: Annotated[
         int, _row("rocks", "at each quarry at the start; 0: the map's", 10_000)
@@ -80,16 +83,16 @@ class TruckSettings(msgspec.Struct, frozen=True, rename="kebab"):
     factory_interval: Annotated[
         Number, _row(_TIME, "until a factory takes a rock in; 0: at once")
     ] = 0
-    item_limit: Annotated[int, _row("items", "none is put there, none made above")] = 10
+    item_limit: Annotated[int, _now("items", "none is put there, none made above")] = 10
 
     shuffle_interval: Annotated[Number, _row(_TIME, "between shuffles; 0: none")] = 0
     shuffle_efficiency: Annotated[
-        Number, _row("%", "an item lying about is moved by a shuffle", 100)
+        Number, _now("%", "an item lying about is moved by a shuffle", 100)
     ] = 40
     shuffle_until: Annotated[
-        Number, _row(_TIME, "when shuffling stops for good; 0: never")
+        Number, _now(_TIME, "when shuffling stops for good; 0: never")
     ] = 0
-    shuffle_tools: Annotated[bool, _row("", "guns and gun tools are shuffled too")] = (
+    shuffle_tools: Annotated[bool, _now("", "guns and gun tools are shuffled too")] = (
         False
     )
 
@@ -97,7 +100,7 @@ class TruckSettings(msgspec.Struct, frozen=True, rename="kebab"):
         Number, _row(_TIME, "between enemies' coming; 0: none")
     ] = 600
     enemy_stay: Annotated[
-        Number, _row(_TIME, "where the truck is not, then they move on")
+        Number, _now(_TIME, "where the truck is not, then they move on")
     ] = 200
     enemy_units: Annotated[int, _row("units", "no more come at a time", 100)] = 6
     enemy_sectors: Annotated[
@@ -105,57 +108,45 @@ class TruckSettings(msgspec.Struct, frozen=True, rename="kebab"):
     ] = ""
     road_troops: Annotated[bool, _row("", "they come to the roads there, too")] = False
     capture_time: Annotated[
-        Number, _row(_TIME, "with enemies, half the trucks are captured; 0: never")
+        Number, _now(_TIME, "with enemies, half the trucks are captured; 0: never")
     ] = 450
     gun_rounds: Annotated[int, _row("rounds", "in a gun at the start", 15)] = 0
-    gun_burst: Annotated[int, _row("rounds", "a gun fires at most when toggled")] = 3
+    gun_burst: Annotated[int, _now("rounds", "a gun fires at most when toggled")] = 3
     gun_hits: Annotated[
-        Number, _row("%", "rounds that drive one enemy unit off", 100)
+        Number, _now("%", "rounds that drive one enemy unit off", 100)
     ] = 60
 
     wear: Annotated[
-        Number, _row("%", "rounds of work in which a machine breaks", 100)
+        Number, _now("%", "rounds of work in which a machine breaks", 100)
     ] = 0
 
     rain: Annotated[Number, _row("%", "of the time it rains in a sector", 100)] = 0
     weather_interval: Annotated[
         Number, _row(_TIME, "between changes of a sector's weather")
     ] = 300
-    rain_time: Annotated[Number, _row("factor", "on a trip's time in the rain")] = 1.25
-    rain_fuel: Annotated[Number, _row("factor", "on a trip's fuel in the rain")] = 1.1
+    rain_time: Annotated[Number, _now("factor", "on a trip's time in the rain")] = 1.25
+    rain_fuel: Annotated[Number, _now("factor", "on a trip's fuel in the rain")] = 1.1
     day_length: Annotated[
-        Number, _row(_TIME, "from dawn to dawn; 0: it is always day")
+        Number, _now(_TIME, "from dawn to dawn; 0: it is always day")
     ] = 0
-    night: Annotated[Number, _row("%", "of a day that is dark, at its end", 100)] = 40
-    dark_time: Annotated[Number, _row("factor", "on a trip's time in the dark")] = 1.2
+    night: Annotated[Number, _now("%", "of a day that is dark, at its end", 100)] = 40
+    dark_time: Annotated[Number, _now("factor", "on a trip's time in the dark")] = 1.2
     dark_misses: Annotated[
-        Number, _row("%", "items outside that the eye overlooks in the dark", 100)
+        Number, _now("%", "items outside that the eye overlooks in the dark", 100)
     ] = 30
-
-
-ADJUSTABLE = frozenset(
-    {
-        *("scan_tells_gone", "arm1_drops", "arm2_drops", "item_limit"),
-        *("fuel_use", "fuel_spread", "road_time", "time_spread"),
-        *("arm_move_time", "arm_grasp_time", "arm_ungrasp_time", "arm_pour_time"),
-        *("arm_ladle_time", "arm_toggle_time", "arm_examine_time"),
-        *("truck_turn_time", "truck_speed_time", "truck_move_time"),
-        *("eye_examine_time", "eye_scan_time", "eye_monitor_time"),
-        *("shuffle_efficiency", "shuffle_until", "shuffle_tools"),
-        *("enemy_stay", "capture_time", "gun_burst", "gun_hits", "wear"),
-        *("rain_time", "rain_fuel", "day_length", "night", "dark_time", "dark_misses"),
-    }
-)
-"""The options that are asked for whenever they matter, so that they may change."""
 
 
 def adjustable(settings: TruckSettings) -> dict[str, Atom | bool]:
     """Return the options that may change while the truck is at work, with values."""
     return {
-        _kebab(name): getattr(settings, name)
-        for name in settings.__struct_fields__
-        if name in ADJUSTABLE
+        row.option.name: getattr(settings, row.field) for row in _rows() if row.changes
     }
+
+
+def as_made(settings: TruckSettings, given: TruckSettings) -> TruckSettings:
+    """Return settings with the values in `given` of those that may change."""
+    changes = [row.field for row in _rows() if row.changes]
+    return replace(settings, **{name: getattr(given, name) for name in changes})
 
 
 def adjusted(settings: TruckSettings, name: str, value: Atom | bool) -> TruckSettings:
@@ -178,12 +169,12 @@ def read_settings(options: Mapping[str, Atom | bool]) -> TruckSettings:
         settings = msgspec.convert(plain, TruckSettings)
     except msgspec.ValidationError as error:
         raise ValueError(str(error).replace("`$.", "`").lower()) from error
-    for name, _, _, meta in _rows():
-        value = getattr(settings, name)
-        if not isinstance(value, str) and not 0 <= value <= _most(meta):
-            raise ValueError(f"`{_kebab(name)}` must be between 0 and {_most(meta)}")
-        if name.endswith("_interval") and 0 < value < 1:
-            raise ValueError(f"`{_kebab(name)}` must be 0 or at least 1")
+    for row in _rows():
+        name, value = row.option.name, getattr(settings, row.field)
+        if not isinstance(value, str) and not 0 <= value <= row.most:
+            raise ValueError(f"`{name}` must be between 0 and {row.most}")
+        if name.endswith("-interval") and 0 < value < 1:
+            raise ValueError(f"`{name}` must be 0 or at least 1")
     if settings.rain > 0 and settings.weather_interval < 1:
         raise ValueError("with `rain`, `weather-interval` must be at least 1")
     return settings
@@ -191,42 +182,28 @@ def read_settings(options: Mapping[str, Atom | bool]) -> TruckSettings:
 
 def describe_options() -> tuple[Option, ...]:
     """All options, in the order in which they are listed."""
-    return tuple(_option(*row) for row in _rows())
+    return tuple(row.option for row in _rows())
+
+
+class _Row(msgspec.Struct, frozen=True):
+    """An option, the field with its value, the most it can be, if it may change."""
+
+    option: Option
+    field: str
+    most: Number
+    changes: bool
 
 
 @cache
-def _rows() -> tuple[Row, ...]:
+def _rows() -> tuple[_Row, ...]:
     """Worked out once: looking up annotations is slow."""
-    return tuple(_each_row())
-
-
-def _each_row() -> Iterator[Row]:
-    hints = get_type_hints(TruckSettings, include_extras=True)
+    hints, rows = get_type_hints(TruckSettings, include_extras=True), []
+    kinds = {bool: "flag", str: "text", int: "integer"}
     for field in msgspec.structs.fields(TruckSettings):
         base, meta = get_args(hints[field.name])
-        yield field.name, base, field.default, meta
-
-
-def _option(name: str, base: type, default: str | bool | Number, meta: Meta) -> Option:
-    kinds = {bool: "flag", str: "text", int: "integer"}
-    return Option(
-        name=_kebab(name),
-        kind=kinds.get(base, "number"),
-        default=Text(default) if isinstance(default, str) else default,
-        unit=_unit(meta),
-        doc=meta.description or "",
-    )
-
-
-def _most(meta: Meta) -> Number:
-    most: Number = (meta.extra or {})["most"]
-    return most
-
-
-def _unit(meta: Meta) -> str:
-    unit: str = (meta.extra or {})["unit"]
-    return unit
-
-
-def _kebab(name: str) -> str:
-    return name.replace("_", "-")
+        default, kind = field.default, kinds.get(base, "number")
+        value = Text(default) if isinstance(default, str) else default
+        unit, doc = meta.extra["unit"], meta.description
+        option = Option(field.encode_name, kind, value, unit, doc)
+        rows.append(_Row(option, field.name, meta.extra["most"], meta.extra["changes"]))
+    return tuple(rows)

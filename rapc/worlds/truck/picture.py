@@ -7,22 +7,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
+from rapc.base.pictures import DIRECTIONS
 from rapc.world import Gauge, Picture, Spot, Thing
 from rapc.worlds.truck.map import Map
 from rapc.worlds.truck.scene import Scene
 from rapc.worlds.truck.state import ARMS, BAYS, EXTERNAL
 from rapc.worlds.truck.weather import dark, raining
 
-_STEPS: Mapping[str, tuple[int, int]] = {
-    "north": (0, -1),
-    "northeast": (1, -1),
-    "east": (1, 0),
-    "southeast": (1, 1),
-    "south": (0, 1),
-    "southwest": (-1, 1),
-    "west": (-1, 0),
-    "northwest": (-1, -1),
-}
+_EIGHT = ((0, -1), (1, -1), (1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1))
+_STEPS = dict(zip(DIRECTIONS, _EIGHT, strict=True))
 """To the right and down, by direction."""
 
 _ROUNDS = 200

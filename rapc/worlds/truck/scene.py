@@ -19,12 +19,18 @@ from rapc.worlds.truck.state import (
     EXTERNAL,
     FOLDED,
     Arm,
+    Demon,
     TruckItem,
     TruckState,
 )
 
 STREAMS = ("shuffle", "enemies", "weapon", "weather", "dark", "wear")
 """The random streams beside the world's first one."""
+
+
+def tidy(amount: Number) -> Number:
+    """Return a time or an amount to two digits."""
+    return number(round(amount, 2))
 
 
 class Scene:
@@ -48,8 +54,16 @@ class Scene:
         }
         self.settings = settings
         self.rng = rng
-        self.chance = _streams(rng)
+        root = _glance(rng)
+        self.chance = {name: random.Random(f"{root}:{name}") for name in STREAMS}
         self.state = state
+        #: The sizes of what arms and cargo bays can hold.
+        self.capacities: dict[str, Number] = {
+            "arm1": settings.arm1_capacity,
+            "arm2": settings.arm2_capacity,
+            "bay1": settings.bay1_capacity,
+            "bay2": settings.bay2_capacity,
+        }
 
     # --- items -----------------------------------------------------------------
 
@@ -148,23 +162,16 @@ class Scene:
         Outside there is no end of it; that producers and the demon stop at
         `item-limit` is their affair.
         """
-        settings, size = self.settings, self.kinds[kind].size
-        capacities: dict[str, Number] = {
-            "arm1": settings.arm1_capacity,
-            "arm2": settings.arm2_capacity,
-            "bay1": settings.bay1_capacity,
-            "bay2": settings.bay2_capacity,
-            "weapon-bay": KINDS["gun"].size if self.kinds[kind].rounds else 0,
-            "fuel-bay": 0,
-            FOLDED: 0,
-        }
         container = self.state.items.get(place)
         if container is not None:
             capacity: Number = self.kind(container).holds
-        elif place in capacities:
-            capacity = capacities[place]
+        elif place in self.capacities:
+            capacity = self.capacities[place]
+        elif place == "weapon-bay" and self.kinds[kind].rounds:
+            capacity = KINDS["gun"].size
         else:
-            return True
+            return place not in (*BAYS, FOLDED)
+        size = self.kinds[kind].size
         return size + sum(self.kind(i).size for i in self.items_at(place)) <= capacity
 
     def crowded(self, place: str) -> bool:
@@ -215,7 +222,16 @@ class Scene:
             state.names[item.name] = f"{item.kind}-s{state.named}"
         return self.sensor_name(item)
 
-    # --- the end ---------------------------------------------------------------
+    # --- demons and the end ----------------------------------------------------
+
+    def expect(self, job: str, place: str, wait: Number) -> None:
+        """Put a demon with a job at a place into the state, to act after a wait."""
+        self.state.demons.append(Demon(job, place, tidy(self.state.now + wait)))
+
+    def dismiss(self, place: str, *jobs: str) -> None:
+        """Take the demons with these jobs at a place out of the state."""
+        demons = self.state.demons
+        self.state.demons = [d for d in demons if d.job not in jobs or d.place != place]
 
     def end(self, why: str) -> None:
         """End the run for a reason, unless it has ended for another one before."""
@@ -227,15 +243,14 @@ class Scene:
     def vary(self, nominal: Number, per_cent: Number, stream: str = "") -> Number:
         """A number about a nominal one, evenly spread, to two digits."""
         spread, rng = per_cent / 100, self.chance[stream] if stream else self.rng
-        return number(round(nominal * rng.uniform(1 - spread, 1 + spread), 2))
+        return tidy(nominal * rng.uniform(1 - spread, 1 + spread))
 
 
-def _streams(rng: random.Random) -> dict[str, random.Random]:
-    """Streams that depend on the one given, which is left as it was."""
+def _glance(rng: random.Random) -> int:
+    """Return what a stream would give next; it is left as it was."""
     copy = random.Random()
     copy.setstate(rng.getstate())
-    root = copy.getrandbits(64)
-    return {name: random.Random(f"{root}:{name}") for name in STREAMS}
+    return copy.getrandbits(64)
 
 
 def check_items(scene: Scene, state: TruckState) -> None:

@@ -10,23 +10,22 @@ import random
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import msgspec
-from msgspec.structs import replace
 
 from rapc.base.chance import Stream, stream_in, stream_state
 from rapc.base.values import Atom, Fact, Number, number
 from rapc.world import Datum, Kit, Message, Picture, Reply, Time, World
+from rapc.worlds.maps import MapError, shipped_map
 from rapc.worlds.truck import eye
-from rapc.worlds.truck.default_map import MAP
 from rapc.worlds.truck.demons import check_demons, pass_time, summon
 from rapc.worlds.truck.handlers import HANDLERS
 from rapc.worlds.truck.kinds import KINDS
 from rapc.worlds.truck.map import Lying, Map
-from rapc.worlds.truck.map_text import MapError, read_map
+from rapc.worlds.truck.map_text import read_map
 from rapc.worlds.truck.options import (
-    ADJUSTABLE,
     TruckSettings,
     adjustable,
     adjusted,
+    as_made,
     describe_options,
     read_settings,
 )
@@ -34,7 +33,7 @@ from rapc.worlds.truck.orders import read_orders
 from rapc.worlds.truck.picture import Layout, lay_out, picture_of
 from rapc.worlds.truck.primitives import OFFER, PRIMITIVES
 from rapc.worlds.truck.routes import SOLVED_RAP, plan_route
-from rapc.worlds.truck.scene import Scene, check_items
+from rapc.worlds.truck.scene import Scene, check_items, tidy
 from rapc.worlds.truck.state import ARMS, Delivery, Encounter, Order, Truck, TruckState
 
 
@@ -66,7 +65,10 @@ class TruckWorld(World):
         settings = read_settings(options)
         if settings.fuel > settings.fuel_capacity:
             raise ValueError("`fuel` is more than `fuel-capacity`")
-        ground = _read_map(settings)
+        try:
+            ground = read_map(settings.map or shipped_map("truck", "default"))
+        except MapError as error:
+            raise ValueError(f"`map`: {error}") from error
         truck = Truck(ground.start, ground.heading, number(settings.fuel))
         self._scene = Scene(ground, settings, rng, TruckState(truck))
         #: Where the map is drawn; made for the first picture.
@@ -76,7 +78,13 @@ class TruckWorld(World):
                 self._place(lying)
         self._scene.state.orders.extend(read_orders(settings.orders, ground))
         summon(self._scene)
-        self._scene.state.pending.extend(_first_data(truck))
+        self._scene.state.pending += (
+            ("new-location", truck.place),
+            ("heading", truck.heading),
+            ("speed", truck.speed),
+            ("fuel-level", truck.fuel),
+            ("clock", 0),
+        )
 
     def _place(self, lying: Lying) -> None:
         item = self._scene.make(lying.kind, lying.place, lying.color)
@@ -86,16 +94,14 @@ class TruckWorld(World):
 
     def facts(self) -> Iterable[Fact]:
         """The map and the truck's own body; no item."""
-        settings = self._scene.settings
-        yield from self._scene.map.facts()
-        yield ("arm-capacity", "arm1", settings.arm1_capacity)
-        yield ("arm-capacity", "arm2", settings.arm2_capacity)
-        yield ("bay-capacity", "bay1", settings.bay1_capacity)
-        yield ("bay-capacity", "bay2", settings.bay2_capacity)
+        scene = self._scene
+        yield from scene.map.facts()
+        for place, size in scene.capacities.items():
+            yield ("arm-capacity" if place in ARMS else "bay-capacity", place, size)
         yield ("bay-capacity", "weapon-bay", KINDS["gun"].size)
-        yield ("bay-capacity", "fuel-bay", settings.fuel_capacity)
+        yield ("bay-capacity", "fuel-bay", scene.settings.fuel_capacity)
         for arm in ARMS:
-            yield ("arm-place", arm, self._scene.state.truck.arms[arm].place)
+            yield ("arm-place", arm, scene.state.truck.arms[arm].place)
         yield ("truck-status", "ready")
 
     def now(self) -> Time:
@@ -114,7 +120,7 @@ class TruckWorld(World):
             raise ValueError(f"the truck has no primitive `{name}` of that form")
         scene = self._scene
         takes: Number = getattr(scene.settings, primitive.time)
-        pass_time(scene, number(round(scene.state.now + takes, 2)))
+        pass_time(scene, tidy(scene.state.now + takes))
         reply = primitive.act(scene, *arguments)
         noticed = () if primitive.by_eye else tuple(eye.notice(scene))
         return Reply(reply.result, (*reply.data, *noticed, ("clock", scene.state.now)))
@@ -171,7 +177,7 @@ class TruckWorld(World):
             saved = msgspec.json.decode(state, type=Saved)
         except msgspec.DecodeError as error:
             raise ValueError(f"no state of a truck world: {error}") from error
-        if self._as_made(saved.settings) != self._scene.settings:
+        if as_made(saved.settings, self._scene.settings) != self._scene.settings:
             raise ValueError("the state is that of a truck world with other options")
         scene = self._scene
         try:
@@ -183,11 +189,6 @@ class TruckWorld(World):
             raise ValueError(f"no state of a truck world: {error}") from error
         scene.rng, scene.chance, scene.state = rng, chance, saved.state
         scene.settings = saved.settings
-
-    def _as_made(self, settings: TruckSettings) -> TruckSettings:
-        """Return settings with the present values of those that may change."""
-        mine = self._scene.settings
-        return replace(settings, **{name: getattr(mine, name) for name in ADJUSTABLE})
 
     def adjustable(self) -> Mapping[str, Atom | bool]:
         """Return the options that may change while the truck is at work."""
@@ -232,21 +233,6 @@ class TruckWorld(World):
         return msgspec.json.decode(
             msgspec.json.encode(self._scene.state), type=TruckState
         )
-
-
-def _read_map(settings: TruckSettings) -> Map:
-    try:
-        return read_map(settings.map or MAP)
-    except MapError as error:
-        raise ValueError(f"`map`: {error}") from error
-
-
-def _first_data(truck: Truck) -> Iterable[Fact]:
-    yield ("new-location", truck.place)
-    yield ("heading", truck.heading)
-    yield ("speed", truck.speed)
-    yield ("fuel-level", truck.fuel)
-    yield ("clock", 0)
 
 
 def _at_first(ground: Map, stock: int) -> Iterator[Lying]:
