@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
 from functools import cache
-from typing import Any, ClassVar
+from typing import Any
 
 import msgspec
 
@@ -137,12 +137,22 @@ def _result_or_signal(what: str | Fact) -> str:
     return what if isinstance(what, str) else format_list(what)
 
 
+_WRITES: Mapping[Any, Write] = {
+    Fact: format_list,
+    tuple[Fact, ...]: _facts,
+    str | Fact: _result_or_signal,
+    Mapping[str, Any]: _bindings,
+    Atom: format_atom,
+    ResourceChange: str,
+}
+"""How a trace writes values as text, by the types of fields of events.
+
+Goals need no row: the encoder writes as text what it does not know.
+"""
+
+
 class Event(msgspec.Struct, frozen=True, tag_field="event", tag=_kebab, kw_only=True):
     """The base of all events. `n` is a serial from 0; `time` in time units."""
-
-    #: The fields whose values a trace has as text, by their names in the trace. Goals
-    #: need no row: the encoder writes as text what it does not know.
-    words: ClassVar[Mapping[str, Write]] = {}
 
     n: int
     cycle: int
@@ -196,8 +206,6 @@ class TaskSelected(Event, frozen=True, kw_only=True):
 
 class MethodChosen(Event, frozen=True, kw_only=True):
     """A task starts a method, with the bindings it was chosen under."""
-
-    words: ClassVar[Mapping[str, Write]] = {"bindings": _bindings}
 
     task: int
     rap: str
@@ -275,8 +283,6 @@ class MethodSuspended(Event, frozen=True, kw_only=True):
 class TaskSucceeded(Event, frozen=True, kw_only=True):
     """A task ended well."""
 
-    words: ClassVar[Mapping[str, Write]] = {"outputs": _bindings}
-
     task: int
     goal: Goal
     outputs: Mapping[str, Any]
@@ -319,8 +325,6 @@ class TaskRemoved(Event, frozen=True, kw_only=True):
 class PrimitiveRequested(Event, frozen=True, kw_only=True):
     """A request went to the world: memory names, and sensor names as sent."""
 
-    words: ClassVar[Mapping[str, Write]] = {"request": format_list, "sent": format_list}
-
     task: int
     request: Fact
     sent: Fact
@@ -328,8 +332,6 @@ class PrimitiveRequested(Event, frozen=True, kw_only=True):
 
 class PrimitiveEnded(Event, frozen=True, kw_only=True):
     """A primitive ended and its handlers have changed what they change."""
-
-    words: ClassVar[Mapping[str, Write]] = {"request": format_list, "data": _facts}
 
     task: int | None
     request: Fact
@@ -344,8 +346,6 @@ class PrimitiveEnded(Event, frozen=True, kw_only=True):
 class PrimitiveCancelled(Event, frozen=True, kw_only=True):
     """What was under way is wanted no more; told before what follows from it."""
 
-    words: ClassVar[Mapping[str, Write]] = {"request": format_list}
-
     task: int
     request: Fact
 
@@ -355,8 +355,6 @@ class PrimitiveCancelled(Event, frozen=True, kw_only=True):
 
 class RequestRefused(Event, frozen=True, kw_only=True):
     """The world will not carry a request out beside others: names as requested."""
-
-    words: ClassVar[Mapping[str, Write]] = {"request": format_list, "sent": format_list}
 
     task: int
     request: Fact
@@ -373,8 +371,6 @@ class RequestRefused(Event, frozen=True, kw_only=True):
 class SkillEnabled(Event, frozen=True, kw_only=True):
     """A skill of an activation of `task` is on from now."""
 
-    words: ClassVar[Mapping[str, Write]] = {"what": format_list}
-
     task: int
     what: Fact
 
@@ -384,8 +380,6 @@ class SkillEnabled(Event, frozen=True, kw_only=True):
 
 class SkillDisabled(Event, frozen=True, kw_only=True):
     """A skill of an activation of `task` is wanted no more."""
-
-    words: ClassVar[Mapping[str, Write]] = {"what": format_list}
 
     task: int
     what: Fact
@@ -397,15 +391,11 @@ class SkillDisabled(Event, frozen=True, kw_only=True):
 class DataReceived(Event, frozen=True, kw_only=True):
     """A datum came unasked."""
 
-    words: ClassVar[Mapping[str, Write]] = {"data": format_list}
-
     data: Fact
 
 
 class FactAsserted(Event, frozen=True, kw_only=True):
     """A fact was asserted or refreshed."""
-
-    words: ClassVar[Mapping[str, Write]] = {"fact": format_list}
 
     fact: Fact
     by: str
@@ -414,16 +404,12 @@ class FactAsserted(Event, frozen=True, kw_only=True):
 class FactErased(Event, frozen=True, kw_only=True):
     """A fact went."""
 
-    words: ClassVar[Mapping[str, Write]] = {"fact": format_list}
-
     fact: Fact
     by: str
 
 
 class ResourceChanged(Event, frozen=True, kw_only=True):
     """A set or counter changed; `what` is the effect and the new value."""
-
-    words: ClassVar[Mapping[str, Write]] = {"what": str}
 
     task: int
     what: ResourceChange
@@ -438,8 +424,6 @@ class SignalReceived(Event, frozen=True, kw_only=True, tag="signal"):
     The task may have ended.
     """
 
-    words: ClassVar[Mapping[str, Write]] = {"what": format_list}
-
     task: int | None
     what: Fact
 
@@ -452,8 +436,6 @@ class RuleRun(Event, frozen=True, kw_only=True):
 
     `at` is where the query and the actions stand, `doors.rap:12`.
     """
-
-    words: ClassVar[Mapping[str, Write]] = {"what": _result_or_signal}
 
     task: int | None
     what: str | Fact
@@ -489,25 +471,17 @@ class ItemEvent(Event, frozen=True, kw_only=True):
 class ItemIntroduced(ItemEvent, frozen=True, kw_only=True):
     """An item came into reach under a sensor name."""
 
-    words: ClassVar[Mapping[str, Write]] = {"location": format_atom}
-
 
 class ItemMerged(ItemEvent, frozen=True, kw_only=True):
     """Two descriptions have turned out to be of one item."""
-
-    words: ClassVar[Mapping[str, Write]] = {"location": format_atom}
 
 
 class ItemMoved(ItemEvent, frozen=True, kw_only=True):
     """An item is at another place than before."""
 
-    words: ClassVar[Mapping[str, Write]] = {"location": format_atom}
-
 
 class ItemLost(ItemEvent, frozen=True, kw_only=True):
     """An item is not where it was: its location is `unknown`."""
-
-    words: ClassVar[Mapping[str, Write]] = {"location": format_atom}
 
 
 class FamilySwitched(Event, frozen=True, kw_only=True):
@@ -584,6 +558,15 @@ def kinds() -> Mapping[str, type[Event]]:
         if kind is not ItemEvent:
             found[str(kind.__struct_config__.tag)] = kind
     return found
+
+
+def words(kind: type[Event]) -> list[tuple[str, Write]]:
+    """Return the keys that a trace has as text, each with how it is written."""
+    return [
+        (field.encode_name, _WRITES[field.type])
+        for field in msgspec.structs.fields(kind)
+        if field.type in _WRITES
+    ]
 
 
 @cache

@@ -61,8 +61,9 @@ def _shape(kind: type[events.Event]) -> _Shape:
     size = sum(one.required or not config.omit_defaults for one in own)
     if any(name != key for name, key, _ in fields):
         size = -1
-    in_words = [(key, kind.words[key]) for _, key, _ in fields if key in kind.words]
-    return _Shape(str(config.tag), in_words, size, fields, config.omit_defaults)
+    return _Shape(
+        str(config.tag), events.words(kind), size, fields, config.omit_defaults
+    )
 
 
 def _completed(kind: type[events.Event], keys: dict[str, Any]) -> dict[str, Any]:
