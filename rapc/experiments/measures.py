@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Container, Iterable, Mapping
 from typing import Any
 
@@ -11,7 +10,7 @@ import msgspec
 from rapc import events
 from rapc.base.values import is_number
 from rapc.runtime.held_world import HeldWorld
-from rapc.world import OKAY, Offer, Time, Truthful, World
+from rapc.world import Time, Truthful, World
 
 LABELS: Mapping[str, str] = {
     "completed": "completed",
@@ -72,57 +71,6 @@ class Measures(msgspec.Struct, frozen=True):
     figures: Mapping[str, float] = {}
     #: The tasks that are counted and have come, in the order in which they came.
     tasks: tuple[TaskTold, ...] = ()
-
-
-class Tally:
-    """Counts what happens in a run; a listener for `Interpreter.listen`.
-
-    It needs no events but those of its `kinds`.
-
-    Args:
-        offer: what the world offers, with its sensors.
-        count: RAPs and primitives whose successes are counted, by what they are called.
-    """
-
-    kinds = (
-        events.PrimitiveEnded,
-        events.TaskSucceeded,
-        events.DeadlineMissed,
-        events.QueryFaulted,
-        events.TaskFailed,
-    )
-
-    def __init__(self, offer: Offer, count: Mapping[str, str]) -> None:
-        self._sensors = frozenset(offer.sensors)
-        self._count = count
-        self._successes = Counter(dict.fromkeys(count.values(), 0))
-        self.sensor = self.effector = self.failed = 0
-        self.missed_deadlines = self.query_faults = 0
-
-    def __call__(self, event: events.Event) -> None:
-        """Take one event into account."""
-        if isinstance(event, events.PrimitiveEnded):
-            name = str(event.request[0])
-            if name in self._sensors:
-                self.sensor += 1
-            else:
-                self.effector += 1
-            if event.result != OKAY:
-                self.failed += 1
-            elif name in self._successes:
-                self._successes[name] += 1
-        elif isinstance(event, events.TaskSucceeded):
-            name = event.goal.name
-            if name in self._successes:
-                self._successes[name] += 1
-        elif isinstance(event, events.DeadlineMissed):
-            self.missed_deadlines += 1
-        elif isinstance(event, events.QueryFaulted):
-            self.query_faults += 1
-
-    def counts(self) -> dict[str, int]:
-        """Return how often each RAP or primitive that is counted has succeeded."""
-        return {name: self._successes[what] for name, what in self._count.items()}
 
 
 def tasks_told(

@@ -21,9 +21,11 @@ import msgspec
 from rapc.base.source import SourceFile
 from rapc.compiler.program import Program
 from rapc.errors import Error
+from rapc.events import DeadlineMissed, QueryFaulted, TaskSucceeded
 from rapc.experiments.draws import Draws, drawn, with_draws
-from rapc.experiments.measures import Measures, Tally, figures_of, tasks_told
+from rapc.experiments.measures import Measures, figures_of, tasks_told
 from rapc.library.loader import load_sources
+from rapc.runtime.events.report import RunReport
 from rapc.runtime.prepare import prepare
 from rapc.runtime.settings import read_settings
 from rapc.runtime.task_request import TaskRequest
@@ -177,8 +179,8 @@ def measure(config: PointConfig, seed: int) -> Measures:
     world = registry.build_world(world_class, seed, options)
     library = _compiled(spec.library, config.sources, threading.get_ident())
     ready = prepare(library, world, spec)
-    tally = Tally(world.kit.offer, config.count)
-    ready.interpreter.listen(tally, *Tally.kinds)
+    report = RunReport()
+    ready.interpreter.listen(report, *RunReport.kinds, TaskSucceeded)
     interpreter = ready.begin()
     reason = interpreter.run(until=spec.until)
     raps = [str(task.goal[0]) for task in counted_tasks(ready.tasks, config.counted)]
@@ -186,6 +188,7 @@ def measure(config: PointConfig, seed: int) -> Measures:
     ends = [task.outcome for task in told]
     completed, given_up = ends.count("succeeded"), ends.count("failed")
     figures = figures_of(world) if config.figures else {}
+    looked = sum(report.primitives[name] for name in set(world.kit.offer.sensors))
     return Measures(
         reason=reason,
         disaster=world.ended(),
@@ -193,12 +196,12 @@ def measure(config: PointConfig, seed: int) -> Measures:
         completed=completed,
         given_up=given_up,
         pending=len(raps) - completed - given_up,
-        effector=tally.effector,
-        sensor=tally.sensor,
-        failed=tally.failed,
-        counts=tally.counts(),
-        missed_deadlines=tally.missed_deadlines,
-        query_faults=tally.query_faults,
+        effector=report.primitives.total() - looked,
+        sensor=looked,
+        failed=report.failures.total(),
+        counts={name: report.well(what) for name, what in config.count.items()},
+        missed_deadlines=report.others[DeadlineMissed],
+        query_faults=report.others[QueryFaulted],
         figures={name: figures[name] for name in config.figures},
         tasks=told,
     )

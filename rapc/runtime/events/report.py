@@ -24,7 +24,8 @@ _COUNTED: Mapping[type[events.Event], str] = {
 class RunReport:
     """Counts what happens in a run; a listener for `Interpreter.listen`.
 
-    It needs no events but those of its `kinds`.
+    For a report it needs no events but those of its `kinds`; it counts the successes of
+    tasks, too, if it is told of them.
     """
 
     kinds = (
@@ -36,22 +37,33 @@ class RunReport:
     )
 
     def __init__(self) -> None:
-        self._primitives: Counter[str] = Counter()
-        self._failures: Counter[tuple[str, str]] = Counter()
-        self._others: Counter[type[events.Event]] = Counter()
+        #: Primitives that ended, by name; those that failed by name and result.
+        self.primitives: Counter[str] = Counter()
+        self.failures: Counter[tuple[str, str]] = Counter()
+        #: Tasks that succeeded, by RAP.
+        self.successes: Counter[str] = Counter()
+        #: Other events, by kind.
+        self.others: Counter[type[events.Event]] = Counter()
         self._end: events.RunEnded | None = None
 
     def __call__(self, event: events.Event) -> None:
         """Take one event into account."""
         if isinstance(event, events.PrimitiveEnded):
             name = str(event.request[0])
-            self._primitives[name] += 1
+            self.primitives[name] += 1
             if event.result != OKAY:
-                self._failures[name, event.result] += 1
+                self.failures[name, event.result] += 1
+        elif isinstance(event, events.TaskSucceeded):
+            self.successes[event.goal.name] += 1
         elif isinstance(event, events.RunEnded):
             self._end = event
         else:
-            self._others[type(event)] += 1
+            self.others[type(event)] += 1
+
+    def well(self, name: str) -> int:
+        """Return how often a primitive has succeeded, or tasks of a RAP have."""
+        failed = [n for (what, _), n in self.failures.items() if what == name]
+        return self.primitives[name] - sum(failed) + self.successes[name]
 
     def lines(self) -> Iterator[str]:
         """The report: tasks and results, primitives by kind, failures, time."""
@@ -75,18 +87,18 @@ class RunReport:
         if end.waiting:
             yield "Left over:"
             yield from (f"  {line}" for line in end.waiting[:_LEFT_OVER])
-        total, failed = self._primitives.total(), self._failures.total()
+        total, failed = self.primitives.total(), self.failures.total()
         yield f"Primitives: {total}, of which {failed} failed."
-        for name in sorted(self._primitives):
-            yield f"  {name:<20} {self._primitives[name]:>6}{self._failed(name)}"
+        for name in sorted(self.primitives):
+            yield f"  {name:<20} {self.primitives[name]:>6}{self._failed(name)}"
         for kind, word in _COUNTED.items():
-            if self._others[kind]:
-                yield f"{word}: {self._others[kind]}."
+            if self.others[kind]:
+                yield f"{word}: {self.others[kind]}."
 
     def _failed(self, name: str) -> str:
         found = [
             f"{count} {result}"
-            for (primitive, result), count in sorted(self._failures.items())
+            for (primitive, result), count in sorted(self.failures.items())
             if primitive == name
         ]
         return f"   ({', '.join(found)})" if found else ""
