@@ -15,8 +15,7 @@ from rapc.base.values import Fact, format_list
 from rapc.compiler.program import Program
 from rapc.errors import ArgumentError
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.saving.format import encode_run
-from rapc.runtime.saving.records import RunRecord
+from rapc.runtime.saving.format import RunRecord, encode_run
 from rapc.runtime.settings import Settings
 from rapc.runtime.state.states import INTERFERENCE
 from rapc.runtime.state.task import Task

@@ -12,7 +12,7 @@ from rapc.base.names import plural
 from rapc.base.values import Fact, format_list
 from rapc.compiler.program import Program
 from rapc.library.signature import Signature
-from rapc.runtime.saving.records import RunRecord
+from rapc.runtime.saving.format import RunRecord
 
 
 def obstacles(record: RunRecord, before: Program, after: Program) -> Iterator[str]:
@@ -27,11 +27,14 @@ def obstacles(record: RunRecord, before: Program, after: Program) -> Iterator[st
         old = before.signatures.relations[str(name)]
         new = after.signatures.relations.get(str(name))
         yield from _of_facts(old, new, [fact for fact, _ in facts], after)
-    asked = [("is under way", fact) for _, _, fact in record.pending]
+    state = record.state
+    asked = [("is under way", fact) for _, (_, fact) in state.pending]
     yield from _declared_otherwise(
         asked, before.library.primitives, after.library.primitives
     )
-    on = [("is on", skill) for one in record.activations for skill in one.skills]
+    tables = state.activations
+    activations = [one for _, one in (*tables.on, *tables.off)]
+    on = [("is on", skill) for one in activations for skill in one.skills]
     yield from _declared_otherwise(on, before.library.skills, after.library.skills)
     known = {item.kind for item in (*record.memory.items, *record.memory.empty)}
     old_classes, new_classes = before.library.indistinct, after.library.indistinct

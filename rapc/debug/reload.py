@@ -22,9 +22,10 @@ from rapc.errors import RefusedError
 from rapc.ir import nodes
 from rapc.library.library import Library, digest
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.saving.format import decode_run
-from rapc.runtime.saving.records import Parts, RunRecord, TaskRecord, WaitRecord
+from rapc.runtime.saving.codecs import Writer, fields_of
+from rapc.runtime.saving.format import RunRecord, TaskRecord, decode_run
 from rapc.runtime.state.states import BLOCKED, ENDED
+from rapc.runtime.state.wait_state import WaitState
 from rapc.world import Time
 
 _NO_DEFINITIONS = ("files", "forms", "tests")
@@ -78,25 +79,29 @@ def _moved(record: RunRecord, before: Program, after: Program) -> RunRecord:
     added: dict[str, list[nodes.Method]] = {}
     for name, node in record.added_methods:
         added.setdefault(name, []).append(node)
-    tasks = []
+    tasks: list[TaskRecord | tuple[str, int]] = []
+    again: list[int] = []
     for task in record.tasks:
-        old, new = before.library.raps[task.rap], after.library.raps.get(task.rap)
+        name = task[0] if isinstance(task, tuple) else task.plan
+        old, new = before.library.raps[name], after.library.raps.get(name)
         if new is None:
-            raise RefusedError([f"tasks of `{task.rap}` are under way: it must stay"])
+            raise RefusedError([f"tasks of `{name}` are under way: it must stay"])
         if new != old:
             _look_at_head(old, new)
-            task = _task(task, before, after, added, retired)  # noqa: PLW2901  # renewed
-        tasks.append(_waiting(task, new, record.counts.time))
-    monitors = record.monitors
-    again = [t.number for t in tasks if t.state == BLOCKED and t.wait is not None]
+        if isinstance(task, tuple):
+            tasks.append(task)
+            continue
+        moved = _task(task, before, after, added, retired) if new != old else task
+        moved = _waiting(moved, new, record.time)
+        if moved.state == BLOCKED and moved.wait is not None:
+            again.append(moved.number)
+        tasks.append(moved)
     return replace(
         record,
         library=digest(after.library),
         tasks=tuple(tasks),
         added_methods=(*record.added_methods, *retired),
-        monitors=replace(
-            monitors, to_test=tuple(dict.fromkeys((*monitors.to_test, *again)))
-        ),
+        to_test=tuple(dict.fromkeys((*record.to_test, *again))),
     )
 
 
@@ -110,10 +115,12 @@ def _waiting(task: TaskRecord, rap: nodes.DefineRap, now: Time) -> TaskRecord:
     if wait is None:
         if rap.monitor_state is None or task.state == ENDED:
             return task
-        wait = WaitRecord(made=now, first_selected=True)
+        made = WaitState()
+        made.made, made.first_selected = now, True
+        wait = fields_of(WaitState).write(Writer(), made)
     if rap.monitor_time is None:
         wait = replace(wait, ready_at=0, monitor_deadline=None)
-    return replace(task, wait=replace(wait, keys=None, formula=None))
+    return replace(task, wait=replace(wait, keys=False, formula=None))
 
 
 def _look_at_head(old: nodes.DefineRap, new: nodes.DefineRap) -> None:
@@ -133,8 +140,8 @@ def _task(
     retired: list[tuple[str, nodes.Method]],
 ) -> TaskRecord:
     """Return a task whose methods are those of the new text."""
-    olds = _methods(before, task.rap, added)
-    news = _methods(after, task.rap, added)
+    olds = _methods(before, task.plan, added)
+    news = _methods(after, task.plan, added)
     names = {name: at for at, (name, _) in enumerate(news)}
 
     def now(at: int | None) -> int | None:
@@ -142,12 +149,12 @@ def _task(
 
     run, method = task.run, now(task.method)
     if run is not None:
-        at = now(run.method)
-        node = olds[run.method][1]
+        at = now(run.plan)
+        node = olds[run.plan][1]
         if at is None or news[at][1] != node:
-            at = len(news) + sum(1 for name, _ in retired if name == task.rap)
-            retired.append((task.rap, replace(node, context=nodes.Truth(False))))
-        run, method = replace(run, method=at), at
+            at = len(news) + sum(1 for name, _ in retired if name == task.plan)
+            retired.append((task.plan, replace(node, context=nodes.Truth(False))))
+        run, method = replace(run, plan=at), at
     history = task.history
     if history is not None:
         counts = [(now(at), count) for at, count in history.failures]
@@ -155,13 +162,13 @@ def _task(
             history,
             choices=(),
             tries=(),
-            last_choice=None,
+            last_choice=replace(history.last_choice, parts=()),
             before=now(history.before),
             failures=tuple([(at, n) for at, n in counts if at is not None]),
         )
     choice = None
     if task.choice is not None and method is not None:
-        choice = Parts((method, *task.choice.parts[1:]))
+        choice = replace(task.choice, parts=(method, *task.choice.parts[1:]))
     return replace(task, run=run, method=method, history=history, choice=choice)
 
 

@@ -41,7 +41,7 @@ from rapc.runtime.loop import Loop
 from rapc.runtime.machine import ContextListener, Machine
 from rapc.runtime.memory.view import MemoryView
 from rapc.runtime.put_together import put_together
-from rapc.runtime.saving.on_demand import restore, save
+from rapc.runtime.saving.save import restore, save
 from rapc.runtime.settings import Settings
 from rapc.runtime.snapshot import AgendaEntry
 from rapc.runtime.task_request import TaskRequest, read_task_request

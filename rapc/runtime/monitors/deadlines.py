@@ -37,17 +37,17 @@ class Deadlines:
             self._set.add((deadline, task.number))
             heapq.heappush(self.heap, (deadline, task.number, task))
             if len(self.heap) > self._crowded:
-                self.load(self.entries())
+                self.load([task for _, _, task in self.heap if task.live])
         return deadline
 
-    def entries(self) -> list[tuple[float, Task]]:
-        """Return the deadlines that live tasks still state, soonest first."""
-        ordered = sorted(self.heap, key=lambda entry: entry[:2])
-        return [(d, task) for d, _, task in ordered if task.live and stated(task) == d]
-
-    def load(self, entries: Iterable[tuple[float, Task]]) -> None:
-        """Take these deadlines, and no others."""
-        self.heap = [(deadline, task.number, task) for deadline, task in entries]
+    def load(self, tasks: Iterable[Task]) -> None:
+        """Take the deadlines that `tasks` state, and no others."""
+        waits = {task: task.wait for task in tasks if task.wait is not None}
+        self.heap = [
+            (wait.deadline, task.number, task)
+            for task, wait in waits.items()
+            if wait.deadline < math.inf and wait.deadline != wait.missed
+        ]
         self._set = {entry[:2] for entry in self.heap}
         heapq.heapify(self.heap)
         self._crowded = max(CROWD, 2 * len(self.heap))

@@ -8,7 +8,7 @@ choice, nothing else is [T 4.7; L 5].
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Final
 
 from rapc.base.values import format_atom, number
@@ -71,29 +71,29 @@ class Monitors:
         self.next_look: float | None = None
         #: The tasks whose monitors ask how old a belief is, by number.
         self.aging: dict[int, Task] = {}
-        #: When changed monitors were last tested.
+        #: When changed monitors were last tested while beliefs aged.
         self.tested_at: Time = -1
 
     def load(
         self,
         live: Iterable[Task],
-        to_test: Iterable[Task],
-        aging: Iterable[Task],
-        deadlines: Iterable[tuple[float, Task]],
+        to_test: Mapping[int, Task],
+        missed: dict[int, list[float]],
+        tested_at: Time,
     ) -> None:
         """Wait for what the `live` tasks say they wait for, and for nothing else."""
         self.listeners.clear()
-        tasks = list(live)
+        self.aging = {}
+        tasks = [task for task in live if task.wait is not None]
         for task in tasks:
-            keys = () if task.wait is None else task.wait.keys or ()
-            for key in keys:
-                self.listeners.add(key, task)
+            if task.wait is not None and task.wait.keys is not None:
+                self._listen(task, task.wait)
         self._timers.load(tasks)
-        self.deadlines.load(deadlines)
-        self.deadlines.missed = {}
+        self.deadlines.load(tasks)
+        self.deadlines.missed = missed
         self.to_test.clear()
-        self.to_test.update((task.number, task) for task in to_test)
-        self.aging = {task.number: task for task in aging}
+        self.to_test.update(to_test)
+        self.tested_at = tested_at
         self.next_look = _NOW
 
     # --- listening -------------------------------------------------------------
@@ -198,7 +198,8 @@ class Monitors:
     def test_changed(self) -> None:
         """Test all that may have changed, by task number; tell missed deadlines."""
         missed = self.next_look is not None and self._look_at_times()
-        self.tested_at = self._recorder.time
+        if self.aging:
+            self.tested_at = self._recorder.time
         if missed or self._ways:
             self._test_with_others()
         elif len(self.to_test) == 1:

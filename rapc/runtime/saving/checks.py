@@ -1,108 +1,69 @@
-"""Validate a rebuilt run before it replaces another: what can be derived must agree.
+"""Validate a restored run before it replaces another: its parts must agree.
 
-`Rebuilt` checks the shape of each record. This module compares the records with each
-other, with the plans of the library and with its declarations: a restored run continues
-like a run that was never saved. Memory is validated in
+Codecs validate the form of each field and what it points at. This module compares
+fields with each other, with the plans of the library and with its declarations: a
+restored run continues like a run that was never saved. Memory is validated in
 `rapc.runtime.memory.validation`.
 """
 
 from __future__ import annotations
 
 from collections import Counter as Tally
-from collections.abc import Container, Mapping, Sequence
-from typing import NamedTuple
+from itertools import chain
 
 from rapc.base.resources import Counter, SetResource
 from rapc.errors import RefusedError
 from rapc.library.signatures import Use
 from rapc.runtime.admission import refuse_tasks
-from rapc.runtime.machine import Machine
 from rapc.runtime.memory.validation import (
     WrongRecordError,
     need,
     once,
     validate_memory,
 )
-from rapc.runtime.saving.records import AskRecord, MethodRecord, RunRecord, TaskRecord
+from rapc.runtime.saving.runs import RestoredRun
 from rapc.runtime.state.states import BLOCKED, ELIGIBLE, ENDED, RUNNING, WAITING
 from rapc.runtime.state.task import Env, MethodRun, Task
-from rapc.runtime.state.things import CONFLICT
+from rapc.runtime.state.things import CONFLICT, Ask, ThingWait
 
 
-class Remade(NamedTuple):
-    """A run made of records, with these."""
-
-    machine: Machine
-    record: RunRecord
-    #: All tasks in the order of their records.
-    tasks: Sequence[Task]
-    #: The methods under way, each with its record.
-    runs: Sequence[tuple[MethodRun, MethodRecord]]
-    #: The live tasks by number.
-    live: Mapping[int, Task]
-    #: The records of all tasks by number.
-    records: Mapping[int, TaskRecord]
-    #: The tickets of requests under way, each with the number of its task.
-    asked: Container[tuple[int | None, int | None]]
-
-
-def check(made: Remade) -> None:
-    """Validate a rebuilt run.
+def check(restored: RestoredRun) -> None:
+    """Validate a restored run.
 
     Raises:
-        WrongRecordError: for records that no run has left.
+        WrongRecordError: for fields that no run has left so.
     """
-    _check_counts(made)
-    _check_top_level(made)
-    for task, record in zip(made.tasks, made.record.tasks, strict=True):
-        if task.within is None or task.live:
-            _check_task(task)
-            _check_history(task)
-            _check_things(made, task, record)
-    for run, saved in made.runs:
-        _check_method(made, run, saved)
-    _check_pending(made)
-    _check_activations(made)
-    _check_listening(made)
-    _check_agenda(made)
-    _check_monitors(made)
-    _check_scheduled(made)
-    _check_memory(made)
+    try:
+        _check_counts(restored)
+        for task in restored.tasks:
+            if task.within is None or task.live:
+                _check_task(task)
+                _check_history(task)
+        for run in restored.runs.values():
+            _check_method(restored, run)
+        _check_requests(restored)
+        _check_activations(restored)
+        _check_things(restored)
+        _check_waiting(restored)
+        _check_scheduled(restored)
+        noted = Tally(chain(*restored.noted.values()))
+        validate_memory(restored.machine.parts, restored.record.memory, noted)
+    except (LookupError, TypeError, ValueError, RefusedError) as error:
+        raise WrongRecordError(str(error)) from error
 
 
-# --- counts -------------------------------------------------------------------------
-
-
-_COUNTS = (
-    *("cycle", "serial", "numbers", "tickets"),
-    *("requests", "succeeded", "idle", "waits"),
-)
-
-
-def _check_counts(made: Remade) -> None:
-    counts, live = made.record.counts, made.live
-    for name in _COUNTS:
-        need(getattr(counts, name) >= 0, f"`{name}` is negative")
-    need(counts.over == (counts.reason is not None), "an end without a reason")
-    need(not (counts.over and live), "a run that is over has live tasks")
-    numbers = [task.number for task in made.tasks]
+def _check_counts(restored: RestoredRun) -> None:
+    state, on = restored.state, restored.state.activations.on
+    need(not (state.over and restored.live), "a run that is over has live tasks")
+    numbers = [task.number for task in restored.tasks]
     need(once(numbers), "two tasks have one number")
-    need(all(1 <= n <= counts.numbers for n in numbers), "an unknown number of a task")
-    tickets = [entry[0] for entry in made.record.pending]
-    tickets += [one.ticket for one in made.record.activations if one.on]
+    need(all(1 <= n <= state.numbers for n in numbers), "an unknown number of a task")
+    tickets = [*state.pending, *on]
     need(once(tickets), "two requests have one ticket")
-    need(all(1 <= n <= counts.tickets for n in tickets), "an unknown ticket")
-
-
-def _check_top_level(made: Remade) -> None:
-    """Tasks of the host come first, each once; all others are steps."""
-    given = made.record.top_level
-    need([top.task for top in given] == list(range(len(given))), "a task is missing")
-    for at, task in enumerate(made.tasks):
-        need((task.within is None) == (at < len(given)), f"task {at} is no step")
-    for top in given:
-        if made.tasks[top.task].live:
-            need(top.outcome is None and top.ended is None, "an end of a live task")
+    need(all(1 <= n <= state.tickets for n in tickets), "an unknown ticket")
+    for given in state.live_top.values():
+        ended = given.outcome is not None or given.ended is not None
+        need(not ended, "an end of a live task")
 
 
 # --- tasks --------------------------------------------------------------------------
@@ -116,13 +77,11 @@ def _check_task(task: Task) -> None:
         need(task.bound, f"task {number} has no inputs")
     need(task.choice is None or _is_choice(task.choice), "a choice without a method")
     _check_variables(task)
-    if above is None or task.step is None or task.within is None:
-        need(task.family == number and task.waiting == 0, f"task {number} is a step")
-        return
-    need(number > above.number, f"task {number} is older than its parent")
-    need(task.family == above.family, f"task {number} is of another family")
-    need(task.priority == above.priority + task.step.priority, "another priority")
-    need(not task.waiting or task.state is WAITING, f"task {number} does not wait")
+    if above is not None and task.step is not None:
+        need(number > above.number, f"task {number} is older than its parent")
+        need(task.priority == above.priority + task.step.priority, "another priority")
+        waits = not task.waiting or task.state is WAITING
+        need(waits, f"task {number} waits for other steps")
 
 
 def _check_variables(task: Task) -> None:
@@ -167,197 +126,148 @@ def _check_history(task: Task) -> None:
     kept: Tally[object] = Tally()
     for key, count in history.choices.items():
         kept[key[0]] += count
-    fewer = all(kept[at] <= history.tries.get(at, 0) for at in kept)
-    need(fewer, "choices and tries differ")
+    tries: Tally[object] = Tally(history.tries)
+    need(all(kept[at] <= tries[at] for at in kept), "choices and tries differ")
     if task.run is not None and history.tries:
         last = history.last_choice
         need(last in history.choices, f"task {task.number} has no last choice")
         need(last[:1] == task.run.plan.key, f"task {task.number} chose another method")
 
 
-# --- methods ------------------------------------------------------------------------
+# --- methods and the world ----------------------------------------------------------
 
 
-def _check_method(made: Remade, run: MethodRun, saved: MethodRecord) -> None:
+def _check_method(restored: RestoredRun, run: MethodRun) -> None:
     task, plan, steps = run.task, run.plan, run.steps
     number = task.number
     need(task.method is plan, f"task {number} has tried another method")
     need(_holds(run.env, task.env), f"the method of task {number} has other variables")
-    ended = [step.state is ENDED for step in steps]
-    left = len(steps) - sum(ended)
-    need(run.steps_left == left, f"task {number} has {left} steps left")
-    need(left or not steps, f"the method of task {number} has ended")
-    before: Tally[int] = Tally()
-    for step in plan.steps:
-        before.update(step.after if steps[step.position].live else ())
-    for at, behind in enumerate(steps):
-        waits = not behind.live or behind.waiting == before[at]
-        need(waits, f"task {behind.number} waits for other steps")
-    need((saved.ends is None) == (run.ends is None), "times of steps")
+    need(run.steps_left or not steps, f"the method of task {number} has ended")
     if run.ends is not None:
+        ended = [step.state is ENDED for step in steps]
         need([t is not None for t in run.ends.times] == ended, "times of steps")
         need(all(0 <= at < len(steps) for at in run.ends.ended_by_until), "a step")
     if plan.request is not None:
-        asked = (run.ticket, number) in made.asked
-        need(asked, f"task {number} waits for no request")
-    skills = () if plan.activation is None else plan.activation.skills
+        asker = restored.state.pending[run.ticket or 0][0]
+        need(asker is task, f"task {number} waits for no request")
+    activation = plan.activation
+    skills = () if activation is None else activation.skills
     need(len(run.skills) == len(skills), f"task {number} has other skills")
     for skill, expected in zip(run.skills, skills, strict=True):
         need(skill[:1] == (expected.name,), f"task {number} has other skills")
-        _check_use(made, "skill", skill)
-    held = [one.thing for one in saved.held]
-    need(once(held), f"task {number} holds a thing twice")
+        _check_use(restored, "skill", skill)
+    if activation is not None:
+        on = restored.state.activations.on.get(run.ticket or 0)
+        off = restored.things.waits.get(number)
+        left = len(skills) - (0 if off is None else len(off.skills))
+        there = 0 if on is None else len(on.skills)
+        need(there == left, f"task {number} has other skills on")
+        need(on or run.ticket is None, f"task {number} has no skills on")
 
 
-def _check_use(made: Remade, use: Use, content: tuple[object, ...]) -> None:
+def _check_use(restored: RestoredRun, use: Use, content: tuple[object, ...]) -> None:
     """The declaration of what a request or skill is allows the arguments."""
     need(content and isinstance(content[0], str), f"a {use} without a name")
-    signatures = made.machine.library.signatures
+    signatures = restored.machine.library.signatures
     fault = signatures.fault(use, str(content[0]), len(content) - 1)
     need(fault is None, str(fault))
 
 
-# --- the world ----------------------------------------------------------------------
-
-
-def _check_pending(made: Remade) -> None:
-    for ticket, number, asked in made.record.pending:
-        _check_use(made, "primitive", asked)
-        if number is not None:
-            run = made.live[number].run
-            need(run is not None and run.ticket == ticket, f"request {ticket} is over")
-            assert run is not None
+def _check_requests(restored: RestoredRun) -> None:
+    for ticket, (task, asked) in restored.state.pending.items():
+        _check_use(restored, "primitive", asked)
+        if task is not None:
+            run = restored.runs[task.number]
+            need(run.ticket == ticket, f"request {ticket} is over")
             request = run.plan.request
             need(request and request.name == asked[0], f"request {ticket} is another")
 
 
-def _check_activations(made: Remade) -> None:
-    on = {}
-    for record in made.record.activations:
-        for skill in record.skills:
-            _check_use(made, "skill", skill)
-        if record.on and record.task is not None:
-            run = made.live[record.task].run
-            assert run is not None  # `Rebuilt` has looked
-            ours = record.task == record.owner and run.ticket == record.ticket
-            need(ours, f"activation {record.ticket} is over")
-            on[record.task] = len(record.skills)
-    for run, _ in made.runs:
-        plan, number = run.plan.activation, run.task.number
-        if plan is None:
-            continue
-        off = made.records[number].things
-        skills = len(plan.skills) - (0 if off is None else len(off.skills))
-        need(on.get(number, 0) == skills, f"task {number} has other skills on")
-        need(number in on or run.ticket is None, f"task {number} has no skills on")
-
-
-def _check_listening(made: Remade) -> None:
-    """A step listens to its signals once all that it follows has ended."""
-    expected: dict[str, set[int]] = {}
-    for task in made.live.values():
-        if task.step is not None and task.wait is not None and not task.waiting:
-            for wait in task.step.waits:
-                expected.setdefault(wait.signal, set()).add(task.number)
-    found = {signal: set(numbers) for signal, numbers in made.record.listening}
-    need(found == expected, "other steps wait for signals")
-    for task in made.live.values():
-        if task.wait is not None and task.wait.awaits_signal:
-            waits = () if task.step is None else task.step.waits
-            proceeds = any(wait.mode == "proceed" for wait in waits)
-            need(proceeds and not task.waiting, f"task {task.number} awaits nothing")
+def _check_activations(restored: RestoredRun) -> None:
+    tables = restored.state.activations
+    for ticket, one in chain(tables.on.items(), tables.off.items()):
+        need(one.ticket == ticket, f"activation {ticket} is another")
+        for skill in one.skills:
+            _check_use(restored, "skill", skill)
+    for ticket, one in tables.on.items():
+        run = one.run
+        ours = run and run.task.number == one.owner and run.ticket == ticket
+        need(ours and run and run.plan.activation, f"activation {ticket} is over")
 
 
 # --- things -------------------------------------------------------------------------
 
 
-def _check_things(made: Remade, task: Task, record: TaskRecord) -> None:
-    wait, number = record.things, task.number
-    if wait is None:
+def _check_things(restored: RestoredRun) -> None:
+    things = restored.things
+    for number, holds in things.held.items():
+        need(number in restored.runs, f"task {number} holds nothing")
+        need(once(h.ask.thing for h in holds), f"task {number} holds a thing twice")
+    for number, wait in things.waits.items():
+        need(wait.task.number == number, f"task {number} waits for nothing")
+        _check_thing_wait(wait)
+    for number in things.changed:
+        need(number in things.waits, f"task {number} waits for no thing")
+    for number, task in restored.live.items():
         monitored = task.plan.monitored and task.wait is not None
-        need(task.state is not BLOCKED or monitored, f"task {number} waits for nothing")
-    else:
-        need(wait.alternatives, f"task {number} waits for nothing")
-        if wait.skills:
-            _check_skills_off(task, wait.skills)
-        else:
-            state = ELIGIBLE if wait.woken else BLOCKED
-            need(task.state is state, f"task {number} is not blocked")
-    asks = [] if wait is None else [ask for asks in wait.alternatives for ask in asks]
-    asks += () if record.run is None else record.run.held
+        waits = monitored or number in things.waits
+        need(task.state is not BLOCKED or waits, f"task {number} waits for nothing")
+    asks = [hold.ask for holds in things.held.values() for hold in holds]
+    asks += chain(*(way for wait in things.waits.values() for way in wait.alternatives))
     for ask in asks:
-        _check_ask(made, ask)
+        _check_ask(ask, things.conflicts)
 
 
-def _check_skills_off(task: Task, skills: tuple[int, ...]) -> None:
+def _check_thing_wait(wait: ThingWait) -> None:
+    task, number = wait.task, wait.task.number
+    need(wait.alternatives, f"task {number} waits for nothing")
+    if not wait.skills:
+        state = ELIGIBLE if wait.woken else BLOCKED
+        need(task.state is state, f"task {number} is not blocked")
+        return
     plan = None if task.run is None else task.run.plan.activation
     most = len(plan.skills) if plan is not None and plan.background else 0
-    known = once(skills) and all(0 <= at < most for at in skills)
-    need(known, f"task {task.number} has no such skills")
+    known = once(wait.skills) and all(0 <= at < most for at in wait.skills)
+    need(known, f"task {number} has no such skills")
 
 
-def _check_ask(made: Remade, ask: AskRecord) -> None:
+def _check_ask(ask: Ask, conflicts: int) -> None:
     need(ask.thing and isinstance(ask.thing[0], str), "a thing without a name")
     if ask.thing[0] == CONFLICT:
         count = ask.thing[1] if len(ask.thing) == 2 else 0
-        known = type(count) is int and 1 <= count <= made.record.monitors.conflicts
+        known = type(count) is int and 1 <= count <= conflicts
         need(known, "an unknown conflict")
 
 
-# --- agenda and monitors ------------------------------------------------------------
+# --- what waits ---------------------------------------------------------------------
 
 
-def _check_agenda(made: Remade) -> None:
-    """All eligible tasks are on the agenda, and no others."""
-    agenda = made.record.agenda
-    numbers = [number for number, _, _ in agenda.sorted]
-    need(agenda.sole is None or not numbers, "a task that is not alone")
-    numbers += [] if agenda.sole is None else [agenda.sole]
-    eligible = [n for n, task in made.live.items() if task.state is ELIGIBLE]
+def _check_waiting(restored: RestoredRun) -> None:
+    """All eligible tasks are on the agenda; what monitors test has monitors."""
+    live = restored.live
+    sole, others = restored.agenda.entries()
+    need(sole is None or not others, "a task that is not alone")
+    numbers = [*(number for number, _, _ in others), *([] if sole is None else [sole])]
+    eligible = [n for n, task in live.items() if task.state is ELIGIBLE]
     need(sorted(numbers) == sorted(eligible), "other tasks are eligible")
-
-
-def _check_monitors(made: Remade) -> None:
-    monitors, live = made.record.monitors, made.live
-    numbers = [*monitors.to_test, *monitors.aging]
-    numbers += [number for _, number in monitors.deadlines]
-    numbers += [number for number, _ in monitors.missed]
-    need(all(live[n].wait is not None for n in numbers), "a task without monitors")
-    for n in monitors.ways:
-        need(made.records[n].things, f"task {n} waits for no thing")
+    for number in (*restored.to_test, *restored.missed):
+        need(live[number].wait is not None, f"task {number} has no monitors")
     for number, task in live.items():
         wait = task.wait
-        if wait is None or wait.keys is None:
-            continue
-        need(task.plan.monitored, f"task {number} has no monitor")
-        watches = task.plan.watches
-        keys = [watch.resolve(task.env) for watch in watches]
-        expected = dict.fromkeys(key for key in keys if key is not None)
-        need(wait.keys == tuple(expected), f"task {number} listens to something else")
-        ages = any(w.age is not None and w.age not in task.env for w in watches)
-        need(ages == (number in monitors.aging), f"the beliefs of task {number}")
+        if wait is not None and wait.keys is not None:
+            need(task.plan.monitored, f"task {number} has no monitor")
+        if wait is not None and wait.awaits_signal:
+            waits = () if task.step is None else task.step.waits
+            proceeds = any(wait.mode == "proceed" for wait in waits)
+            need(proceeds and not task.waiting, f"task {number} awaits nothing")
 
 
-def _check_scheduled(made: Remade) -> None:
-    scheduled, counts = made.record.scheduled, made.record.counts
+def _check_scheduled(restored: RestoredRun) -> None:
+    scheduled, requests = restored.state.scheduled, restored.state.requests
     orders = [order for _, order, _ in scheduled]
     need(once(orders), "two tasks for later are one")
-    need(all(0 < n <= counts.requests for n in orders), "a task for later")
+    need(all(0 < n <= requests for n in orders), "a task for later")
     need(all(time == request.at for time, _, request in scheduled), "a time")
     goals = [request.goal for _, _, request in scheduled]
     need(all(goals), "a task without a goal")
-    try:
-        refuse_tasks(made.machine.library, goals)
-    except RefusedError as error:
-        raise WrongRecordError(str(error)) from error
-
-
-# --- memory -------------------------------------------------------------------------
-
-
-def _check_memory(made: Remade) -> None:
-    noted = Tally(fact for _, saved in made.runs for fact in saved.notations)
-    try:
-        validate_memory(made.machine.parts, made.record.memory, noted)
-    except ValueError as error:
-        raise WrongRecordError(str(error)) from error
+    refuse_tasks(restored.machine.library, goals)

@@ -9,18 +9,78 @@ from __future__ import annotations
 import hashlib
 import re
 from functools import cache
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import msgspec
 
+from rapc.base.chance import Stream
+from rapc.base.values import Atom, Fact, Number
 from rapc.errors import StateError
-from rapc.runtime.saving.records import RunRecord
+from rapc.ir.nodes import Method
+from rapc.runtime.fields import Natural
+from rapc.runtime.memory.saving import MemoryState
+from rapc.runtime.saving.codecs import Saved, fields_of
+from rapc.runtime.settings import Settings
+from rapc.runtime.state import agenda, run_state, task, things
+from rapc.world import Time
 
-FORMAT = 4
-"""The version of the format; a change of the records or of the IR is one of it."""
+FORMAT = 5
+"""The version of the format; a change of the fields of states or of the IR is one."""
 
 _HEAD = re.compile(rb"rapc-run (\d{1,9}) ([0-9a-f]{64})\n")
 
 _encode = msgspec.json.Encoder().encode
+
+if TYPE_CHECKING:
+    TaskRecord: TypeAlias = Any
+    StateRecord: TypeAlias = Any
+    AgendaRecord: TypeAlias = Any
+    ThingsRecord: TypeAlias = Any
+else:
+    TaskRecord = fields_of(task.Task).saved
+    StateRecord = fields_of(run_state.RunState).saved
+    AgendaRecord = fields_of(agenda.Agenda).saved
+    ThingsRecord = fields_of(things.Things).saved
+
+
+class RunRecord(msgspec.Struct, frozen=True):
+    """A whole run."""
+
+    #: The digest of the library's sources.
+    library: str
+    #: What the world is called.
+    world_name: str
+    #: The options that the world was made with, if that is known.
+    options: dict[str, str | int | float | bool]
+    settings: Settings
+    seed: int
+    #: The state of the interpreter's random stream.
+    random: Stream
+    #: How far the recorder has come.
+    time: Time
+    cycle: Natural
+    serial: Natural
+    #: The methods that solvers have added, in order, each with its RAP.
+    added_methods: tuple[tuple[str, Method], ...]
+    #: What `Writer` has gathered.
+    resources: tuple[Number | tuple[Atom, ...], ...]
+    environments: tuple[dict[str, Saved], ...]
+    #: The tasks of the host, then the steps of the methods of these, and so on; of a
+    #: step that has ended the RAP and the number.
+    tasks: tuple[TaskRecord | tuple[str, int], ...]
+    state: StateRecord
+    agenda: AgendaRecord
+    things: ThingsRecord
+    #: The tasks whose monitors are to be tested, by number.
+    to_test: tuple[int, ...]
+    #: The deadlines that were missed and not yet told of, by the number of the task.
+    missed: tuple[tuple[int, tuple[Time, ...]], ...]
+    tested_at: Time
+    #: The facts that the methods of tasks note, by the number of the task.
+    notations: tuple[tuple[int, tuple[Fact, ...]], ...]
+    memory: MemoryState
+    #: What the world says of itself.
+    world: bytes
 
 
 @cache

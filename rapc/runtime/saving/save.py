@@ -1,7 +1,7 @@
 """Saving a run, and taking a saved one up in place: all of it, or nothing.
 
-What a run holds is said by `capture`, how it is put back by `rebuild`, what the bytes
-look like by `format`. Not saved is what a host has registered: listeners stay as they
+How values are saved stands in `codecs`, what a whole run is in `runs`, what the bytes
+look like in `format`. Not saved is what a host has registered: listeners stay as they
 are, whatever is taken up; timers of the host cannot be kept, so that with any of them
 a run is neither saved nor replaced.
 """
@@ -19,10 +19,9 @@ from rapc.runtime.machine import Machine
 from rapc.runtime.memory import saving as memory_saving
 from rapc.runtime.memory.saving import MemoryState
 from rapc.runtime.memory.validation import WrongRecordError
-from rapc.runtime.saving.capture import capture, options_of
-from rapc.runtime.saving.format import decode_run, encode_run, not_a_run
-from rapc.runtime.saving.rebuild import Rebuilt
-from rapc.runtime.saving.records import RunRecord
+from rapc.runtime.saving.checks import check
+from rapc.runtime.saving.format import RunRecord, decode_run, encode_run, not_a_run
+from rapc.runtime.saving.runs import RestoredRun, capture, options_of
 from rapc.runtime.state.task import MethodRun
 from rapc.world import Savable, World
 
@@ -43,9 +42,7 @@ def save(machine: Machine, seed: int) -> bytes:
     if machine.broken:
         raise StateError("the run broke off in the middle of a cycle")
     _look_for_callbacks(machine, "saved")
-    world = _savable(machine.world).save()
-    library = digest(machine.library.library)
-    return encode_run(capture(machine, seed, library, world))
+    return encode_run(capture(machine, seed, _savable(machine.world).save()))
 
 
 def restore(machine: Machine, saved: bytes) -> int:
@@ -64,7 +61,8 @@ def restore(machine: Machine, saved: bytes) -> int:
     record = decode_run(saved)
     _look_whose(machine, record)
     try:
-        rebuilt = Rebuilt(machine, record)
+        restored = RestoredRun(machine, record)
+        check(restored)
     except WrongRecordError as error:
         raise not_a_run(error) from error
     before, noted = memory_saving.capture_memory(machine.parts), _noted(machine)
@@ -72,7 +70,7 @@ def restore(machine: Machine, saved: bytes) -> int:
     try:
         memory_saving.restore_memory(machine.parts, record.memory)
         world.restore(record.world)
-        early = machine.world.now() < record.counts.time
+        early = machine.world.now() < record.time
     except BaseException as error:
         _put_back(machine, before, noted)
         if isinstance(error, OF_THE_BYTES):
@@ -82,7 +80,7 @@ def restore(machine: Machine, saved: bytes) -> int:
         _put_back(machine, before, noted)
         world.restore(world_before)
         raise not_a_run(ValueError("its world is at an earlier time"))
-    rebuilt.install()
+    restored.install()
     machine.broken = False
     return record.seed
 

@@ -7,16 +7,25 @@ under it may still come.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
 from rapc.base.values import Fact
 from rapc.compiler.net_plan import WaitPlan
+from rapc.runtime.fields import LEFT_OUT, Fields, Natural
 from rapc.runtime.state.task import MethodRun, Task
 
 
 class Activation:
     """What a method has switched on."""
 
-    __slots__ = ("owner", "run", "skills", "task", "ticket")
+    FIELDS: ClassVar[Fields] = {
+        "ticket": Natural,
+        "skills": tuple[Fact, ...],
+        "owner": Natural,
+        "task": Task | None,
+        "run": LEFT_OUT,
+    }
+    __slots__ = tuple(FIELDS)
 
     def __init__(
         self,
@@ -61,7 +70,11 @@ class Activation:
 class Activations:
     """All activations of a run that are on, and those that may still be heard of."""
 
-    __slots__ = ("off", "on")
+    FIELDS: ClassVar[Fields] = {
+        "on": dict[int, Activation],
+        "off": dict[int, Activation],
+    }
+    __slots__ = tuple(FIELDS)
 
     def __init__(self) -> None:
         #: Those that are on, by ticket: the oldest first.

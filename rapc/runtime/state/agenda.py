@@ -10,9 +10,10 @@ from __future__ import annotations
 import math
 import random
 from bisect import bisect_left, insort
-from collections.abc import Iterable
+from typing import ClassVar
 
 from rapc.base.chance import below
+from rapc.runtime.fields import LEFT_OUT, Fields, Limit
 from rapc.runtime.state.task import Task
 
 _Entry = tuple[float, float, bool, int]
@@ -26,6 +27,16 @@ class Agenda:
         rng: the interpreter's random stream; drawn from once whenever more than one
             candidate is left.
     """
+
+    FIELDS: ClassVar[Fields] = {
+        "stack": list[tuple[int, int]],
+        "last_family": int | None,
+        "_only": Task | None,
+        "_tasks": dict[int, tuple[Task, tuple[int, Limit, bool, int]]],
+        "_order": LEFT_OUT,
+        "_families": LEFT_OUT,
+        "_rng": LEFT_OUT,
+    }
 
     def __init__(self, rng: random.Random) -> None:
         self.stack: list[tuple[int, int]] = []
@@ -75,15 +86,14 @@ class Agenda:
         Each of these has its number, its latest start, and whether it had failed.
         """
         sole = None if self._only is None else self._only.number
-        return sole, [(n, entry[1], entry[2]) for n, (_, entry) in self._tasks.items()]
+        return sole, [(t.number, key[1], key[2]) for t, key in self._tasks.values()]
 
-    def load(
-        self, sole: Task | None, others: Iterable[tuple[Task, float, bool]]
-    ) -> None:
-        """Hold these tasks and no others, as `entries` told of them."""
-        self._only = sole
+    def take_up(self, other: Agenda) -> None:
+        """Hold what the saved fields of another agenda say, and nothing else."""
+        self.stack, self.last_family = other.stack, other.last_family
+        self._only = other._only
         self._tasks, self._order, self._families = {}, [], {}
-        for task, latest, failed in others:
+        for task, (_, latest, failed, _) in other._tasks.values():
             self._place(task, latest, failed)
 
     def discard(self, task: Task) -> None:

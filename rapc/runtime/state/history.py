@@ -5,25 +5,30 @@ State only: `Task` keeps it, from the second method or the first failure on.
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from rapc.base.resources import Value
+from rapc.base.values import Atom
 from rapc.compiler.rap_plan import MethodPlan
 from rapc.events import Cause
+from rapc.runtime.fields import Fields
 
 
 class History:
     """What the methods of a task have come to."""
 
-    __slots__ = (
-        "because",
-        "before",
-        "choices",
-        "failure",
-        "failures",
-        "last_choice",
-        "results",
-        "success",
-        "tries",
-    )
+    FIELDS: ClassVar[Fields] = {
+        "choices": dict[tuple[object, ...], int],
+        "tries": dict[int, int],
+        "last_choice": tuple[object, ...],
+        "before": MethodPlan | None,
+        "results": dict[Atom | None, str | None],
+        "failures": dict[int, int],
+        "failure": str | None,
+        "because": Cause | None,
+        "success": dict[str, Value] | None,
+    }
+    __slots__ = tuple(FIELDS)
 
     def __init__(self) -> None:
         #: What the futile-loop detector has seen, from the second choice on: the last

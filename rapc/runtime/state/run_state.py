@@ -8,8 +8,12 @@ which no save can hold (`rapc.runtime.machine`).
 
 from __future__ import annotations
 
+import heapq
+from typing import ClassVar
+
 from rapc.base.values import Fact
 from rapc.compiler.rap_plan import MethodPlan, RapPlan
+from rapc.runtime.fields import LEFT_OUT, Fields, Natural
 from rapc.runtime.state.activations import Activations
 from rapc.runtime.state.task import Task
 from rapc.runtime.state.top_level import TopLevelTask
@@ -20,29 +24,30 @@ from rapc.world import Time
 class RunState:
     """How far a run has come. Made for a run that has not begun."""
 
-    __slots__ = (
-        "activations",
-        "active_identities",
-        "added_methods",
-        "expected",
-        "foreground",
-        "idle",
-        "listening",
-        "live_top",
-        "numbers",
-        "over",
-        "past_until",
-        "pending",
-        "reason",
-        "requests",
-        "scheduled",
-        "started",
-        "succeeded",
-        "tickets",
-        "top_level",
-        "until",
-        "waits",
-    )
+    FIELDS: ClassVar[Fields] = {
+        "top_level": list[TopLevelTask],
+        "live_top": LEFT_OUT,
+        "foreground": LEFT_OUT,
+        "scheduled": list[tuple[Time, int, TaskRequest]],
+        "expected": LEFT_OUT,
+        "requests": Natural,
+        "pending": dict[int, tuple[Task | None, Fact]],
+        "activations": Activations,
+        "listening": LEFT_OUT,
+        "active_identities": LEFT_OUT,
+        "added_methods": LEFT_OUT,
+        "numbers": Natural,
+        "tickets": Natural,
+        "succeeded": Natural,
+        "idle": Natural,
+        "waits": Natural,
+        "until": Time | None,
+        "past_until": bool,
+        "started": bool,
+        "over": LEFT_OUT,
+        "reason": str | None,
+    }
+    __slots__ = tuple(FIELDS)
 
     def __init__(self) -> None:
         #: The top-level tasks so far, in the order in which they came.
@@ -86,6 +91,22 @@ class RunState:
         self.started = False
         self.over = False
         self.reason: str | None = None
+
+    def settle(self) -> None:
+        """Work out the fields that follow from others, which have been set."""
+        self.live_top = {g.task.number: g for g in self.top_level if g.task.live}
+        self.foreground = sum(not g.background for g in self.live_top.values())
+        heapq.heapify(self.scheduled)
+        self.expected = sum(not entry[2].background for entry in self.scheduled)
+        self.over = self.reason is not None
+        for task in self.live_tasks():
+            if task.step is not None and task.wait is not None and not task.waiting:
+                for wait in task.step.waits:
+                    self.listening.setdefault(wait.signal, {})[task.number] = task
+        for one in self.activations.on.values():
+            one.run = None if one.task is None else one.task.run
+        for one in self.activations.off.values():
+            one.run = None
 
     def live_tasks(self) -> list[Task]:
         """Return all tasks of the run that have not ended, by number."""

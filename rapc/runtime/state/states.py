@@ -27,7 +27,7 @@ in `monitors.monitors`; `select` in `state.agenda` (`choose`) and `tasks.cycle`;
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Final, Literal
 
 WAITING: Final = "waiting"
 UNTESTED: Final = "untested"
@@ -36,6 +36,9 @@ BLOCKED: Final = "blocked"
 RUNNING: Final = "running"
 ENDED: Final = "ended"
 """Where a task stands between its cycles."""
+
+State = Literal["waiting", "untested", "eligible", "blocked", "running", "ended"]
+"""The type of these."""
 
 INTERFERENCE: Final = "interference"
 """Why a task or method failed: a condition, an input or a request could not hold."""

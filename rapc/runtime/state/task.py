@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from functools import cache
-from typing import Any
+from typing import Any, ClassVar
 
 from rapc.base.resources import Counter, SetResource, Value
 from rapc.base.values import Fact
@@ -19,9 +19,10 @@ from rapc.compiler.net_plan import StepPlan
 from rapc.compiler.rap_plan import MethodPlan, RapPlan
 from rapc.events import Goal
 from rapc.ir import nodes
+from rapc.runtime.fields import LEFT_OUT, Fields, Limit, Natural
 from rapc.runtime.memory.notations import Notation
 from rapc.runtime.state.history import History
-from rapc.runtime.state.states import ENDED, WAITING
+from rapc.runtime.state.states import ENDED, WAITING, State
 from rapc.runtime.state.wait_state import WaitState
 from rapc.world import OKAY, Time
 
@@ -48,31 +49,104 @@ def _bare_goal(name: str) -> Goal:
 _RESOURCES = (Counter, SetResource)
 
 
+class Ends:
+    """How steps of a method have ended, where something depends on it."""
+
+    FIELDS: ClassVar[Fields] = {
+        "times": list[Time | None],
+        "ended_by_until": set[int],
+    }
+    __slots__ = tuple(FIELDS)
+
+    def __init__(self, steps: int) -> None:
+        #: When each step ended; None while it has not.
+        self.times: list[Time | None] = [None] * steps
+        #: The positions of the steps that an `until` has ended.
+        self.ended_by_until: set[int] = set()
+
+
+class MethodRun:
+    """A method while it is carried out."""
+
+    FIELDS: ClassVar[Fields] = {
+        "task": LEFT_OUT,
+        "plan": MethodPlan,
+        "env": Env,
+        "started": Time,
+        "steps": LEFT_OUT,
+        "steps_left": LEFT_OUT,
+        "ends": Ends | None,
+        "notations": LEFT_OUT,
+        "skills": tuple[Fact, ...],
+        "ticket": int | None,
+        "constrained": LEFT_OUT,
+        "has_conditions": LEFT_OUT,
+    }
+    __slots__ = tuple(FIELDS)
+
+    def __init__(self, task: Task, plan: MethodPlan, env: Env, started: Time) -> None:
+        self.task = task
+        self.plan = plan
+        #: What the task had, what the choice bound, then what `for` formulas and
+        #: outputs add; the task's own environment where nothing can be added.
+        self.env = env
+        self.started = started
+        #: The tasks of its steps, by position, those among them that have ended.
+        self.steps: list[Task] | tuple[()] = ()
+        #: How many steps have not ended.
+        self.steps_left = left = plan.size
+        self.ends = Ends(left) if plan.tracks_step_ends else None
+        self.notations: tuple[Notation, ...] = ()
+        #: Its skills as they were filled in when they first came on, in memory names.
+        self.skills: tuple[Fact, ...] = ()
+        #: The number of its request, if it has sent one.
+        self.ticket: int | None = None
+        outer = task.within
+        nearest = None if outer is None else outer.constrained
+        if plan.constrains:
+            nearest = task if plan.constraints is None else self
+        #: The nearest that states constraints: itself, its task, or what is above.
+        self.constrained: Task | MethodRun | None = nearest
+        #: Whether these, or conditions of steps, may keep steps from being carried out.
+        self.has_conditions = plan.conditions or nearest is not None
+
+    @property
+    def constrained_above(self) -> Task | MethodRun | None:
+        """The nearest that states constraints, this method left out."""
+        task = self.task
+        return task if task.plan.constraints is not None else task.constrained
+
+    def was_ended_by_until(self, position: int) -> bool:
+        """Whether a step was ended by an `until`."""
+        return self.ends is not None and position in self.ends.ended_by_until
+
+
 class Task:
     """One goal under way."""
 
-    __slots__ = (
-        "choice",
-        "env",
-        "family",
-        "goal_args",
-        "held_at",
-        "history",
-        "identity",
-        "last_result",
-        "limit",
-        "method",
-        "number",
-        "plan",
-        "priority",
-        "run",
-        "state",
-        "step",
-        "told",
-        "wait",
-        "waiting",
-        "within",
-    )
+    FIELDS: ClassVar[Fields] = {
+        "plan": RapPlan,
+        "within": LEFT_OUT,
+        "step": LEFT_OUT,
+        "number": Natural,
+        "family": LEFT_OUT,
+        "limit": Limit,
+        "priority": int,
+        "waiting": LEFT_OUT,
+        "goal_args": tuple[Value | None, ...],
+        "env": Env,
+        "identity": tuple[object, ...] | None,
+        "state": State,
+        "run": MethodRun | None,
+        "method": MethodPlan | None,
+        "history": History | None,
+        "choice": tuple[object, ...] | None,
+        "last_result": str | None,
+        "wait": WaitState | None,
+        "told": LEFT_OUT,
+        "held_at": LEFT_OUT,
+    }
+    __slots__ = tuple(FIELDS)
 
     def __init__(
         self, plan: RapPlan, within: MethodRun | None, step: StepPlan | None
@@ -108,7 +182,7 @@ class Task:
         #: The RAP, with its inputs where a recursion test needs them; None until all
         #: inputs are known.
         self.identity: tuple[object, ...] | None = plan.static_identity
-        self.state = WAITING
+        self.state: State = WAITING
         #: The method it is at work on.
         self.run: MethodRun | None = None
         #: The method tried last.
@@ -320,70 +394,3 @@ def _told(term: nodes.Term, env: Env) -> Any:
         value = env.get(term.name, term.name)
         return str(value) if isinstance(value, _RESOURCES) else value
     return (term.function, *[_told(arg, env) for arg in term.args])
-
-
-class Ends:
-    """How steps of a method have ended, where something depends on it."""
-
-    __slots__ = ("ended_by_until", "times")
-
-    def __init__(self, steps: int) -> None:
-        #: When each step ended; None while it has not.
-        self.times: list[Time | None] = [None] * steps
-        #: The positions of the steps that an `until` has ended.
-        self.ended_by_until: set[int] = set()
-
-
-class MethodRun:
-    """A method while it is carried out."""
-
-    __slots__ = (
-        "constrained",
-        "ends",
-        "env",
-        "has_conditions",
-        "notations",
-        "plan",
-        "skills",
-        "started",
-        "steps",
-        "steps_left",
-        "task",
-        "ticket",
-    )
-
-    def __init__(self, task: Task, plan: MethodPlan, env: Env, started: Time) -> None:
-        self.task = task
-        self.plan = plan
-        #: What the task had, what the choice bound, then what `for` formulas and
-        #: outputs add; the task's own environment where nothing can be added.
-        self.env = env
-        self.started = started
-        #: The tasks of its steps, by position, those among them that have ended.
-        self.steps: list[Task] | tuple[()] = ()
-        #: How many steps have not ended.
-        self.steps_left = left = plan.size
-        self.ends = Ends(left) if plan.tracks_step_ends else None
-        self.notations: tuple[Notation, ...] = ()
-        #: Its skills as they were filled in when they first came on, in memory names.
-        self.skills: tuple[Fact, ...] = ()
-        #: The number of its request, if it has sent one.
-        self.ticket: int | None = None
-        outer = task.within
-        nearest = None if outer is None else outer.constrained
-        if plan.constrains:
-            nearest = task if plan.constraints is None else self
-        #: The nearest that states constraints: itself, its task, or what is above.
-        self.constrained: Task | MethodRun | None = nearest
-        #: Whether these, or conditions of steps, may keep steps from being carried out.
-        self.has_conditions = plan.conditions or nearest is not None
-
-    @property
-    def constrained_above(self) -> Task | MethodRun | None:
-        """The nearest that states constraints, this method left out."""
-        task = self.task
-        return task if task.plan.constraints is not None else task.constrained
-
-    def was_ended_by_until(self, position: int) -> bool:
-        """Whether a step was ended by an `until`."""
-        return self.ends is not None and position in self.ends.ended_by_until

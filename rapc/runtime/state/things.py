@@ -7,10 +7,11 @@ blocked. Tables only: what tasks do about it is in `rapc.runtime.tasks.hold_thin
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import NamedTuple
+from collections.abc import Iterable, Mapping
+from typing import ClassVar, NamedTuple
 
 from rapc.base.values import Fact, format_atom, format_list
+from rapc.runtime.fields import LEFT_OUT, Fields, Natural
 from rapc.runtime.state.task import MethodRun, Task
 
 Thing = Fact
@@ -33,7 +34,14 @@ class Ask(NamedTuple):
 class Hold:
     """A thing that a method holds."""
 
-    __slots__ = ("ask", "depth", "outer", "run", "said")
+    FIELDS: ClassVar[Fields] = {
+        "run": LEFT_OUT,
+        "ask": Ask,
+        "said": str,
+        "outer": LEFT_OUT,
+        "depth": LEFT_OUT,
+    }
+    __slots__ = tuple(FIELDS)
 
     def __init__(
         self, run: MethodRun, ask: Ask, outer: Hold | None, said: str = ""
@@ -50,7 +58,15 @@ class Hold:
 class ThingWait:
     """What a task waits for that a thing has blocked, or some of its `skills`."""
 
-    __slots__ = ("alternatives", "holder", "on", "skills", "task", "woken")
+    FIELDS: ClassVar[Fields] = {
+        "task": Task,
+        "alternatives": tuple[tuple[Ask, ...], ...],
+        "on": str,
+        "holder": Natural,
+        "woken": bool,
+        "skills": tuple[int, ...],
+    }
+    __slots__ = tuple(FIELDS)
 
     def __init__(
         self,
@@ -75,15 +91,16 @@ class ThingWait:
 class Things:
     """All holding of things and waiting for them in a run."""
 
-    __slots__ = (
-        "_holders",
-        "_waiters",
-        "changed",
-        "conflicts",
-        "held",
-        "resumable",
-        "waits",
-    )
+    FIELDS: ClassVar[Fields] = {
+        "held": dict[int, tuple[Hold, ...]],
+        "waits": dict[int, ThingWait],
+        "changed": dict[int, Task],
+        "resumable": LEFT_OUT,
+        "conflicts": Natural,
+        "_holders": LEFT_OUT,
+        "_waiters": LEFT_OUT,
+    }
+    __slots__ = tuple(FIELDS)
 
     def __init__(self) -> None:
         # These three stay the same objects for life: others hold them.
@@ -259,7 +276,20 @@ class Things:
 
     # --- as a whole -----------------------------------------------------------------
 
-    def load(
+    def take_up(self, other: Things, runs: Mapping[int, MethodRun]) -> None:
+        """Hold what the saved fields of others say, and nothing else.
+
+        `runs` are the methods that hold something, by the numbers of their tasks.
+        """
+        held = [
+            (runs[number], [(hold.ask, hold.said) for hold in holds])
+            for number, holds in sorted(other.held.items())
+        ]
+        self._load(held, list(other.waits.values()))
+        self.changed.update(other.changed)
+        self.conflicts = other.conflicts
+
+    def _load(
         self,
         held: Iterable[tuple[MethodRun, Iterable[tuple[Ask, str]]]],
         waits: Iterable[ThingWait],
@@ -289,7 +319,7 @@ class Things:
                 for asks in wait.alternatives
             ]
             wait.alternatives = tuple([tuple([a for a, _ in way]) for way in ways])
-        self.load(held, waits)
+        self._load(held, waits)
         self.changed.update((wait.task.number, wait.task) for wait in waits)
 
     def conflict(self) -> Thing:

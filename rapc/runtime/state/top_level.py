@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from rapc.events import Cause
+from rapc.runtime.fields import LEFT_OUT, Fields
 from rapc.runtime.state.task import Env, Task
 from rapc.world import Time
 
@@ -10,15 +13,16 @@ from rapc.world import Time
 class TopLevelTask:
     """A task that was given to the robot: when it came, and what has become of it."""
 
-    __slots__ = (
-        "background",
-        "because",
-        "came",
-        "ended",
-        "outcome",
-        "outputs",
-        "task",
-    )
+    FIELDS: ClassVar[Fields] = {
+        "task": LEFT_OUT,
+        "came": Time,
+        "ended": Time | None,
+        "background": bool,
+        "outcome": str | None,
+        "because": Cause | None,
+        "outputs": Env,
+    }
+    __slots__ = tuple(FIELDS)
 
     def __init__(self, task: Task, background: bool, came: Time = 0) -> None:
         self.task = task

@@ -6,34 +6,37 @@ State only: `rapc.runtime.tasks.start` fills it in, `rapc.runtime.monitors` watc
 from __future__ import annotations
 
 import math
+from typing import ClassVar
 
 from rapc.compiler.net_plan import WindowPlan
 from rapc.compiler.watches import WatchKey
+from rapc.runtime.fields import Fields, Limit
 from rapc.world import Time
 
 
 class WaitState:
     """What a task may have to wait for besides its turn, and what its inputs make."""
 
-    __slots__ = (
-        "after_method",
-        "awaits_signal",
-        "blocked_on",
-        "duration",
-        "earliest_start",
-        "first_selected",
-        "formula",
-        "given_deadline",
-        "keys",
-        "made",
-        "missed",
-        "monitor_deadline",
-        "prepared",
-        "ready_at",
-        "setup_failed",
-        "timer",
-        "windows",
-    )
+    FIELDS: ClassVar[Fields] = {
+        "windows": tuple[WindowPlan, ...],
+        "earliest_start": Time,
+        "awaits_signal": bool,
+        "ready_at": Time,
+        "made": Time,
+        "keys": tuple[WatchKey, ...] | None,
+        "timer": Time | None,
+        "blocked_on": str,
+        "formula": str | None,
+        "given_deadline": Limit,
+        "monitor_deadline": Limit,
+        "missed": Time | None,
+        "first_selected": bool,
+        "after_method": bool,
+        "prepared": bool,
+        "setup_failed": bool,
+        "duration": Time,
+    }
+    __slots__ = tuple(FIELDS)
 
     def __init__(self, windows: tuple[WindowPlan, ...] = ()) -> None:
         #: The windows whose times are not yet known.

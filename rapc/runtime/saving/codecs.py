@@ -1,0 +1,350 @@
+"""How values in the state of a run are saved: by type, in one table walked both ways.
+
+A state class says in its table `FIELDS` of which type each field is. What is written is
+a record of these fields, which msgspec makes bytes of; what is read is checked by
+msgspec for its form, and by the codecs here for what it points at. Tasks are named by
+their numbers, plans by their names and positions. Sets, counters and environments may
+be shared: they stand in lists of their own and are named by their places there.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import cache
+from operator import attrgetter
+from types import NoneType, UnionType
+from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin
+
+import msgspec
+
+from rapc.base.resources import Counter, SetResource, Value
+from rapc.base.values import Atom, Number, Text
+from rapc.compiler.net_plan import WindowPlan
+from rapc.compiler.program import Program
+from rapc.compiler.rap_plan import MethodPlan, RapPlan
+from rapc.compiler.watches import WatchKey
+from rapc.runtime.fields import LEFT_OUT, Limit, Natural
+from rapc.runtime.memory.validation import need
+from rapc.runtime.state.run_state import RunState
+from rapc.runtime.state.states import State
+from rapc.runtime.state.task import Env, MethodRun, Task
+from rapc.runtime.state.things import Ask
+from rapc.world import Time
+
+
+class Ref(msgspec.Struct, frozen=True, tag="resource"):
+    """A set or counter, by its place among the `resources` of a saved run."""
+
+    at: Natural
+
+
+class Key(msgspec.Struct, frozen=True, tag="key", omit_defaults=True):
+    """A tuple that a detector knows, or a set in it; members in a fixed order."""
+
+    parts: tuple[str | int | float | Text | Key | None, ...]
+    is_set: bool = False
+
+
+Saved = str | int | float | Text | Ref
+"""A value of a variable."""
+
+
+class Writer:
+    """What is saved beside the records: all that may be shared."""
+
+    def __init__(self) -> None:
+        #: Counters as numbers, sets as their members in the order of arrival.
+        self.resources: list[Number | tuple[Atom, ...]] = []
+        self.environments: list[dict[str, Saved]] = []
+        #: The task of which a field is being written.
+        self.task: Any = None
+        self._places: dict[int, int] = {}
+
+    def environment(self, env: Env) -> int:
+        """Return the place of an environment; it is written the first time."""
+        place = self._places.get(id(env))
+        if place is None:
+            place = self._places[id(env)] = len(self.environments)
+            self.environments.append({n: self.value(v) for n, v in env.items()})
+        return place
+
+    def value(self, value: Any) -> Any:
+        """Return a value as it is saved, a resource as its place."""
+        if not isinstance(value, Counter | SetResource):
+            return value
+        place = self._places.get(id(value))
+        if place is None:
+            place = self._places[id(value)] = len(self.resources)
+            if isinstance(value, Counter):
+                self.resources.append(value.value)
+            else:
+                self.resources.append(tuple(value.members))
+        return Ref(place)
+
+
+class Reader:
+    """What the values that are read point at.
+
+    Args:
+        library: the library that names the plans.
+        resources: the shared sets and counters, as `Writer` has them.
+        environments: the shared environments.
+    """
+
+    def __init__(
+        self,
+        library: Program,
+        resources: tuple[Number | tuple[Atom, ...], ...],
+        environments: tuple[dict[str, Saved], ...],
+    ) -> None:
+        self.library = library
+        self.state = RunState()
+        #: The live tasks by number.
+        self.live: dict[int, Task] = {}
+        #: The task of which a field is being read.
+        self.task: Any = None
+        self._resources = [
+            SetResource(dict.fromkeys(one)) if isinstance(one, tuple) else Counter(one)
+            for one in resources
+        ]
+        self.environments: list[Env] = [
+            {name: self.value(value) for name, value in one.items()}
+            for one in environments
+        ]
+
+    def value(self, saved: Any) -> Any:
+        """Return the value of what was saved."""
+        return self._resources[saved.at] if type(saved) is Ref else saved
+
+    def method(self, index: int) -> MethodPlan:
+        """Return a method of the task that is being read."""
+        return self.state.methods(self.task.plan)[index]
+
+    def run(self, saved: Any) -> MethodRun:
+        """Return the method that the task that is being read is at work on."""
+        plan, env = self.method(saved.plan), self.environments[saved.env]
+        run = MethodRun(self.task, plan, env, saved.started)
+        need((run.ends is None) == (saved.ends is None), "times of steps")
+        fields_of(MethodRun).fill(self, run, saved)
+        return run
+
+
+# --- the table ----------------------------------------------------------------------
+
+
+_tuple: Any = tuple
+
+
+class Codec(NamedTuple):
+    """How a value is saved: as what, and how it is written and read.
+
+    Without `write`, or without `read`, it is saved as it is.
+    """
+
+    saved: Any
+    write: Callable[[Writer, Any], Any] | None = None
+    read: Callable[[Reader, Any], Any] | None = None
+
+    def written(self, writer: Writer, value: Any) -> Any:
+        """Return what is saved of a value."""
+        return value if self.write is None else self.write(writer, value)
+
+    def made(self, reader: Reader, saved: Any) -> Any:
+        """Return the value of what was saved."""
+        return saved if self.read is None else self.read(reader, saved)
+
+
+def _live(task: Task | None) -> int | None:
+    """Return the number of a task or, if that has ended, of what is left above it."""
+    while task is not None and not task.live:
+        task = task.parent
+    return None if task is None else task.number
+
+
+def _key(part: Any) -> Any:
+    """Return a part of a detector's key as it is saved."""
+    if isinstance(part, tuple):
+        return Key(tuple([_key(one) for one in part]))
+    if isinstance(part, frozenset):
+        ordered = sorted(part, key=lambda m: (type(m).__name__, str(m)))
+        return Key(tuple(ordered), is_set=True)
+    return part
+
+
+def _part(saved: Any) -> Any:
+    if type(saved) is not Key:
+        return saved
+    parts = [_part(one) for one in saved.parts]
+    return frozenset(parts) if saved.is_set else tuple(parts)
+
+
+_STATES: dict[str, str] = {state: state for state in get_args(State)}
+
+CODECS: dict[Any, Codec] = {
+    Limit: Codec(Time | None, None, lambda _, it: math.inf if it is None else it),
+    RapPlan: Codec(str, lambda _, it: it.name, lambda r, it: r.library.known_rap(it)),
+    MethodPlan: Codec(Natural, lambda _, it: it.index, Reader.method),
+    WindowPlan: Codec(
+        Natural,
+        lambda w, it: w.task.step.windows.index(it),
+        lambda r, it: r.task.step.windows[it],
+    ),
+    Task: Codec(int, lambda _, it: it.number, lambda r, it: r.live[it]),
+    Task | None: Codec(
+        int | None,
+        lambda _, it: _live(it),
+        lambda r, it: None if it is None else r.live[it],
+    ),
+    # the loop tells states apart by identity
+    State: Codec(State, None, lambda _, it: _STATES[it]),
+    Env: Codec(Natural, Writer.environment, lambda r, it: r.environments[it]),
+    Value: Codec(Saved, Writer.value, Reader.value),
+    Value | None: Codec(Saved | None, Writer.value, Reader.value),
+    tuple[WatchKey, ...] | None: Codec(
+        bool, lambda _, it: it is not None, lambda _, it: () if it else None
+    ),
+    tuple[object, ...]: Codec(Key, lambda _, it: _key(it), lambda _, it: _part(it)),
+    dict[int, Task]: Codec(
+        tuple[int, ...],
+        lambda _, it: tuple(sorted(it)),
+        lambda r, it: {number: r.live[number] for number in it},
+    ),
+    Ask: Codec(tuple[tuple[Atom, ...], int, bool], None, lambda _, it: Ask(*it)),
+}
+"""How values are saved that are more than data, by their types."""
+
+
+@cache
+def codec(kind: Any) -> Codec:
+    """Return how values of a type are saved.
+
+    Raises:
+        TypeError: for a type of which nothing says it.
+    """
+    if kind in CODECS:
+        return CODECS[kind]
+    if hasattr(kind, "FIELDS"):
+        found = fields_of(kind).codec
+        return found._replace(read=Reader.run) if kind is MethodRun else found
+    if get_origin(kind) in (Annotated, Literal) or _is_data(kind):
+        return Codec(kind)
+    return _composed(kind, get_origin(kind), get_args(kind))
+
+
+def _composed(kind: Any, origin: Any, args: tuple[Any, ...]) -> Codec:
+    """Return how values are saved that have parts."""
+    parts = [codec(arg) for arg in args if arg not in (NoneType, ...)]
+    if origin is dict:
+        return _of_dict(*parts)
+    if origin is set:
+        return Codec(
+            _tuple[*args, ...], lambda _, it: sorted(it), lambda _, it: set(it)
+        )
+    if parts and not any(part.write or part.read for part in parts):
+        return Codec(kind)
+    if origin in (Union, UnionType) and len(parts) == 1:
+        return _of_optional(*parts)
+    if origin in (tuple, list) and len(parts) == 1:
+        return _of_row(origin, *parts)
+    if origin is tuple:
+        return _of_tuple(parts)
+    raise TypeError(f"nothing says how {kind} is saved")
+
+
+def _is_data(kind: Any) -> bool:
+    """Whether msgspec writes and reads values of a type as they are."""
+    if isinstance(kind, type) and issubclass(kind, msgspec.Struct):
+        return True
+    return kind in (bool, int, float, str, bytes)
+
+
+def _of_optional(part: Codec) -> Codec:
+    return Codec(
+        part.saved | None,
+        lambda w, it: None if it is None else part.written(w, it),
+        lambda r, it: None if it is None else part.made(r, it),
+    )
+
+
+def _of_row(made: Any, part: Codec) -> Codec:
+    return Codec(
+        _tuple[part.saved, ...],
+        lambda w, it: tuple([part.written(w, one) for one in it]),
+        lambda r, it: made([part.made(r, one) for one in it]),
+    )
+
+
+def _of_tuple(parts: list[Codec]) -> Codec:
+    return Codec(
+        _tuple[*[part.saved for part in parts]],
+        lambda w, it: tuple([p.written(w, v) for p, v in zip(parts, it, strict=True)]),
+        lambda r, it: tuple([p.made(r, v) for p, v in zip(parts, it, strict=True)]),
+    )
+
+
+def _of_dict(key: Codec, value: Codec) -> Codec:
+    """Return how a table is saved: as pairs, those of numbers by number."""
+
+    def write(writer: Writer, table: Any) -> Any:
+        pairs = sorted(table.items()) if key.saved is int else table.items()
+        return tuple(
+            [(key.written(writer, k), value.written(writer, v)) for k, v in pairs]
+        )
+
+    def read(reader: Reader, pairs: Any) -> Any:
+        made = {key.made(reader, k): value.made(reader, v) for k, v in pairs}
+        need(len(made) == len(pairs), "a key twice in a table")
+        return made
+
+    return Codec(_tuple[_tuple[key.saved, value.saved], ...], write, read)
+
+
+# --- records ------------------------------------------------------------------------
+
+
+class Record:
+    """The fields of a state class that are saved, and the record that holds them."""
+
+    def __init__(self, kind: Any) -> None:
+        self._kind = kind
+        codecs = {
+            name: codec(saved_as)
+            for name, saved_as in kind.FIELDS.items()
+            if saved_as != LEFT_OUT
+        }
+        names = [name.lstrip("_") for name in codecs]
+        types = [one.saved for one in codecs.values()]
+        self.saved = msgspec.defstruct(
+            kind.__name__, list(zip(names, types, strict=True)), frozen=True
+        )
+        self._get = attrgetter(*codecs)
+        self._writes = [
+            (at, one.write) for at, one in enumerate(codecs.values()) if one.write
+        ]
+        self._reads = [
+            (name, saved, one.read)
+            for (name, one), saved in zip(codecs.items(), names, strict=True)
+        ]
+        self.codec = Codec(self.saved, self.write, self.read)
+
+    def write(self, writer: Writer, made: Any) -> Any:
+        """Return the record of an object."""
+        values = list(self._get(made))
+        for at, write in self._writes:
+            values[at] = write(writer, values[at])
+        return self.saved(*values)
+
+    def read(self, reader: Reader, saved: Any) -> Any:
+        """Return an object with the fields of a record, the others not yet set."""
+        return self.fill(reader, self._kind.__new__(self._kind), saved)
+
+    def fill(self, reader: Reader, made: Any, saved: Any) -> Any:
+        """Set the fields of an object to what a record says, in order; return it."""
+        for name, saved_name, read in self._reads:
+            value = getattr(saved, saved_name)
+            setattr(made, name, value if read is None else read(reader, value))
+        return made
+
+
+fields_of = cache(Record)

@@ -1,0 +1,202 @@
+"""A run as a record, and a record as a run that is not yet in place of another.
+
+All new objects are made first, and anything that is wrong with a record shows then;
+only what cannot fail any more touches the machine (`RestoredRun.install`).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from rapc.base.chance import stream_in, stream_state
+from rapc.library.library import digest
+from rapc.library.saved_check import UnsoundError
+from rapc.runtime.machine import Machine
+from rapc.runtime.memory.saving import capture_memory
+from rapc.runtime.memory.validation import WrongRecordError, need
+from rapc.runtime.saving.codecs import Reader, Writer, fields_of
+from rapc.runtime.saving.format import RunRecord
+from rapc.runtime.state.agenda import Agenda
+from rapc.runtime.state.run_state import RunState
+from rapc.runtime.state.states import ENDED, RUNNING
+from rapc.runtime.state.task import MethodRun, Task
+from rapc.runtime.state.things import Things
+from rapc.runtime.tasks.choose import added_method
+from rapc.world import World
+
+
+def capture(machine: Machine, seed: int, world: bytes) -> RunRecord:
+    """Return all that a run holds now; `world` is what the world says of itself.
+
+    Nothing changes by it: no event, no serial, no draw.
+    """
+    state, recorder, monitors = machine.state, machine.recorder, machine.monitors
+    writer = Writer()
+    tasks = [given.task for given in state.top_level]
+    records = tuple([_written(writer, task, tasks) for task in tasks])  # `tasks` grows
+    notations = machine.memory.notations
+    noted = [
+        (task.number, tuple(notations.facts(task.run.notations)))
+        for task in tasks
+        if task.run is not None and task.run.notations
+    ]
+    return RunRecord(
+        library=digest(machine.library.library),
+        world_name=machine.world.name,
+        options=options_of(machine.world),
+        settings=machine.settings,
+        seed=seed,
+        random=stream_state(machine.rng),
+        time=recorder.time,
+        cycle=recorder.cycle,
+        serial=recorder.serial,
+        added_methods=tuple(
+            (name, method.node)
+            for name, methods in state.added_methods.items()
+            for method in methods
+        ),
+        tasks=records,
+        state=fields_of(RunState).write(writer, state),
+        agenda=fields_of(Agenda).write(writer, machine.agenda),
+        things=fields_of(Things).write(writer, machine.things),
+        to_test=tuple(
+            # a running task is tested when its method ends, whether it is here or not
+            number
+            for number, task in sorted(monitors.to_test.items())
+            if task.state is not RUNNING
+        ),
+        missed=tuple(
+            (n, tuple(times)) for n, times in sorted(monitors.deadlines.missed.items())
+        ),
+        tested_at=monitors.tested_at,
+        notations=tuple(noted),
+        memory=capture_memory(machine.parts),
+        world=world,
+        resources=tuple(writer.resources),
+        environments=tuple(writer.environments),
+    )
+
+
+def _written(writer: Writer, task: Task, tasks: list[Task]) -> Any:
+    """Return the record of a task, and add its steps to `tasks`."""
+    if task.state is ENDED and task.within is not None:
+        return task.plan.name, task.number
+    if task.run is not None:
+        tasks += task.run.steps
+    writer.task = task
+    return fields_of(Task).write(writer, task)
+
+
+def options_of(world: World) -> dict[str, str | int | float | bool]:
+    """Return the options that a world was made with, as far as that is known."""
+    found: dict[str, str | int | float | bool] = {}
+    for name, value in world.made_with.items():
+        a_number = isinstance(value, int | float) and math.isfinite(value)
+        found[name] = value if a_number else str(value)  # type: ignore[assignment]
+    return found
+
+
+class RestoredRun:
+    """A run made of a record, not yet in place of another.
+
+    Args:
+        machine: the machine for which it is made; its library names the plans.
+        record: the record.
+
+    Raises:
+        WrongRecordError: for a record whose parts do not belong together or to the
+            library.
+    """
+
+    def __init__(self, machine: Machine, record: RunRecord) -> None:
+        self.machine, self.record = machine, record
+        try:
+            self._random = stream_in(record.random)
+            reader = Reader(machine.library, record.resources, record.environments)
+            self.state, self.live = reader.state, reader.live
+            self._add_methods()
+            #: All tasks in the order of their records.
+            self.tasks = self._read_tasks(reader)
+            fields_of(RunState).fill(reader, self.state, record.state)
+            for given, task in zip(self.state.top_level, self.tasks, strict=False):
+                given.task = task
+            self.state.settle()
+            self.agenda: Agenda = fields_of(Agenda).read(reader, record.agenda)
+            self.things: Things = fields_of(Things).read(reader, record.things)
+            self.missed = {number: list(times) for number, times in record.missed}
+            self.to_test = {number: self.live[number] for number in record.to_test}
+            #: The methods under way by the numbers of their tasks.
+            self.runs = {n: t.run for n, t in self.live.items() if t.run is not None}
+            self.noted = {self.runs[n]: facts for n, facts in record.notations}
+        except (LookupError, TypeError, ValueError, OverflowError) as error:
+            raise WrongRecordError(f"{type(error).__name__}: {error}") from error
+
+    def _add_methods(self) -> None:
+        library, state = self.machine.library, self.state
+        for name, node in self.record.added_methods:
+            plan = library.known_rap(name)
+            try:
+                index = len(state.methods(plan))
+                method = added_method(library, plan, node, index)
+            except UnsoundError as error:
+                raise WrongRecordError(str(error)) from error
+            state.added_methods.setdefault(name, []).append(method)
+
+    def _read_tasks(self, reader: Reader) -> list[Task]:
+        """Make the tasks: those of the host, then the steps of each in turn."""
+        records, made = self.record.tasks, []
+        places: list[Any] = [(None, None)] * len(self.record.state.top_level)
+        for (run, step), record in zip(places, records, strict=False):  # `places` grows
+            name = record[0] if isinstance(record, tuple) else record.plan
+            task = reader.task = Task(reader.library.known_rap(name), run, step)
+            made.append(task)
+            if run is not None:
+                run.steps.append(task)
+            if isinstance(record, tuple):
+                task.state, task.number = ENDED, record[1]
+                need(run is not None, "a task of the host is missing")
+                continue
+            fields_of(Task).fill(reader, task, record)
+            if run is None:
+                task.family = task.number
+            if task.live:
+                self.live[task.number] = task
+            if task.run is not None and task.run.plan.steps:
+                task.run.steps = []
+                places += [(task.run, one) for one in task.run.plan.steps]
+        need(len(made) == len(places) == len(records), "a task is missing")
+        for task in made:
+            if task.run is not None:
+                _count_steps(task.run)
+        return made
+
+    def install(self) -> None:
+        """Put the run in place of the one that the machine held.
+
+        Memory has been restored by now: notations are found there.
+        """
+        machine, record = self.machine, self.record
+        for run, facts in self.noted.items():
+            run.notations = machine.memory.notations.of(facts)
+        machine.rng.setstate(self._random.getstate())
+        machine.state = self.state
+        machine.recount_identities()
+        machine.recorder.jump(record.time, record.cycle, record.serial)
+        machine.agenda.take_up(self.agenda)
+        machine.things.take_up(self.things, self.runs)
+        machine.monitors.load(
+            self.live.values(), self.to_test, self.missed, record.tested_at
+        )
+
+
+def _count_steps(run: MethodRun) -> None:
+    """Count the steps of a method that have not ended, and those that each follows."""
+    steps = run.steps
+    run.steps_left = sum(step.live for step in steps)
+    for step in steps:
+        step.waiting = 0
+    for plan in run.plan.steps:
+        if steps[plan.position].live:
+            for after in plan.after:
+                steps[after].waiting += 1
