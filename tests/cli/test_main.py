@@ -23,7 +23,7 @@ CHECKOUT = Path(__file__).parents[2]
 CHECKING = ("analysis", "ir", "loader", "parser", "render")
 FOR_FEW = ("importlib.metadata", "difflib", "shutil")
 SELDOM = (
-    *("runtime.saving.save", "testing.faults", "worlds.scripted"),
+    *("testing.faults", "worlds.scripted"),
     "analysis.checks.threats",
 )
 
