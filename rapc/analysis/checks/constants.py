@@ -1,28 +1,37 @@
-"""RAP100, RAP102 and RAP103: constants that do not belong where they stand.
+"""RAP100 to RAP104: constants and arguments that do not belong where they stand.
 
-A constant is held against what stands at the same place elsewhere, and at places of the
-same kind: the values that a closed kind lists, and the constants that the library uses.
-A comparison belongs to the places of the variable that is compared.
+A constant is compared with those that stand at the same place elsewhere, and at places
+of the same kind: the values that a closed kind lists, and the constants that the
+library uses. A comparison belongs to the places of the variable that is compared.
+
+Arguments are swapped where other forms link the first term's places with the second
+place, and the second term's with the first, and none links them as they stand. A
+constant is linked with each place at which it stands elsewhere. An example is
+`(at ?room ?cart)`: elsewhere `?room` is an input of `enter`, and all other forms that
+hand a variable to `enter` have it from the second place of `at`.
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Sequence
-
-import msgspec
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from functools import cached_property
+from itertools import combinations, islice
 
 from rapc.analysis.check import Fact, Pass, Reported, check
+from rapc.analysis.checks.bindings import BINDINGS
 from rapc.analysis.checks.kinds import KINDS
-from rapc.analysis.facts.index import Form
+from rapc.analysis.facts.index import INDEX, Form, NameUse, VariableAt
 from rapc.analysis.facts.names import Close, is_row
+from rapc.analysis.facts.statistics import LIMITS, THRESHOLDS
 from rapc.analysis.facts.usage import (
     CENSUS,
-    PLACE_KINDS,
-    PLACES,
+    SPACES,
+    TRUTH,
+    USAGE,
+    Constant,
     Place,
-    PlaceKinds,
-    place_parts,
+    Usage,
     sort_of,
 )
 from rapc.base.diagnostics import (
@@ -35,8 +44,9 @@ from rapc.base.diagnostics import (
     Severity,
 )
 from rapc.base.source import Span
-from rapc.base.values import Atom, Text, format_atom
+from rapc.base.values import Text, format_atom
 from rapc.ir import nodes
+from rapc.ir.printer import format_term
 
 MISSPELT = Rule(
     code="RAP100",
@@ -127,25 +137,6 @@ goes with all.""",
 """,
 )
 
-_LEAST = 5
-"""How long a word must be to be close to another."""
-
-
-class _Standing(msgspec.Struct, frozen=True):
-    """A constant where it stands."""
-
-    const: nodes.Const
-    #: As it is written.
-    written: str
-    form: Form
-    #: The place that it is at, or those of the variable that it is held against.
-    places: tuple[Place, ...]
-    #: The kinds of these places.
-    kinds: tuple[str, ...]
-    #: Its sort by how it is written (`census.sort_of`): `word` is a symbol that means
-    #: something of its own, nothing what goes with all.
-    sort: str
-
 
 def _run(run: Pass) -> Reported[Collection[tuple[int, str]]]:
     """Return the findings, and the variables for which words stand, by form."""
@@ -153,18 +144,19 @@ def _run(run: Pass) -> Reported[Collection[tuple[int, str]]]:
     told = run.result(KINDS).value
     every: list[Diagnostic] = []
     unmarked: dict[tuple[int, str], None] = {}
-    for one in _standing(run, known.place_kinds):
+    usage = run.result(USAGE)
+    for one in usage.constants:
+        variable = (id(one.form), f"?{one.const.value}")
+        kinds = known.usage.kinds(one.places)
         if isinstance(one.form, nodes.DefineTest):
             continue
-        if not known.fits(one):
-            unmarked[id(one.form), f"?{one.const.value}"] = None
-            continue
-        if id(one.form) in told or not one.sort:
-            continue
-        found = _misspelt(run, known, one) or _mixed(known, one) or _foreign(known, one)
-        if found is not None:
-            unmarked[id(one.form), f"?{one.const.value}"] = None
-            every.append(found)
+        if not all(run.signatures.kinds.holds(k, one.const.value) for k in kinds):
+            unmarked[variable] = None
+        elif id(one.form) not in told:
+            found = known.finding(one, kinds, usage.of(one.form, variable[1]))
+            if found is not None:
+                unmarked[variable] = None
+                every.append(found)
     return Reported(every, unmarked)
 
 
@@ -177,141 +169,126 @@ def constants(run: Pass) -> Iterable[Diagnostic]:
     return run.result(CONSTANTS).findings
 
 
-# --- what stands where ----------------------------------------------------------------
-
-
-def _standing(run: Pass, kinds: PlaceKinds) -> Iterator[_Standing]:
-    for one in run.result(PLACES).constants:
-        sort = sort_of(one.written)
-        wanted = kinds.of(one.places)
-        yield _Standing(one.const, one.written, one.form, one.places, wanted, sort)
-
-
-class _Stands(msgspec.Struct, frozen=True):
-    """How often a constant stands where."""
-
-    places: Counter[Place]
-    kinds: Counter[str]
-
-
 class _Known:
-    """What the library tells of its constants, by how they are written."""
+    """What the library tells of its constants."""
 
     def __init__(self, run: Pass) -> None:
+        self.usage = run.result(CENSUS)
         self.kinds = run.signatures.kinds
-        self.place_kinds = run.result(PLACE_KINDS)
-        self.census = run.result(CENSUS)
-        #: How often a declaration lists a constant; such a one counts twice.
-        self._listed: Counter[str] = Counter()
-        self._listing: dict[str, list[str]] = {}
-        for name in self.kinds:
-            for value in self._own_values(run, name):
-                self._listed[format_atom(value)] += 2
-                self._listing.setdefault(format_atom(value), []).append(name)
-        for value in _results(run):
-            self._listed[value] += 2
-        self._at: dict[str, _Stands] = {}
-        self._sorts: dict[Place, Counter[str]] = {}
         self._forms: dict[str, Counter[int]] = {}
-        self._close: Close | None = None
 
-    def count(self, written: str) -> int:
-        """Return how often a constant stands in the library."""
-        return len(self.census.standing(written)) + self._listed[written]
+    def finding(
+        self, one: Constant, kinds: Sequence[str], unmarked: Collection[Place]
+    ) -> Diagnostic | None:
+        """Return what is wrong with a constant.
 
-    def at(self, written: str) -> _Stands:
-        """Return the places and kinds of a constant, with how often it stands there."""
-        found = self._at.get(written)
-        if found is None:
-            found = self._at[written] = _Stands(Counter(), Counter())
-            for one in self.census.standing(written):
-                found.places.update(one.places)
-                found.kinds.update(self.place_kinds.of(one.places))
-            for name in self._listing.get(written, ()):
-                found.kinds[name] += 2
+        Args:
+            one: the constant.
+            kinds: the kinds of its places.
+            unmarked: the places in its form of a variable of the same name.
+        """
+        sort = sort_of(one.written)
+        found = None
+        if sort == "word":
+            found = self._misspelt(one, kinds, unmarked)
+        if sort and found is None and len(one.places) == 1:
+            found = self._mixed(one, one.places[0], sort)
+            if found is None and sort == "word" and len(kinds) == 1:
+                found = self._foreign(one, kinds[0])
         return found
 
-    def sorts(self, place: Place) -> Counter[str]:
-        """Return how many constants of each sort stand at a place."""
-        found = self._sorts.get(place)
-        if found is None:
-            every = [one.written for one in self.census.at(place)]
-            found = self._sorts[place] = Counter(map(sort_of, every))
-        return found
+    def _misspelt(
+        self, one: Constant, kinds: Sequence[str], unmarked: Collection[Place]
+    ) -> Diagnostic | None:
+        word = one.written
+        if unmarked and self._is_new(one, kinds):
+            return _slip(one, f"?{word}", ())
+        for other in self._close.all_to(word) if self.usage.count(word) == 1 else ():
+            there = self.usage.counts(other)
+            apart = not (there[0].keys() & one.places or there[1].keys() & kinds)
+            alike = other[0] == word[0] and not is_row(word, other)
+            if alike and not apart and self.usage.count(other) > 1:
+                first = self.usage.standing(other)[:1]
+                label = "a constant with a close name"
+                return _slip(one, other, [Label(c.const.span, label) for c in first])
+        return None
 
-    def first(self, written: str) -> Iterator[Span]:
-        """Yield where a constant stands first, if it does."""
-        for one in self.census.standing(written)[:1]:
-            yield one.const.span
-
-    def close_to(self, written: str) -> Iterator[str]:
-        """Yield the words that are spelled almost like another."""
-        if self._close is None:
-            words = dict.fromkeys((*self.census.written(), *self._listed))
-            only = [word for word in words if sort_of(word) == "word"]
-            self._close = Close(only, _LEAST)
-        return self._close.all_to(written)
-
-    def fits(self, one: _Standing) -> bool:
-        """Whether a constant is of the kinds of its places."""
-        return all(self.kinds.holds(kind, one.const.value) for kind in one.kinds)
-
-    def is_new(self, one: _Standing) -> bool:
+    def _is_new(self, one: Constant, kinds: Sequence[str]) -> bool:
         """Whether a constant stands nowhere else in its form, or where such do."""
-        if not one.places or self.count(one.written) == 1:
-            return self.count(one.written) == 1
-        there = self.at(one.written)
+        if not one.places or self.usage.count(one.written) == 1:
+            return self.usage.count(one.written) == 1
+        places, of_kinds = self.usage.counts(one.written)
+        if one.written not in self._forms:
+            every = self.usage.standing(one.written)
+            self._forms[one.written] = Counter([id(found.form) for found in every])
         return (
-            self._in_form(one) == 1
-            and all(there.places[place] == 1 for place in one.places)
-            and all(there.kinds[kind] == 1 for kind in one.kinds)
+            self._forms[one.written][id(one.form)] == 1
+            and all(places[place] == 1 for place in one.places)
+            and all(of_kinds[kind] == 1 for kind in kinds)
         )
 
-    def _in_form(self, one: _Standing) -> int:
-        forms = self._forms.get(one.written)
-        if forms is None:
-            every = self.census.standing(one.written)
-            forms = self._forms[one.written] = Counter(
-                [id(found.form) for found in every]
-            )
-        return forms[id(one.form)]
+    @cached_property
+    def _close(self) -> Close:
+        only = [word for word in self.usage.words() if sort_of(word) == "word"]
+        return Close(only, THRESHOLDS.close_word)
 
-    def _own_values(self, run: Pass, name: str) -> Sequence[Atom]:
-        form = run.library.kinds.get(name)
-        return (form.values or ()) if form is not None else ()
+    def _mixed(self, one: Constant, place: Place, own: str) -> Diagnostic | None:
+        """A number among words, or a word among numbers; likewise with truth values.
+
+        `false` among words is none: it says that there is no such thing.
+        """
+        there = self.usage.sorts(place)
+        others = {sort: n for sort, n in there.items() if sort and sort != own}
+        if one.const.value == "false" or there[own] != 1 or len(others) != 1:
+            return None
+        ((sort, count),) = others.items()
+        if count < self._enough(one, {own, sort}):
+            return None
+        return MIXED.at(
+            one.const.span,
+            f"`{format_atom(one.const.value)}` stands where all others are {sort}s",
+            help=f"there are {count} of them at this place of `{place.name}`",
+        )
+
+    def _enough(self, one: Constant, sorts: set[str]) -> int:
+        """Return how many others make a sort; one, if a text is there as a word."""
+        value = one.const.value
+        word = value.value if isinstance(value, Text) else ""
+        is_word = sort_of(word) not in _EXACT
+        if is_word and self.usage.counts(word)[0][one.places[0]]:
+            return 1
+        if sorts & _EXACT:
+            return THRESHOLDS.same_sort
+        return THRESHOLDS.same_sort_of_words
+
+    def _foreign(self, one: Constant, wanted: str) -> Diagnostic | None:
+        _, there = self.usage.counts(one.written)
+        if there[wanted] > 1 or self.kinds.values(wanted) is not None:
+            return None
+        homes = [kind for kind, n in there.items() if n > 1 and kind != wanted]
+        if not homes or not all(self._strange(kind, wanted) for kind in homes):
+            return None
+        return FOREIGN.at(
+            one.const.span,
+            f"`{one.written}` is a {homes[0]}, and a {wanted} is wanted",
+            help="is it the argument that was meant here?",
+        )
+
+    def _strange(self, kind: str, wanted: str) -> bool:
+        """Whether values of a kind are hardly of another; like names are related."""
+        if set(kind.split("-")) & set(wanted.split("-")):
+            return False
+        if wanted in ("item", "symbol"):
+            above = self.kinds.above(kind)
+            return self.kinds.values(kind) is not None and "item" not in above
+        return self.kinds.apart(kind, wanted)
 
 
-def _results(run: Pass) -> Iterator[str]:
-    for primitive in run.library.primitives.values():
-        yield from primitive.results
+_EXACT = {"number", "text"}
+"""The sorts that are no words."""
 
 
-# --- what is wrong -------------------------------------------------------------------
-
-
-def _misspelt(run: Pass, known: _Known, one: _Standing) -> Diagnostic | None:
-    word = one.written
-    if one.sort != "word":
-        return None
-    if known.is_new(one) and run.result(PLACES).of(one.form, f"?{word}"):
-        return _slip(one, f"?{word}", ())
-    if known.count(word) != 1:
-        return None
-    for other in known.close_to(word):
-        there = known.at(other)
-        together = not there.places.keys().isdisjoint(one.places)
-        together = together or not there.kinds.keys().isdisjoint(one.kinds)
-        alike = other[0] == word[0] and not is_row(word, other)
-        if together and alike and known.count(other) > 1:
-            labels = [
-                Label(span, "a constant with a close name")
-                for span in known.first(other)
-            ]
-            return _slip(one, other, labels)
-    return None
-
-
-def _slip(one: _Standing, meant: str, labels: Iterable[Label]) -> Diagnostic:
+def _slip(one: Constant, meant: str, labels: Sequence[Label]) -> Diagnostic:
     edit = Edit(one.const.span, meant)
     return MISSPELT.at(
         one.const.span,
@@ -322,68 +299,256 @@ def _slip(one: _Standing, meant: str, labels: Iterable[Label]) -> Diagnostic:
     )
 
 
-_ENOUGH = 2
-"""So many others at a place make it one of their sort."""
+MARKED = Rule(
+    code="RAP104",
+    name="marked-constant",
+    severity=Severity.WARNING,
+    summary="a variable is used only once, and its name is a constant of that place",
+    why="""A variable that occurs once matches anything: `(door front ?open)` holds of a
+door that is shut. Where the library has a constant of that name at the same place, or a
+closed kind lists it, the constant was meant, and the question mark is one too many. If
+anything will do, write a bare `?`, or another name; then nothing is reported.""",
+    fix="unsafe: takes the question mark away",
+    ignore="where anything will do and the name is to say what stands there: write "
+    "another name",
+    source="T 4.1",
+    example="""\
+(declare-memory-property door (?door ?state) unknown)
+(declare-primitive drive (?door) (okay))
+(declare-primitive push (?door) (okay))
+(define-rap (pass ?door)
+  (method (context (door ?door ?open)) (primitive (drive ?door))))
+(define-rap (shut ?door)
+  (method (context (door ?door open)) (primitive (push ?door))))
+""",
+    better="""\
+(declare-memory-property door (?door ?state) unknown)
+(declare-primitive drive (?door) (okay))
+(declare-primitive push (?door) (okay))
+(define-rap (pass ?door)
+  (method (context (door ?door open)) (primitive (drive ?door))))
+(define-rap (shut ?door)
+  (method (context (door ?door open)) (primitive (push ?door))))
+""",
+)
 
 
-def _mixed(known: _Known, one: _Standing) -> Diagnostic | None:
-    """A number among words, or a word among numbers; likewise with truth values.
+@check(MARKED, needs_whole="form")
+def marked_constant(run: Pass) -> Iterator[Diagnostic]:
+    """Find variables used once that are named like a constant of their place."""
+    usage = run.result(USAGE)
+    missing = run.result(BINDINGS).missing
+    constants = run.result(CONSTANTS).value
+    census = run.result(CENSUS)
+    for variable, owner in _used_once(run):
+        there = usage.of(owner, variable.name)
+        if not there or (id(owner), variable.name) in constants:
+            continue
+        (place,) = there
+        if any(m.variable is variable for m in missing.get(id(owner), ())):
+            continue
+        word = variable.name[1:]
+        others = list(_others(census, word, place))
+        others = [o for o in others if (id(o.form), variable.name) not in constants]
+        if _are_sure(others, owner):
+            yield _marked(variable, others[0].const.span)
+        elif any(_lists(run, kind, word) for kind in census.kinds((place,))):
+            yield _marked(variable, None)
 
-    `false` among words is none: it says that there is no such thing.
-    """
-    own = one.sort
-    if len(one.places) != 1 or one.const.value == "false":
-        return None
-    there = known.sorts(one.places[0])
-    others = {sort: n for sort, n in there.items() if sort and sort != own}
-    if there[own] != 1 or len(others) != 1:
-        return None
-    ((sort, count),) = others.items()
-    if count < _enough(known, one, own, sort):
-        return None
-    _, name, _ = place_parts(one.places[0])
-    return MIXED.at(
-        one.const.span,
-        f"`{format_atom(one.const.value)}` stands where all others are {sort}s",
-        help=f"there are {count} of them at this place of `{name}`",
+
+def _others(census: Usage, word: str, place: Place) -> Iterator[Constant]:
+    """Yield constants of a name at a place, and at places of its kinds."""
+    every = census.standing(word) if sort_of(word) not in _EXACT else ()
+    told = [c for c in every if c.count and type(c.form) is not nodes.DefineTest]
+    most = LIMITS.constants_of_place
+    yield from [one for one in told if place in one.places][:most]
+    for kind in census.kinds((place,)):
+        yield from [one for one in told if kind in census.kinds(one.places)][:most]
+
+
+def _used_once(run: Pass) -> Iterator[tuple[nodes.Var, Form]]:
+    """Yield variables that occur once in a form with a body, with the form."""
+    for owner, names in run.result(INDEX).variables():
+        for name, uses in names.items() if isinstance(owner, _BODIES) else ():
+            if len(uses) == 1 and name != "?" and not _is_declared(uses[0]):
+                yield uses[0][0], owner
+
+
+_BODIES = (nodes.DefineRap, nodes.DefineQuery, nodes.MemoryRule, nodes.EventRule)
+
+
+def _is_declared(use: VariableAt) -> bool:
+    """Whether this is where an input, an output or an argument is declared."""
+    _, parent, own = use
+    return parent is own or isinstance(parent, nodes.Argument | nodes.Resource)
+
+
+def _are_sure(constants: Sequence[Constant], owner: Form) -> bool:
+    """Whether constants are more than one word that may itself lack its mark."""
+    elsewhere = any(one.form is not owner for one in constants)
+    return elsewhere or len({one.const.span for one in constants}) > 1
+
+
+def _lists(run: Pass, kind: str, word: str) -> bool:
+    return word in (run.signatures.kinds.values(kind) or ())
+
+
+def _marked(variable: nodes.Var, other: Span | None) -> Diagnostic:
+    word = variable.name[1:]
+    fix = Fix(Applicability.UNSAFE, f"write `{word}`", (Edit(variable.span, word),))
+    return MARKED.at(
+        variable.span,
+        f"`{variable.name}` is used only here, and matches anything",
+        labels=(Label(other, "the constant stands here"),) if other else (),
+        help=f"did you mean `{word}`? if anything will do, write `?`",
+        fix=fix,
     )
 
 
-_SURE = 4
-"""The same where a property may have a word or none."""
+_BOXES = """\
+(declare-memory-proposition inside (?thing ?box))
+(declare-primitive open (?box) (okay))
+(declare-primitive lift (?thing) (okay))
+(define-rap (unpack ?thing)
+  (method (context (inside ?thing ?box)) (primitive (open ?box))))
+(define-rap (take ?thing)
+  (preconditions (inside ?thing ?))
+  (method (primitive (lift ?thing))))
+(define-rap (free ?thing)
+  (method (context (inside ?thing ?box)) (primitive (open ?box))))
+(define-rap (empty-out ?box)
+  (method one
+    (context (inside {}))
+    (task-net (t1 (unpack ?thing) (for t2)) (t2 (take ?thing))))
+  (method shake (primitive (open ?box))))
+"""
+"""Things in boxes; what one method asks is left open."""
+
+SWAPPED = Rule(
+    code="RAP101",
+    name="swapped-arguments",
+    severity=Severity.WARNING,
+    summary="two arguments seem to stand in each other's places",
+    why="""Nothing tells a fact with its arguments swapped from another fact: it is
+asked and asserted, and never means what was meant. Two arguments are told of if in all
+of the library the first is otherwise used like the second, and the second like the
+first. Say the kinds of arguments in their declarations (`(?room room)`), and no guess
+is needed.""",
+    fix="unsafe: swaps the two",
+    ignore="where a relation holds both ways, so that either order is meant",
+    source="T 4.1",
+    example=_BOXES.format("?box ?thing"),
+    better=_BOXES.format("?thing ?box"),
+)
+
+_Pair = tuple[Place, Place]
 
 
-def _enough(known: _Known, one: _Standing, own: str, sort: str) -> int:
-    """Return how many others make a sort; where a text is there as a word, one does."""
-    value = one.const.value
-    word = value.value if isinstance(value, Text) else ""
-    if sort_of(word) not in ("number", "text") and known.at(word).places[one.places[0]]:
-        return 1
-    return _ENOUGH if {"number", "text"} & {own, sort} else _SURE
+class _Links:
+    """In how many forms two places, or a constant and a place, go together."""
+
+    def __init__(self, usage: Usage, census: Usage) -> None:
+        self._usage = usage
+        self._census = census
+
+    def row(self, used: NameUse) -> Sequence[Place]:
+        """Return the places of a name that is used."""
+        return self._usage.row(SPACES[used.use], used.name, used.count)
+
+    def alike(self, one: Place, other: Place) -> bool:
+        """Whether one variable stands at both places: what fits one fits the other."""
+        return self._census.together_elsewhere(one, other) > 0
+
+    def elsewhere(
+        self, form: Form, term: nodes.Term, pair: _Pair, place: Place
+    ) -> Iterator[int]:
+        """Yield in how many other forms what speaks for a term goes with a place.
+
+        That is the term itself, if it is a constant; of a variable, each of its places
+        in the form but the pair that is held against each other.
+        """
+        if type(term) is nodes.Var:
+            for point in islice(self._usage.of(form, term.name), LIMITS.places):
+                if point not in pair:
+                    yield self._census.together_elsewhere(point, place, form)
+        elif type(term) is nodes.Const:
+            word = term.value
+            if isinstance(word, str) and word not in _ANYWHERE:
+                yield self._census.beside_elsewhere(word, place, form)
 
 
-def _foreign(known: _Known, one: _Standing) -> Diagnostic | None:
-    if one.sort != "word" or len(one.kinds) != 1 or len(one.places) != 1:
-        return None
-    (wanted,) = one.kinds
-    there = known.at(one.written).kinds
-    if there[wanted] > 1 or known.kinds.values(wanted) is not None:
-        return None
-    homes = [kind for kind, n in there.items() if n > 1 and kind != wanted]
-    if not homes or not all(_strange(known, kind, wanted) for kind in homes):
-        return None
-    return FOREIGN.at(
-        one.const.span,
-        f"`{one.written}` is a {homes[0]}, and a {wanted} is wanted",
-        help="is it the argument that was meant here?",
+@check(SWAPPED)
+def swapped_arguments(run: Pass) -> Iterator[Diagnostic]:
+    """Find arguments that stand in each other's places."""
+    links = _Links(run.result(USAGE), run.result(CENSUS))
+    told = run.result(KINDS).value
+    best: dict[int, tuple[int, Diagnostic]] = {}
+    for used in run.result(INDEX).uses():
+        form = used.owner
+        if used.count <= 1 or type(form) is nodes.DefineTest or id(form) in told:
+            continue
+        for support, found in _swapped(links, used):
+            if support > best.get(id(form), (0, found))[0]:
+                best[id(form)] = (support, found)
+    for _, found in best.values():
+        yield found
+
+
+def _swapped(links: _Links, used: NameUse) -> Iterator[tuple[int, Diagnostic]]:
+    """Yield two arguments that were swapped, with how much speaks for that."""
+    terms, row = used.node.args[: LIMITS.arguments], links.row(used)
+    for one, other in combinations(range(len(terms)), 2):
+        pair = (terms[one], terms[other])
+        support = _support(links, used.owner, pair, (row[one], row[other]))
+        if support:
+            yield support, _swap(used, pair)
+
+
+def _support(
+    links: _Links, form: Form, terms: tuple[nodes.Term, nodes.Term], places: _Pair
+) -> int:
+    """Return how many other places say that two arguments were swapped."""
+    for term, place in zip(terms, places, strict=True):
+        if any(links.elsewhere(form, term, places, place)):
+            return 0
+    if terms[0] == terms[1] or links.alike(*places):
+        return 0
+    turned = [
+        list(links.elsewhere(form, term, places, place))
+        for term, place in zip(terms, reversed(places), strict=True)
+    ]
+    if all(any(there) for there in turned):
+        counts = [count for there in turned for count in there if count]
+        return len(counts) if max(counts) > 1 else 0
+    lone = [at for at, term in enumerate(terms) if _is_open(term)]
+    if len(lone) != 1 or not isinstance(terms[1 - lone[0]], nodes.Const):
+        return 0
+    return (
+        1
+        if any(count >= THRESHOLDS.swapped_beside_any for count in turned[1 - lone[0]])
+        else 0
     )
 
 
-def _strange(known: _Known, kind: str, wanted: str) -> bool:
-    """Whether values of a kind are hardly of another; kinds named alike are related."""
-    if set(kind.split("-")) & set(wanted.split("-")):
-        return False
-    if wanted in ("item", "symbol"):
-        above = known.kinds.above(kind)
-        return known.kinds.values(kind) is not None and "item" not in above
-    return known.kinds.apart(kind, wanted)
+_ANYWHERE = ("unknown", *TRUTH)
+"""Constants that stand anywhere."""
+
+
+def _is_open(term: nodes.Term) -> bool:
+    return isinstance(term, nodes.Var) and term.anonymous
+
+
+def _swap(used: NameUse, terms: tuple[nodes.Term, nodes.Term]) -> Diagnostic:
+    one, other = (format_term(term) for term in terms)
+    spans: Mapping[int, Span] = {0: terms[0].span, 1: terms[1].span}
+    return SWAPPED.at(
+        Span(used.span.file, spans[0].start, spans[1].end),
+        f"`{one}` and `{other}` seem to be swapped",
+        help=f"everywhere else in the library the arguments of `{used.name}` are used "
+        "the other way round",
+        fix=Fix(
+            Applicability.UNSAFE,
+            "swap the two",
+            (Edit(spans[0], other), Edit(spans[1], one)),
+        ),
+    )

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from rapc.analysis.check import Pass, check
 from rapc.analysis.facts.index import INDEX, NameUse
 from rapc.analysis.facts.names import declared_at, wrong_arity
-from rapc.analysis.facts.usage import CENSUS, TRUTH, argument_place
+from rapc.analysis.facts.usage import CENSUS, TRUTH, Place
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,
@@ -127,7 +127,7 @@ def _never_true(run: Pass, declared: Signature) -> bool:
     kind = args[-1].kind if args else None
     if kind is not None and not run.signatures.kinds.holds(kind, "true"):
         return True
-    place = argument_place("predicate", declared.name, (declared.most or 1) - 1)
+    place = Place("predicate", declared.name, (declared.most or 1) - 1)
     there = run.result(CENSUS).at(place)
     values = {one.written for one in there if one.count == declared.most}
     values.discard("unknown")

@@ -5,45 +5,39 @@ Two places are linked in a form where one variable stands at both: what is told 
 values at one holds for the other. Declarations take part as forms of their own, with
 their variables. Kinds of places are declared, or learned from the use of an input.
 
-Some checks compare a form with all others: where else a constant stands, which places
-go together. They read the census, and never walk over other forms themselves.
+Checks that compare a form with all others, where else a constant stands or which places
+go together, read these tables and never walk over other forms themselves.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Container, Iterable, Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Collection, Container, Iterator, Mapping, Sequence
+from functools import cached_property
 from itertools import islice
-from types import MappingProxyType
-from typing import NewType
+from typing import NamedTuple
 
 import msgspec
 
 from rapc.analysis.check import Fact, Pass
-from rapc.analysis.facts.index import INDEX, Form, Index
-from rapc.analysis.facts.kinds import INFERRED, InferredKinds
+from rapc.analysis.facts.index import INDEX, Form
+from rapc.analysis.facts.kinds import INFERRED
 from rapc.analysis.facts.names import MISUSES
+from rapc.analysis.facts.statistics import LIMITS
 from rapc.base.values import format_atom
 from rapc.ir import nodes
-from rapc.library.signatures import Signatures, Use
-
-Place = NewType("Place", str)
-"""An argument place in words: the space of names, the name, the argument's number.
-
-The number counts from 0: `predicate location 1` is the value of `location`. Names have
-no spaces in them.
-"""
+from rapc.library.signatures import Use
 
 
-def argument_place(space: str, name: str, position: int) -> Place:
-    """Return the place of an argument of a name."""
-    return Place(f"{space} {name} {position}")
+class Place(NamedTuple):
+    """An argument place: `Place("predicate", "location", 1)` is the value of a fact."""
 
-
-def place_parts(place: Place) -> tuple[str, str, int]:
-    """Return the space of names of a place, the name, and the argument's number."""
-    space, name, position = place.split(" ")
-    return space, name, int(position)
+    #: The space of names, a value of `SPACES`.
+    space: str
+    name: str
+    #: The argument's number, from 0.
+    position: int
 
 
 class Constant(msgspec.Struct, frozen=True, gc=False):
@@ -75,22 +69,42 @@ SPACES: Mapping[Use, str] = {
 }
 """The space of names in which a name used so is looked up."""
 
+_USES: Mapping[str, Use] = {s: use for use, s in reversed([*SPACES.items()])}
 
-class Places:
-    """The places of a library.
+_DECLARED: Mapping[str, type[nodes.Node]] = {
+    "predicate": nodes.DefineQuery,
+    "primitive": nodes.DeclarePrimitive,
+    "datum": nodes.DeclareDatum,
+    "skill": nodes.DeclareSkill,
+}
+"""The declarations that say more of their arguments than that there are so many."""
+
+_WithArguments = (
+    nodes.DefineQuery | nodes.DeclarePrimitive | nodes.DeclareDatum | nodes.DeclareSkill
+)
+
+
+class Usage:
+    """The argument places of a library, with what stands at them.
 
     Args:
-        index: its nodes.
-        wrong: the ids of the nodes that do not meet the declaration of their name.
+        run: the pass.
+        wrong: the ids of the nodes that are left out.
     """
 
-    def __init__(self, index: Index, wrong: Container[int]) -> None:
+    def __init__(self, run: Pass, wrong: Container[int] = ()) -> None:
         #: The constants at places in the order of uses, then those that are compared.
         self.constants: list[Constant] = []
+        self._library = run.library
+        self._signatures = run.signatures
+        self._inferred = run.result(INFERRED).inputs
         self._rows: dict[tuple[str, str], list[Place]] = {}
-        #: By the id of a form: for each variable its places, each once.
-        self._of: dict[int, dict[str, dict[Place, None]]] = {}
-        self._forms: dict[int, Form] = {}
+        #: By the id of a form: the form, and for each variable its places, each once.
+        self._of: dict[int, tuple[Form, dict[str, dict[Place, None]]]] = {}
+        self._kinds: dict[Place, str | None] = {}
+        self._together: dict[tuple[Place, Place], Mapping[int, int]] = {}
+        self._beside: dict[tuple[str, Place], frozenset[int]] = {}
+        index = run.result(INDEX)
         for used in index.uses():
             if id(used.node) not in wrong:
                 terms = used.node.args
@@ -107,23 +121,74 @@ class Places:
                 variables = [arg.variable for arg in node.args]
                 self._fill(space, node.name, variables, form.owner, len(variables))
         for test in index.of(nodes.Compare):
-            self._compare(test.node, test.owner)
+            sides = (test.node.left, test.node.right)
+            for one, other in (sides, sides[::-1]):
+                if type(one) is nodes.Const and type(other) is nodes.Var:
+                    places = tuple(self.of(test.owner, other.name))
+                    self._constant(one, test.owner, 0, places)
+
+    # --- places -----------------------------------------------------------------------
 
     def row(self, space: str, name: str, count: int) -> Sequence[Place]:
         """Return the first places of a name: as many as are wanted, or more."""
         found = self._rows.setdefault((space, name), [])
         while len(found) < count:
-            found.append(argument_place(space, name, len(found)))
+            found.append(Place(space, name, len(found)))
         return found
 
     def of(self, form: Form, name: str) -> Collection[Place]:
         """Return the places at which a variable stands in a form, each once."""
-        return self._of.get(id(form), _NOWHERE).get(name, ())
+        _, names = self._of.get(id(form), (form, {}))
+        return names.get(name, ())
 
-    def forms(self) -> Iterator[tuple[Form, Mapping[str, Collection[Place]]]]:
-        """Yield the forms with their variables, and the places of each."""
-        for key, names in self._of.items():
-            yield self._forms[key], names
+    def kinds(self, places: Sequence[Place]) -> tuple[str, ...]:
+        """Return the kinds of places of which one is known, each once."""
+        for place in places:
+            if place not in self._kinds:
+                self._kinds[place] = self._kind(place)
+        found = [self._kinds[place] for place in places]
+        return tuple(dict.fromkeys(kind for kind in found if kind is not None))
+
+    def together_elsewhere(
+        self, one: Place, other: Place, form: Form | None = None
+    ) -> int:
+        """Return in how many forms but one a variable stands at both places.
+
+        A declaration counts as two RAPs do.
+        """
+        pair = (one, other)
+        forms = self._together.get(pair)
+        if forms is None:
+            forms = self._together[pair] = self._forms_with_both(one, other)
+        return sum(forms.values()) - forms.get(id(form), 0)
+
+    def _kind(self, place: Place) -> str | None:
+        table = self._signatures.table(_USES[place.space])
+        declared = table.get(place.name)
+        args = (declared.args if declared is not None else None) or ()
+        kind = args[place.position].kind if place.position < len(args) else None
+        if kind is None and place.space == "RAP" and place.position < len(args):
+            learned = self._inferred.get(place.name, ())[place.position :]
+            return learned[0].kind if learned and learned[0] is not None else None
+        return kind
+
+    @cached_property
+    def _at(self) -> dict[Place, dict[tuple[int, str], Form]]:
+        """The variables at each place, with their forms."""
+        found: dict[Place, dict[tuple[int, str], Form]] = {}
+        for key, (form, names) in self._of.items():
+            for name, there in names.items():
+                for place in islice(there, LIMITS.places):
+                    found.setdefault(place, {})[key, name] = form
+        return found
+
+    def _forms_with_both(self, one: Place, other: Place) -> Mapping[int, int]:
+        """Return the forms in which a variable stands at both, and how each counts."""
+        if one == other:
+            return {}
+        small, large = sorted((self._at.get(p, {}) for p in (one, other)), key=len)
+        forms = [form for variable, form in small.items() if variable in large]
+        return {id(form): 1 if isinstance(form, _SINGLE) else 2 for form in forms}
 
     def _fill(
         self,
@@ -134,10 +199,7 @@ class Places:
         count: int,
     ) -> None:
         """Note the terms at the places of a name."""
-        own = self._of.get(id(form))
-        if own is None:
-            own = self._of[id(form)] = {}
-            self._forms[id(form)] = form
+        _, own = self._of.setdefault(id(form), (form, {}))
         row = self.row(space, name, len(terms))
         for place, term in zip(row, terms, strict=False):
             if type(term) is nodes.Var:
@@ -146,169 +208,21 @@ class Places:
             elif type(term) is nodes.Const:
                 self._constant(term, form, count, (place,))
 
-    def _compare(self, test: nodes.Compare, form: Form) -> None:
-        """Note the constants that are compared with variables."""
-        for one, other in ((test.left, test.right), (test.right, test.left)):
-            if type(one) is nodes.Const and type(other) is nodes.Var:
-                self._constant(one, form, 0, tuple(self.of(form, other.name)))
-
     def _constant(
         self, const: nodes.Const, form: Form, count: int, places: tuple[Place, ...]
     ) -> None:
         written = format_atom(const.value)
         self.constants.append(Constant(const, written, form, count, places))
 
+    # --- constants --------------------------------------------------------------------
 
-_NOWHERE: Mapping[str, Collection[Place]] = MappingProxyType({})
+    def standing(self, written: str) -> Sequence[Constant]:
+        """Return where a constant stands, in the order of files."""
+        return self._by_word.get(written, ())
 
-_DECLARED: Mapping[str, type[nodes.Node]] = {
-    "predicate": nodes.DefineQuery,
-    "primitive": nodes.DeclarePrimitive,
-    "datum": nodes.DeclareDatum,
-    "skill": nodes.DeclareSkill,
-}
-"""The declarations that say more of their arguments than that there are so many."""
-
-_WithArguments = (
-    nodes.DefineQuery | nodes.DeclarePrimitive | nodes.DeclareDatum | nodes.DeclareSkill
-)
-
-
-def _places(run: Pass) -> Places:
-    wrong = {id(misuse.used.node) for misuse in run.result(MISUSES).found}
-    return Places(run.result(INDEX), wrong)
-
-
-PLACES = Fact(_places)
-"""Gathers what stands at each argument place of the library."""
-
-
-Inputs = Mapping[str, tuple[str | None, ...]]
-"""The kinds of the inputs of RAPs by name; RAPs of whose inputs none is known lack."""
-
-
-def kinds_of_inputs(raps: Iterable[nodes.DefineRap], inferred: InferredKinds) -> Inputs:
-    """Return the kinds of the inputs of some RAPs, declared or learned.
-
-    Args:
-        raps: the RAPs.
-        inferred: what was learned of inputs for which no kind is declared.
-    """
-    found: dict[str, tuple[str | None, ...]] = {}
-    for rap in raps:
-        learned = inferred.inputs.get(rap.name, ())
-        if rap.kinds or any(learned):
-            declared = {one.variable: one.kind for one in rap.kinds}
-            kinds = [one.kind if one is not None else None for one in learned]
-            kinds += [None] * len(rap.inputs)  # of one defined twice fewer are learned
-            pairs = zip(rap.inputs, kinds, strict=False)
-            found[rap.name] = tuple([declared.get(v.name, kind) for v, kind in pairs])
-    return found
-
-
-class PlaceKinds:
-    """Tells of which kinds the values at argument places are, declared or learned.
-
-    Args:
-        signatures: what is declared.
-        inputs: the kinds of the inputs of RAPs.
-    """
-
-    def __init__(self, signatures: Signatures, inputs: Inputs) -> None:
-        self.inputs = inputs
-        self._tables = {
-            "predicate": signatures.predicates,
-            "primitive": signatures.primitives,
-            "datum": signatures.data,
-            "skill": signatures.skills,
-            "event": signatures.events,
-        }
-        self._known: dict[Place, str | None] = {}
-
-    def of(self, places: Sequence[Place]) -> tuple[str, ...]:
-        """Return the kinds of places of which one is known, each once."""
-        found = [self._one(place) for place in places]
-        return tuple(dict.fromkeys(kind for kind in found if kind is not None))
-
-    def _one(self, place: Place) -> str | None:
-        if place not in self._known:
-            self._known[place] = self._look_up(place)
-        return self._known[place]
-
-    def _look_up(self, place: Place) -> str | None:
-        space, name, position = place_parts(place)
-        if space == "RAP":
-            kinds = self.inputs.get(name, ())
-            return kinds[position] if position < len(kinds) else None
-        declared = self._tables[space].get(name)
-        args = declared.args if declared is not None else None
-        if args is None or position >= len(args):
-            return None
-        return args[position].kind
-
-
-def _place_kinds(run: Pass) -> PlaceKinds:
-    inputs = kinds_of_inputs(run.library.raps.values(), run.result(INFERRED))
-    return PlaceKinds(run.signatures, inputs)
-
-
-PLACE_KINDS = Fact(_place_kinds)
-"""Works out of which kinds the values at argument places are."""
-
-
-MOST_PLACES = 12
-"""Of the places of a variable in a form only the first so many are told."""
-
-PLAIN = ("unknown", "true", "false", "nil", "t", "okay")
-"""Constants that stand anywhere."""
-
-TRUTH = ("true", "false", "t", "nil")
-"""Constants that answer a question."""
-
-_Weights = Mapping[int, int]
-"""How much each form counts, by the id of the form."""
-
-
-class Census:
-    """Where constants stand, and which places go together.
-
-    Args:
-        places: the places of the library.
-        forms: its forms, in the order of files and text.
-    """
-
-    def __init__(self, places: Places, forms: Iterable[Form]) -> None:
-        self._by_word: dict[str, list[Constant]] = {}
-        self._by_place: dict[Place, list[Constant]] = {}
-        for one in _in_order(places.constants, forms):
-            self._by_word.setdefault(one.written, []).append(one)
-            for place in one.places:
-                self._by_place.setdefault(place, []).append(one)
-        #: For each variable of a form that form; `_at` has the variables at a place.
-        self._owners: list[Form] = []
-        self._at: dict[Place, set[int]] = {}
-        for form, names in places.forms():
-            for there in names.values():
-                for place in islice(there, MOST_PLACES):
-                    self._at.setdefault(place, set()).add(len(self._owners))
-                self._owners.append(form)
-        self._together: dict[tuple[Place, Place], tuple[int, _Weights]] = {}
-        self._beside: dict[tuple[str, Place], frozenset[int]] = {}
-
-    def together_elsewhere(
-        self, one: Place, other: Place, form: Form | None = None
-    ) -> int:
-        """Return in how many forms but one a variable stands at both places.
-
-        A declaration counts as two RAPs do.
-        """
-        pair = (one, other)
-        found = self._together.get(pair)
-        if found is None:
-            forms = self._forms_with_both(one, other)
-            found = self._together[pair] = sum(forms.values()), forms
-        count, forms = found
-        return count - forms.get(id(form), 0)
+    def at(self, place: Place) -> Sequence[Constant]:
+        """Return the constants at a place."""
+        return self._by_place.get(place, ())
 
     def beside_elsewhere(self, written: str, place: Place, form: Form) -> int:
         """Return in how many forms but one a constant itself stands at a place."""
@@ -320,49 +234,103 @@ class Census:
             self._beside[pair] = forms
         return len(forms) - (id(form) in forms)
 
-    def written(self) -> Iterable[str]:
-        """Return the constants of the library as they are written, each once."""
-        return self._by_word
+    def words(self) -> Iterator[str]:
+        """Yield the constants that are used or listed, as they are written."""
+        yield from dict.fromkeys((*self._by_word, *self._listed))
 
-    def standing(self, written: str) -> Sequence[Constant]:
-        """Return where a constant stands, in the order of files."""
-        return self._by_word.get(written, ())
+    def count(self, written: str) -> int:
+        """Return how often a constant stands in the library.
 
-    def at(self, place: Place) -> Sequence[Constant]:
-        """Return the constants at a place."""
-        return self._by_place.get(place, ())
+        Where a declaration lists it, it counts twice.
+        """
+        return len(self.standing(written)) + 2 * len(self._listed.get(written, ()))
 
-    def _forms_with_both(self, one: Place, other: Place) -> _Weights:
-        """Return the forms in which one variable stands at both places."""
-        if one == other:
-            return {}
-        small, large = sorted((self._at.get(p, set()) for p in (one, other)), key=len)
-        forms = [self._owners[variable] for variable in small if variable in large]
-        return {id(form): 1 if isinstance(form, _SINGLE) else 2 for form in forms}
+    def counts(self, written: str) -> tuple[Counter[Place], Counter[str]]:
+        """Return how often a constant stands at places, and at those of kinds."""
+        found = self._counts.get(written)
+        if found is None:
+            found = self._counts[written] = Counter(), Counter()
+            for one in self.standing(written):
+                found[0].update(one.places)
+                found[1].update(self.kinds(one.places))
+            found[1].update({k: 2 for k in self._listed.get(written, ()) if k})
+        return found
+
+    def sorts(self, place: Place) -> Counter[str]:
+        """Return how many constants of each sort stand at a place."""
+        found = self._sorts.get(place)
+        if found is None:
+            every = [sort_of(one.written) for one in self.at(place)]
+            found = self._sorts[place] = Counter(every)
+        return found
+
+    @cached_property
+    def _counts(self) -> dict[str, tuple[Counter[Place], Counter[str]]]:
+        return {}
+
+    @cached_property
+    def _sorts(self) -> dict[Place, Counter[str]]:
+        return {}
+
+    @cached_property
+    def _listed(self) -> Mapping[str, Sequence[str]]:
+        """The constants that declarations list, with their kinds; a result has none."""
+        found: dict[str, list[str]] = {}
+        for name, form in self._library.kinds.items():
+            for value in form.values or ():
+                found.setdefault(format_atom(value), []).append(name)
+        for primitive in self._library.primitives.values():
+            for result in primitive.results:
+                found.setdefault(result, []).append("")
+        return found
+
+    @cached_property
+    def _by_word(self) -> Mapping[str, Sequence[Constant]]:
+        """Where each constant stands, in the order of files."""
+        order: dict[str, int] = {}
+        for form in (*self._library.forms, *self._library.tests):
+            order.setdefault(form.span.file, len(order))
+        found: dict[str, list[Constant]] = {}
+        for one in sorted(self.constants, key=lambda one: order[one.form.span.file]):
+            found.setdefault(one.written, []).append(one)
+        return found
+
+    @cached_property
+    def _by_place(self) -> Mapping[Place, Sequence[Constant]]:
+        found: dict[Place, list[Constant]] = {}
+        for there in self._by_word.values():
+            for one in there:
+                for place in one.places:
+                    found.setdefault(place, []).append(one)
+        return found
 
 
 _SINGLE = (nodes.DefineRap, nodes.DefineTest)
 """The forms that count once."""
 
 
-def _in_order(constants: Iterable[Constant], forms: Iterable[Form]) -> list[Constant]:
-    """Return constants file by file."""
-    order: dict[str, int] = {}
-    for form in forms:
-        order.setdefault(form.span.file, len(order))
-    return sorted(constants, key=lambda one: order[one.form.span.file])
+def _usage(run: Pass) -> Usage:
+    wrong = {id(misuse.used.node) for misuse in run.result(MISUSES).found}
+    return Usage(run, wrong)
 
 
-def _census(run: Pass) -> Census:
-    places = run.result(PLACES)
-    if run.result(MISUSES).found:
-        # Where a name does not meet its declaration, its arguments count all the same.
-        places = Places(run.result(INDEX), ())
-    return Census(places, (*run.library.forms, *run.library.tests))
+USAGE = Fact(_usage)
+"""What stands at places, uses that do not meet their declaration aside."""
+
+
+def _census(run: Pass) -> Usage:
+    return Usage(run) if run.result(MISUSES).found else run.result(USAGE)
 
 
 CENSUS = Fact(_census)
-"""Gathers what forms tell of places and constants."""
+"""What stands at places, in all uses of names."""
+
+
+TRUTH = ("true", "false", "t", "nil")
+"""Constants that answer a question."""
+
+PLAIN = ("unknown", *TRUTH, "okay")
+"""Constants that stand anywhere."""
 
 
 def sort_of(written: str) -> str:
