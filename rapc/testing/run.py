@@ -13,24 +13,28 @@ import msgspec
 
 from rapc.analysis.driver import Finding
 from rapc.base.source import Span
-from rapc.base.values import Fact, format_atom, format_list, readable
+from rapc.base.values import format_atom, format_list, readable
 from rapc.compiler.program import Program
 from rapc.errors import FactError, PortError, RefusedError, WorldError
 from rapc.ir import nodes
-from rapc.library.signatures import Signatures
 from rapc.runtime.events.recorder import Listener
 from rapc.runtime.prepare import prepare
 from rapc.runtime.task_request import TaskRequest, as_text, of_node
 from rapc.spec import RunSpec
-from rapc.testing.admission import Problem, options_of, problems
-from rapc.testing.answers import UnansweredQuestion, functions
 from rapc.testing.coverage import Coverage
 from rapc.testing.judge import Evidence, judge
 from rapc.testing.patterns import atom, flat
 from rapc.testing.record import Record
+from rapc.testing.setting import (
+    UnansweredQuestion,
+    Unmet,
+    borrowed_kit,
+    functions,
+    in_a_line,
+    problems,
+    row_of,
+)
 from rapc.world import Kit, World
-from rapc.worlds import registry
-from rapc.worlds.script import Row
 from rapc.worlds.scripted import ScriptedWorld, UnansweredRequest
 
 MOST_CYCLES = 100_000
@@ -47,17 +51,6 @@ class Case(msgspec.Struct, frozen=True):
     library: Program
     #: What the checker found wrong with the test: if anything, it is not run.
     faults: tuple[Finding, ...] = ()
-
-
-class Unmet(msgspec.Struct, frozen=True):
-    """Something that was not as expected: the place that asks for it, and what was.
-
-    `events` is how many events of the trace had come when that was found.
-    """
-
-    span: Span
-    happened: tuple[str, ...]
-    events: int
 
 
 class Status(enum.Enum):
@@ -108,18 +101,17 @@ def run_case(
     if case.faults:
         return _error(case, seed, [_problem(f) for f in case.faults])
     try:
-        kit, found = _borrowed(test, seed, modules)
+        kit, found = borrowed_kit(test, seed, modules)
         found = found or problems(test, case.library.library, kit)
         if found:
             return _error(case, seed, found)
         running = _Run(case, seed, kit, wrap)
     except WorldError as error:
-        said = f"{error.message}; {error.help}" if error.help else error.message
-        return _error(case, seed, [Problem(place, said)])
+        return _error(case, seed, [Unmet(place, (in_a_line(error),))])
     except (FactError, PortError) as error:
-        return _error(case, seed, [Problem(place, error.message)])
+        return _error(case, seed, [Unmet(place, (error.message,))])
     except RefusedError as error:
-        return _error(case, seed, [Problem(place, line) for line in error.reasons])
+        return _error(case, seed, [Unmet(place, (line,)) for line in error.reasons])
     if coverage is not None:
         coverage.begin(case.library.library)
         running.interpreter.listen(coverage)
@@ -130,34 +122,16 @@ def run_case(
     return running.outcome()
 
 
-def _error(case: Case, seed: int, found: Sequence[Problem]) -> Outcome:
-    failures = tuple(Unmet(p.span, (p.message,), 0) for p in found)
-    return Outcome(case, seed, Status.ERROR, failures)
+def _error(case: Case, seed: int, found: Sequence[Unmet]) -> Outcome:
+    return Outcome(case, seed, Status.ERROR, tuple(found))
 
 
-def _problem(finding: Finding) -> Problem:
+def _problem(finding: Finding) -> Unmet:
     """A finding in one line, with the name that may have been meant."""
     found = finding.diagnostic
     is_question = found.help.startswith("did you mean")
     message = f"{found.message}; {found.help}" if is_question else found.message
-    return Problem(found.span, message)
-
-
-def _borrowed(
-    test: nodes.DefineTest, seed: int, modules: Collection[str]
-) -> tuple[Kit, list[Problem]]:
-    """Return what the world that a test names lends it, and why it cannot be had.
-
-    Raises:
-        WorldError: if there is no such world, or it may not be used.
-    """
-    if test.world is None:
-        return Kit(), []
-    found = registry.find_permitted(test.world, modules)
-    options, problems = options_of(test, found)
-    if problems:
-        return found.kit, problems
-    return registry.build_world(found, seed, options).kit, []
+    return Unmet(found.span, (message,))
 
 
 class _Run:
@@ -331,33 +305,3 @@ class _Run:
 def _later_tasks(test: nodes.DefineTest) -> list[TaskRequest]:
     actions = [action for at in test.ats for action in at.actions]
     return [of_node(task) for task in actions if isinstance(task, nodes.GivenTask)]
-
-
-def row_of(row: nodes.ScriptRow, signatures: Signatures) -> Row:
-    """Return a row of a test's script as the scripted world takes it.
-
-    The value `true` that a property leaves out in text is written out [L 2.26].
-    """
-
-    def stated(fact: nodes.Proposition) -> Fact:
-        known = signatures.relations.get(fact.name)
-        args = fact.args if known is None else known.full(fact.args)
-        return (fact.name, *map(atom, args))
-
-    return Row(
-        pattern=flat(row.request),
-        result=row.result or "okay",
-        times=row.times,
-        takes=row.takes,
-        after=row.after,
-        asserts=tuple(map(stated, row.asserts)),
-        erases=tuple(map(flat, row.erases)),
-        moves=tuple((atom(one.item), atom(one.place)) for one in row.moves),
-        loses=tuple(map(atom, row.loses)),
-        data=tuple(map(flat, row.data)),
-        signals=tuple(map(flat, row.signals)),
-        refused=row.refused,
-        kind=row.kind,
-        pauses=row.pauses,
-        every=row.every,
-    )

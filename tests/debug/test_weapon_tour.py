@@ -13,7 +13,7 @@ from rapc.host import CheckedLibrary
 from rapc.runtime.task_request import of_node
 from rapc.testing.discover import find
 from rapc.testing.patterns import flat
-from rapc.testing.run import row_of
+from rapc.testing.setting import row_of
 from rapc.worlds import registry
 from rapc.worlds.scripted import ScriptedWorld
 from tests.truck.runs import STDLIB

@@ -11,7 +11,8 @@ from itertools import groupby
 from rapc.base.source import SourceFile, Span, place
 from rapc.console.junit import JUnitCase, junit
 from rapc.console.lines import Line
-from rapc.testing.run import Outcome, Status, Unmet
+from rapc.testing.run import Outcome, Status
+from rapc.testing.setting import Unmet
 
 _MOST_ROWS = 8
 

@@ -1,0 +1,189 @@
+"""What a test is run with: what its world lends it, its script, its answers.
+
+A library may ask functions that nobody registered, for they come with a world that the
+test does without: answers of the test stand in for them.
+
+What only the world of a test can tell keeps it from being run, and is found here. All
+else that may be wrong with a test is found by the checker, without any world
+(`rapc.analysis`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from typing import Any
+
+import msgspec
+
+from rapc.base.source import Span
+from rapc.base.values import Atom, Fact, format_list, match_pattern
+from rapc.errors import Error, WorldError
+from rapc.ir import nodes
+from rapc.library.library import Library
+from rapc.library.signatures import Signatures
+from rapc.testing.coverage import traced_name
+from rapc.testing.patterns import atom, flat
+from rapc.world import Kit, World
+from rapc.worlds import registry
+from rapc.worlds.script import Row
+
+
+class Unmet(msgspec.Struct, frozen=True):
+    """Something that was not as expected: the place that asks for it, and what was.
+
+    `events` is how many events of the trace had come when that was found.
+    """
+
+    span: Span
+    happened: tuple[str, ...]
+    events: int = 0
+
+
+class UnansweredQuestion(Error):
+    """A question to a memory function that no answer of the test fits."""
+
+    def __init__(self, question: Fact) -> None:
+        super().__init__(f"no answer says what {format_list(question)} is")
+
+    def __str__(self) -> str:
+        """Return the message, with the clauses that asked."""
+        return ", asked by ".join([self.message, *getattr(self, "__notes__", ())])
+
+
+def functions(answers: Sequence[nodes.Answer]) -> Mapping[str, Callable[..., Any]]:
+    """Return the functions that give `answers`, by name, as a host registers them."""
+    tables: dict[str, list[tuple[Fact, Atom]]] = {}
+    for answer in answers:
+        name = answer.call.function
+        pattern = (name, *[atom(arg) for arg in answer.call.args])
+        tables.setdefault(name, []).append((pattern, answer.value.value))
+    return {name: _function(name, table) for name, table in tables.items()}
+
+
+def _function(name: str, table: Sequence[tuple[Fact, Atom]]) -> Callable[..., Any]:
+    """Return a function that gives the first answer whose question matches."""
+
+    def answered(memory: object, *given: Any) -> Atom:
+        """Return the answer to (name given...); of a default, `given` is an index.
+
+        Raises:
+            UnansweredQuestion: if there is none.
+        """
+        args = given[0] if len(given) == 1 and isinstance(given[0], tuple) else given
+        question = (name, *args)
+        for pattern, value in table:
+            if match_pattern(pattern, question) is not None:
+                return value
+        raise UnansweredQuestion(question)
+
+    return answered
+
+
+# --- the world ------------------------------------------------------------------------
+
+
+def borrowed_kit(
+    test: nodes.DefineTest, seed: int, modules: Collection[str]
+) -> tuple[Kit, list[Unmet]]:
+    """Return what the world that a test names lends it, and why it cannot be had.
+
+    Raises:
+        WorldError: if there is no such world, or it may not be used.
+    """
+    if test.world is None:
+        return Kit(), []
+    found = registry.find_permitted(test.world, modules)
+    options, wrong = _options(test, found)
+    if wrong:
+        return found.kit, wrong
+    return registry.build_world(found, seed, options).kit, []
+
+
+def _options(
+    test: nodes.DefineTest, world: type[World]
+) -> tuple[dict[str, Atom | bool], list[Unmet]]:
+    """Return the options that a test sets for its world, and what is wrong."""
+    flags = {option.name for option in world.kit.options if option.kind == "flag"}
+    values: dict[str, Atom | bool] = {}
+    found = []
+    for option in test.options:
+        given: Atom | bool = option.value
+        if option.name in flags and given in ("true", "false"):
+            given = given == "true"
+        try:
+            values |= registry.check_options(world, {option.name: given})
+        except WorldError as error:
+            found.append(Unmet(option.span, (in_a_line(error),)))
+    return values, found
+
+
+def in_a_line(error: Error) -> str:
+    """Return an error with what to do about it."""
+    return f"{error.message}; {error.help}" if error.help else error.message
+
+
+def problems(
+    test: nodes.DefineTest,
+    library: Library,
+    kit: Kit,
+) -> list[Unmet]:
+    """Return why a test cannot be run in its world.
+
+    Args:
+        test: the test.
+        library: what it runs.
+        kit: what the world that it names brings along; an empty one without a world.
+    """
+    handled, solved = kit.handlers.data, kit.solvers
+    found = [
+        Unmet(datum.span, (f"there is no handler for the datum `{datum.name}`",))
+        for row in test.script
+        for datum in row.data
+        if datum.name not in handled
+    ]
+    for answer in test.answers:
+        name = answer.call.function
+        if name in kit.functions:
+            said = f"the world `{test.world}` answers for `{name}` itself"
+            found.append(Unmet(answer.span, (said,)))
+    later = [action for at in test.ats for action in at.actions]
+    inner = [
+        e for one in later if isinstance(one, nodes.Expect) for e in one.expectations
+    ]
+    for expected in (*inner, *test.expectations):
+        if isinstance(expected, nodes.MethodChosen) and expected.rap not in solved:
+            rap = library.raps.get(expected.rap)
+            if rap is not None and expected.method not in map(traced_name, rap.methods):
+                message = f"`{rap.name}` has no method called `{expected.method}`"
+                found.append(Unmet(expected.span, (message,)))
+    return found
+
+
+def row_of(row: nodes.ScriptRow, signatures: Signatures) -> Row:
+    """Return a row of a test's script as the scripted world takes it.
+
+    The value `true` that a property leaves out in text is written out [L 2.26].
+    """
+
+    def stated(fact: nodes.Proposition) -> Fact:
+        known = signatures.relations.get(fact.name)
+        args = fact.args if known is None else known.full(fact.args)
+        return (fact.name, *map(atom, args))
+
+    return Row(
+        pattern=flat(row.request),
+        result=row.result or "okay",
+        times=row.times,
+        takes=row.takes,
+        after=row.after,
+        asserts=tuple(map(stated, row.asserts)),
+        erases=tuple(map(flat, row.erases)),
+        moves=tuple((atom(one.item), atom(one.place)) for one in row.moves),
+        loses=tuple(map(atom, row.loses)),
+        data=tuple(map(flat, row.data)),
+        signals=tuple(map(flat, row.signals)),
+        refused=row.refused,
+        kind=row.kind,
+        pauses=row.pauses,
+        every=row.every,
+    )
