@@ -73,6 +73,22 @@ def test_no_import_hides_in_a_function(modules: Sequence[Module]) -> None:
     assert hidden == []
 
 
+BY_NAME = {
+    "rapc/__init__.py": "a public name is imported when it is asked for",
+    "rapc/analysis/registry.py": "a pass is imported when one of its rules is wanted",
+    "rapc/cli/main.py": "a command is imported when it is typed",
+    "rapc/testing/pytest_plugin.py": "pytest loads the plug-in in every run",
+    "rapc/worlds/registry.py": "a world is a module of anybody's",
+}
+"""Where modules are imported by their names, and why."""
+
+
+def test_modules_are_imported_by_name_in_few_places(modules: Sequence[Module]) -> None:
+    """An import that linters cannot see needs a reason; there are no proxies."""
+    found = {module.name for module in modules if "import_module" in module.text}
+    assert found == {*BY_NAME}
+
+
 def _is_of_rapc(node: ast.Import | ast.ImportFrom) -> bool:
     if isinstance(node, ast.ImportFrom):
         return (node.module or "").startswith("rapc")

@@ -6,27 +6,22 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 from msgspec.structs import replace
 
 from rapc.base.chance import below
 from rapc.base.code_places import place_of
-from rapc.base.later import later
 from rapc.base.resources import frozen
 from rapc.compiler.program import Program
 from rapc.compiler.rap_plan import MethodPlan, RapPlan
 from rapc.errors import PortError
 from rapc.events import SolverCalled
 from rapc.ir import nodes
+from rapc.library import saved_check
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.task import Env, Task
 from rapc.runtime.tasks.hold_things import must_wait
-
-if TYPE_CHECKING:
-    from rapc.library import saved_check
-else:
-    saved_check = later("rapc.library.saved_check")
 
 _Any = TypeVar("_Any")
 
