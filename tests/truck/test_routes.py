@@ -38,17 +38,17 @@ DIAMOND = Facts(
 
 
 def test_takes_the_quickest_roads_not_the_fewest() -> None:
-    assert [leg.to for leg in find_route(DIAMOND, "a", "d")] == ["b", "d"]
+    assert [leg[2] for leg in find_route(DIAMOND, "a", "d")] == ["b", "d"]
     longer = Facts(*DIAMOND.facts, *road("r6", "c", "west", "e", 1))
     quick = Facts(*longer.facts, *road("r7", "e", "south", "d", 1))
-    assert [leg.to for leg in find_route(quick, "a", "d")] == ["c", "e", "d"]
+    assert [leg[2] for leg in find_route(quick, "a", "d")] == ["c", "e", "d"]
 
 
 def test_of_equal_routes_takes_the_first_of_the_map() -> None:
     left = (*road("r1", "a", "west", "b", 1), *road("r2", "b", "west", "d", 1))
     right = (*road("r3", "a", "east", "c", 1), *road("r4", "c", "east", "d", 1))
-    assert find_route(Facts(*left, *right), "a", "d")[0].to == "b"
-    assert find_route(Facts(*right, *left), "a", "d")[0].to == "c"
+    assert find_route(Facts(*left, *right), "a", "d")[0][2] == "b"
+    assert find_route(Facts(*right, *left), "a", "d")[0][2] == "c"
 
 
 def test_roads_lead_one_way_unless_a_second_fact_says_so() -> None:

@@ -68,13 +68,6 @@ class Trajectory(msgspec.Struct, frozen=True):
     narrow: bool = False
 
 
-class Progress(msgspec.Struct, frozen=True):
-    """How the robot gets on with a trajectory."""
-
-    #: Seconds for which it has been coming no nearer.
-    stalled: float
-
-
 class Drive(msgspec.Struct, frozen=True):
     """What the motors are to do, in metres and radians a second."""
 
@@ -94,19 +87,6 @@ class Hall(msgspec.Struct, frozen=True):
     ends: bool
     #: Seconds for which the robot has been beside the hallway, as in a room.
     outside: float = 0.0
-
-
-class Gap(msgspec.Struct, frozen=True):
-    """How far the robot has come on its way through a doorway."""
-
-    #: One of `looking`, `going`, `closed`, `through`.
-    stage: str
-
-
-class Travel(msgspec.Struct, frozen=True):
-    """What is left of a movement."""
-
-    done: bool
 
 
 class Sighting(msgspec.Struct, frozen=True):
@@ -143,12 +123,14 @@ OBSTACLES = Channel(
 )
 HALL = Channel("hall", Hall, "m, rad", "the hallway around the robot")
 TRAJECTORY = Channel("trajectory", Trajectory, "m, rad", "where to go next")
-PROGRESS = Channel("progress", Progress, "s", "how the robot gets on")
+PROGRESS = Channel("progress", float, "s", "for how long it has come no nearer")
 SPEED_LIMIT = Channel("speed-limit", float, "m/s", "the most that is allowed")
 FIX = Channel("fix", PositionFix, "m, rad", "the landmark that is being approached")
 
-GAP = Channel("gap", Gap, "", "the passage of a doorway", own=True)
-TRAVEL = Channel("travel", Travel, "", "the end of a movement", own=True)
+GAP = Channel("gap", str, "", "the stage of a passage of a doorway", own=True)
+"""One of `looking`, `going`, `between`, `closed`, `through`."""
+
+TRAVEL = Channel("travel", bool, "", "whether a movement is at its end", own=True)
 SIGHTING = Channel("sighting", Sighting, "m, rad", "a landmark in view", own=True)
 SEEN = Channel("seen", tuple[Tag, ...], "rad", "pairs of tags in view", own=True)
 PASSED = Channel("passed", Pose, "m, rad", "a doorway that was passed", own=True)

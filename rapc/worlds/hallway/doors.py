@@ -1,13 +1,24 @@
-"""Doors that close now and then, and a lift that others use too."""
+"""What opens and closes in a building: doors now and then, a lift that others use too.
+
+The state of both is a part of the hallway's, and is handed in: another is taken up when
+a saved run is. What is closed stands in the plans of the floors as a wall.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from random import Random
+from typing import TYPE_CHECKING
 
 import msgspec
 
 from rapc.worlds.hallway.map import Map, Opening, middle
+from rapc.worlds.hallway.plan import FloorPlan, door_box
+
+if TYPE_CHECKING:
+    from rapc.worlds.hallway.people import Walker
+    from rapc.worlds.hallway.robot import Robot
+    from rapc.worlds.hallway.state import HallwaySettings, HallwayState
 
 SHUT_FOR = 25.0
 """How long a door stays closed on average, in seconds."""
@@ -45,10 +56,6 @@ class Lift(msgspec.Struct):
     wanted: float | None = None
 
 
-Spot = tuple[int, float, float]
-"""Where somebody is: floor, x, y."""
-
-
 def doors(openings: Iterable[Opening], every: float, rng: Random) -> list[DoorState]:
     """Return the doors of a building, all open.
 
@@ -57,44 +64,8 @@ def doors(openings: Iterable[Opening], every: float, rng: Random) -> list[DoorSt
         every: how long a door stays open on average, in seconds; 0: for ever.
         rng: the stream of doors.
     """
-    return [
-        DoorState(
-            gap.doorway.name, changes=rng.expovariate(1 / every) if every > 0 else None
-        )
-        for gap in openings
-        if gap.doorway.door
-    ]
-
-
-def swing(
-    door: DoorState,
-    opening: Opening,
-    now: float,
-    spots: Iterable[Spot],
-    every: float,
-    rng: Random,
-) -> bool:
-    """Open or close a door whose time has come; return whether it moved.
-
-    A door that somebody stands in waits a second.
-    """
-    if door.changes is None or now < door.changes:
-        return False
-    if not door.closed and occupied(opening, spots):
-        door.changes = now + 1
-        return False
-    door.closed = not door.closed
-    door.changes = now + rng.expovariate(1 / (SHUT_FOR if door.closed else every))
-    return True
-
-
-def occupied(opening: Opening, spots: Iterable[Spot]) -> bool:
-    """Return whether somebody is in a doorway, or about to be."""
-    x, y = middle(opening.box)
-    return any(
-        floor == opening.floor and abs(px - x) < CLEAR and abs(py - y) < CLEAR
-        for floor, px, py in spots
-    )
+    names = [gap.doorway.name for gap in openings if gap.doorway.door]
+    return [DoorState(name, changes=_after(every, rng)) for name in names]
 
 
 def lift(map: Map, every: float, rng: Random) -> Lift | None:
@@ -107,21 +78,126 @@ def lift(map: Map, every: float, rng: Random) -> Lift | None:
     """
     for space in map.space:
         if space.kind == "lift":
-            wanted = rng.expovariate(1 / every) if every > 0 else None
-            return Lift(min(space.floors), wanted=wanted)
+            return Lift(min(space.floors), wanted=_after(every, rng))
     return None
 
 
-def send(cabin: Lift, floor: int, now: float) -> None:
-    """Let the cabin, which stands open, go to another floor."""
-    cabin.towards = floor
-    cabin.arrives = now + A_FLOOR * abs(floor - cabin.floor)
+def _after(every: float, rng: Random) -> float | None:
+    return rng.expovariate(1 / every) if every > 0 else None
 
 
-def arrive(cabin: Lift, now: float) -> bool:
-    """Open the cabin at its goal if it has come there; return whether it has."""
-    if cabin.towards is None or now < cabin.arrives - 1e-9:
-        return False
-    cabin.floor, cabin.towards = cabin.towards, None
-    cabin.free_from = now + DWELL
-    return True
+class Entrances:
+    """The doorways of a building, some of them with doors.
+
+    Args:
+        map: the building.
+        plans: its floors, which are told what is closed.
+        openings: its doorways by name.
+        settings: how often doors close, and the lift is called by others.
+    """
+
+    def __init__(
+        self,
+        map: Map,
+        plans: Mapping[int, FloorPlan],
+        openings: Mapping[str, Opening],
+        settings: HallwaySettings,
+    ) -> None:
+        self._plans = plans
+        self._openings = openings
+        self._settings = settings
+        lifts = [space.name for space in map.space if space.kind == "lift"]
+        self._cabin = lifts[0] if lifts else None
+        self._of_lift = {
+            name: gap
+            for name, gap in openings.items()
+            if self._cabin in gap.doorway.joins
+        }
+
+    def shut(self, state: HallwayState) -> frozenset[str]:
+        """Return the doorways whose doors are closed now, the lift's among them."""
+        closed = {door.doorway for door in state.doors if door.closed}
+        cabin = state.lift
+        if cabin is not None:
+            closed |= {
+                name
+                for name, gap in self._of_lift.items()
+                if cabin.towards is not None or gap.floor != cabin.floor
+            }
+        return frozenset(closed)
+
+    def close(self, state: HallwayState) -> None:
+        """Let the plans have the doors that are closed now."""
+        closed = sorted(self.shut(state))
+        for floor, plan in self._plans.items():
+            gaps = (self._openings[name] for name in closed)
+            plan.close([door_box(gap) for gap in gaps if gap.floor == floor])
+
+    def move_doors(self, state: HallwayState, now: float, rng: Random) -> None:
+        """Open and close the doors whose time has come.
+
+        A door that somebody stands in waits a second.
+
+        Args:
+            state: of the hallway; its doors are changed.
+            now: the time in seconds.
+            rng: the stream of doors.
+        """
+        moved = False
+        for door in state.doors:
+            if door.changes is None or now < door.changes:
+                continue
+            if not door.closed and _occupied(self._openings[door.doorway], state):
+                door.changes = now + 1
+                continue
+            moved, door.closed = True, not door.closed
+            often = SHUT_FOR if door.closed else self._settings.doors
+            door.changes = now + rng.expovariate(1 / often)
+        if moved:
+            self.close(state)
+
+    def move_lift(self, state: HallwayState, now: float, rng: Random) -> None:
+        """Let the lift arrive, or go where the robot or somebody else calls it.
+
+        Args:
+            state: of the hallway; its lift is changed, and the floor of a robot inside.
+            now: the time in seconds.
+            rng: the stream of the lift.
+        """
+        cabin, called = state.lift, state.called
+        if cabin is None:
+            return
+        inside = state.space == self._cabin
+        if cabin.towards is not None:
+            if now >= cabin.arrives - 1e-9:
+                cabin.floor, cabin.towards = cabin.towards, None
+                cabin.free_from = now + DWELL
+                if inside:
+                    state.robot.floor = cabin.floor
+                self.close(state)
+        elif called is not None:
+            cabin.free_from = now + DWELL
+            if called != cabin.floor and called in self._plans:
+                self._send(state, cabin, called, now)
+        elif cabin.wanted is not None and now >= cabin.wanted:
+            if now >= cabin.free_from and not inside:
+                floors = [f for f in sorted(self._plans) if f != cabin.floor]
+                self._send(state, cabin, rng.choice(floors), now)
+            cabin.wanted = now + rng.expovariate(1 / self._settings.lift)
+
+    def _send(self, state: HallwayState, cabin: Lift, floor: int, now: float) -> None:
+        """Let the cabin go, unless somebody stands in its door."""
+        if not any(_occupied(gap, state) for gap in self._of_lift.values()):
+            cabin.towards = floor
+            cabin.arrives = now + A_FLOOR * abs(floor - cabin.floor)
+            self.close(state)
+
+
+def _occupied(opening: Opening, state: HallwayState) -> bool:
+    """Return whether somebody is in a doorway, or about to be."""
+    x, y = middle(opening.box)
+    bodies: list[Robot | Walker] = [state.robot, *state.walkers]
+    return any(
+        one.floor == opening.floor and abs(one.x - x) < CLEAR and abs(one.y - y) < CLEAR
+        for one in bodies
+    )

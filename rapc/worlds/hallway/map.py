@@ -30,7 +30,7 @@ validates them:
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal
+from typing import Annotated, Literal, get_args
 
 import msgspec
 from msgspec import Meta
@@ -62,13 +62,10 @@ def middle(box: Box) -> tuple[float, float]:
 
 
 Side = Literal["north", "east", "south", "west"]
+SIDES: tuple[Side, ...] = get_args(Side)
 
-NORMALS: dict[str, float] = {
-    "north": -math.pi / 2,
-    "east": math.pi,
-    "south": math.pi / 2,
-    "west": 0.0,
-}
+_FACING = (-math.pi / 2, math.pi, math.pi / 2, 0.0)
+NORMALS: dict[str, float] = dict(zip(SIDES, _FACING, strict=True))
 """Where a wall faces, from its own side of the space, in radians from the x axis."""
 
 WALL = (0.1, 0.5)
@@ -203,58 +200,30 @@ def openings(map: Map) -> tuple[Opening, ...]:
 
 def signs(map: Map) -> tuple[Sign, ...]:
     """Return all pairs of tags: two for a doorway, one for any other landmark."""
-    made: list[Sign] = []
+    made = []
     for opening in openings(map):
-        doorway = opening.doorway
-        left, bottom, right, top = opening.box
-        for space, side in zip(
-            doorway.joins, (opening.side, _opposite(opening.side)), strict=True
-        ):
-            x = {"east": left, "west": right}.get(side, (left + right) / 2)
-            y = {"north": bottom, "south": top}.get(side, (bottom + top) / 2)
-            made.append(
-                Sign(
-                    doorway.name,
-                    space,
-                    opening.floor,
-                    x,
-                    y,
-                    NORMALS[side],
-                    doorway.tags,
-                    doorway.apart,
-                    doorway.says or doorway.name,
-                )
-            )
+        doorway, along = opening.doorway, opening.side in {"north", "south"}
+        at = middle(opening.box)[0 if along else 1]
+        walls = (opening.side, SIDES[SIDES.index(opening.side) - 2])
+        for name, wall in zip(doorway.joins, walls, strict=True):
+            space = map.named_space(name)
+            made.append(_sign(space, opening.floor, wall, at, doorway))
     for mark in map.landmark:
-        made.append(_sign(map.named_space(mark.space), mark))
+        space = map.named_space(mark.space)
+        made.append(_sign(space, space.floors[0], mark.wall, mark.at, mark))
     return tuple(made)
 
 
-def _sign(space: Space, mark: Landmark) -> Sign:
+def _sign(
+    space: Space, floor: int, wall: Side, at: float, mark: Doorway | Landmark
+) -> Sign:
+    """Return a pair of tags as it hangs on a wall of a space."""
     left, bottom, right, top = space.box
-    x = {"east": right, "west": left}.get(mark.wall, mark.at)
-    y = {"north": top, "south": bottom}.get(mark.wall, mark.at)
-    return Sign(
-        mark.name,
-        space.name,
-        space.floors[0],
-        x,
-        y,
-        NORMALS[mark.wall],
-        mark.tags,
-        mark.apart,
-        mark.says or mark.name,
-    )
-
-
-def _opposite(side: Side) -> Side:
-    pairs: dict[Side, Side] = {
-        "north": "south",
-        "south": "north",
-        "east": "west",
-        "west": "east",
-    }
-    return pairs[side]
+    x = {"east": right, "west": left}.get(wall, at)
+    y = {"north": top, "south": bottom}.get(wall, at)
+    facing, says = NORMALS[wall], mark.says or mark.name
+    name, tags, apart = mark.name, mark.tags, mark.apart
+    return Sign(name, space.name, floor, x, y, facing, tags, apart, says)
 
 
 def _opening(map: Map, doorway: Doorway) -> Opening:

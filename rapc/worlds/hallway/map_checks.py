@@ -6,7 +6,6 @@ A `MapError` has one line: the key with its doorway, landmark or space, then the
 from __future__ import annotations
 
 import math
-from collections import deque
 from collections.abc import Iterator, Sequence
 
 from rapc.worlds.hallway.map import (
@@ -20,6 +19,7 @@ from rapc.worlds.hallway.map import (
     middle,
     signs,
 )
+from rapc.worlds.hallway.planner import shortest
 from rapc.worlds.hallway.simulation import STANDOFF
 from rapc.worlds.maps import MapError
 
@@ -207,18 +207,9 @@ def _check_obstacles(map: Map, hung: Sequence[Sign]) -> None:
 
 def _check_ways(map: Map) -> None:
     """Check that doorways lead from the start to every space."""
-    beyond: dict[str, list[str]] = {space.name: [] for space in map.space}
-    for doorway in map.doorway:
-        one, other = doorway.joins
-        beyond[one].append(other)
-        beyond[other].append(one)
+    joins = [doorway.joins for doorway in map.doorway]
+    joined = [(a, "", b) for pair in joins for a, b in (pair, pair[::-1])]
     start = next(mark.space for mark in map.landmark if mark.name == map.start)
-    reached, queue = {start}, deque([start])
-    while queue:
-        for name in beyond[queue.popleft()]:
-            if name not in reached:
-                reached.add(name)
-                queue.append(name)
     for space in map.space:
-        if space.name not in reached:
+        if space.name != start and not shortest(joined, start, space.name):
             raise MapError(f"{_named(space)}: no doorways lead there from `start`")

@@ -7,12 +7,12 @@ one, by these doorways, as long as none of them was found closed a short while a
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Collection, Iterable, Sequence
 
 from rapc.base.handlers import AskedMemory
 from rapc.base.values import Fact
 from rapc.ir import nodes
+from rapc.worlds import ways
 
 REMEMBERED = 60
 """For so many seconds a doorway that was found closed is taken to be so."""
@@ -59,37 +59,28 @@ def shortest(
         goal: the space where it ends.
         closed: doorways that are not to be used.
     """
-    behind: dict[str, list[tuple[str, str]]] = {}
+    behind: dict[str, list[tuple[tuple[str, str], str, int]]] = {}
     for space, doorway, beyond in joined:
         if doorway not in closed:
-            behind.setdefault(space, []).append((doorway, beyond))
-    ways: dict[str, Doorways] = {start: ()}
-    queue = deque([start])
-    while queue and goal not in ways:
-        space = queue.popleft()
-        for doorway, beyond in behind.get(space, ()):
-            if beyond not in ways:
-                ways[beyond] = (*ways[space], (doorway, beyond))
-                queue.append(beyond)
-    return ways.get(goal, ())
+            behind.setdefault(space, []).append(((doorway, beyond), beyond, 1))
+    return ways.shortest(start, goal, lambda space: behind.get(space, ()))
 
 
 def _method(start: str, goal: str, way: Doorways) -> nodes.Method:
     """Return the method that goes a way, one space after another."""
     const = nodes.Const
-    steps = []
-    for at, (doorway, beyond) in enumerate(way, 1):
-        step = nodes.Goal("go-to-next-space", (const(doorway), const(beyond)), ())
-        here = nodes.Proposition("current-space", (const("robot"), const(beyond)))
-        order = (nodes.For(here, f"t{at + 1}"),) if at < len(way) else ()
-        steps.append(nodes.Step(f"t{at}", 0, step, order))
-    index = nodes.Proposition("current-space", (const("robot"), const(start)))
+
+    def within(space: str) -> nodes.Proposition:
+        return nodes.Proposition("current-space", (const("robot"), const(space)))
+
+    steps = [
+        (nodes.Goal("go-to-next-space", (const(d), const(to)), ()), within(to))
+        for d, to in way
+    ]
     wanted = nodes.Compare("=", nodes.Var("?space"), const(goal))
-    opened = [_not_closed(doorway) for doorway, _ in way]
-    context = nodes.And((wanted, index, *opened))
-    body = nodes.TaskNet(tuple(steps))
+    context = (wanted, within(start), *(_not_closed(doorway) for doorway, _ in way))
     doorways = "-".join(doorway for doorway, _ in way)
-    return nodes.Method(f"{start}-to-{goal}-by-{doorways}", 1, context, (), body)
+    return ways.in_turn(f"{start}-to-{goal}-by-{doorways}", 1, context, steps)
 
 
 def _not_closed(doorway: str) -> nodes.Formula:

@@ -3,7 +3,7 @@
 In a tick people, doors and the lift live, the active skills read what the sensors say,
 and the body does what the motors are told; then whatever touches is a collision. All
 chance comes from streams made of one; the whole state can be saved and taken up again.
-Doors and lift move in `entrances`, the body in `driving`, people in `people`.
+Doors and lift move in `doors`, the body in `driving`, people in `people`.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ from rapc.worlds.hallway.channels import (
     Pose,
     Tag,
 )
+from rapc.worlds.hallway.doors import Entrances
 from rapc.worlds.hallway.driving import move_robot, people_around, space_under
-from rapc.worlds.hallway.entrances import Entrances
 from rapc.worlds.hallway.map import Map, Opening, Sign, openings, signs
 from rapc.worlds.hallway.people import Surroundings
 from rapc.worlds.hallway.plan import floor_plans
@@ -190,19 +190,10 @@ class Simulation:
         sign = self.sign_of(start.name, start.space)
         x, y = sign.front(STANDOFF)
         heading = math.remainder(sign.normal + math.pi, 2 * math.pi)
-        body = Robot(
-            x,
-            y,
-            heading,
-            sign.floor,
-            reckoned_x=x,
-            reckoned_y=y,
-            reckoned_heading=heading,
-        )
         chance, settings = self._chance, self.settings
         gaps = self.openings.values()
         return HallwayState(
-            body,
+            Robot(x, y, heading, sign.floor, 0.0, 0.0, x, y, heading),
             robot.worn(chance["wear"], settings.drift),
             people.everybody(self.map)[: settings.people],
             doors.doors(gaps, settings.doors, chance["doors"]),

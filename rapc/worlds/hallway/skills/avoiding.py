@@ -30,7 +30,6 @@ from rapc.worlds.hallway.channels import (
     SPEED_LIMIT,
     TRAJECTORY,
     Drive,
-    Progress,
     Trajectory,
 )
 from rapc.worlds.hallway.skills.sonar import Point, echo_points
@@ -125,7 +124,7 @@ class Stuck(Event):
 
     def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
         """Whether it has come no nearer for some time."""
-        return () if ports[PROGRESS].stalled >= STUCK else None
+        return () if ports[PROGRESS] >= STUCK else None
 
 
 class Following(msgspec.Struct):
@@ -157,7 +156,7 @@ class FollowTrajectory(Skill):
     def step(self, now: float, ports: Ports) -> None:
         """Choose a bearing and a speed."""
         wanted, limit = ports[TRAJECTORY], ports.get(SPEED_LIMIT)
-        ports[PROGRESS] = Progress(self._stalled(now, ports))
+        ports[PROGRESS] = self._stalled(now, ports)
         if wanted.turn:
             ports[DRIVE] = Drive(0.0, TURNING * wanted.bearing)
             return

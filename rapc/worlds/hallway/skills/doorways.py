@@ -33,11 +33,9 @@ from rapc.worlds.hallway.channels import (
     SONAR,
     SONAR_RANGE,
     TRAJECTORY,
-    Gap,
     Pose,
     Trajectory,
 )
-from rapc.worlds.hallway.skills.halls import turned
 from rapc.worlds.hallway.skills.jambs import between_jambs
 from rapc.worlds.hallway.skills.moving import DIRECTION, SPEED
 from rapc.worlds.hallway.skills.passages import KEPT, Ring, is_walled
@@ -47,6 +45,8 @@ from rapc.worlds.hallway.skills.sonar import (
     bearing_of,
     echo_points,
     square_to,
+    turned,
+    turned_by,
     vote,
 )
 from rapc.worlds.skills.declarations import Event, Ports, Skill
@@ -128,7 +128,7 @@ class ThroughDoorway(Event):
 
     def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
         """Whether it is on the other side."""
-        return () if ports[GAP].stage == "through" else None
+        return () if ports[GAP] == "through" else None
 
 
 class DoorClosed(Event):
@@ -139,7 +139,7 @@ class DoorClosed(Event):
 
     def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
         """Whether no gap could be found."""
-        return () if ports[GAP].stage == "closed" else None
+        return () if ports[GAP] == "closed" else None
 
 
 class TrackDoorJambs(Skill):
@@ -163,7 +163,7 @@ class TrackDoorJambs(Skill):
             state.heading = square_to(state.votes, self.arguments["direction"])
         heading = state.heading
         assert heading is not None
-        along, across = _axes(pose.x - state.x, pose.y - state.y, heading)
+        along, across = turned_by(pose.x - state.x, pose.y - state.y, heading)
         bearing = bearing_of(heading, pose)
         if state.stage == "between":
             self._hear(pose, ranges)
@@ -174,7 +174,7 @@ class TrackDoorJambs(Skill):
             if self._far(along) if going else abs(bearing) < FACED:
                 self._look(ranges, echoes, along, across)
             self._judge(along)
-        ports[GAP] = Gap(state.stage)
+        ports[GAP] = state.stage
         ports[TRAJECTORY] = self._lead(pose, along, across, bearing)
 
     def _lead(
@@ -279,17 +279,11 @@ class TrackDoorJambs(Skill):
         assert state.middle is not None
         if along <= state.wall + BEYOND - 0.05:
             return
-        x, y = _axes(state.wall, state.middle, -heading)
+        x, y = turned_by(state.wall, state.middle, -heading)
         place = state.x + x, state.y + y
         square = square_to(state.votes, heading)
         walled = is_walled(state.rings, place, square, state.wide)
         state.stage = "through" if walled else "closed"
-
-
-def _axes(x: float, y: float, heading: float) -> Point:
-    """A place along and across a heading."""
-    cos, sin = math.cos(heading), math.sin(heading)
-    return x * cos + y * sin, y * cos - x * sin
 
 
 def _plane(echoes: Sequence[Point]) -> float | None:

@@ -25,6 +25,7 @@ from rapc.worlds.hallway.skills.sonar import (
     bearing_of,
     echo_points,
     square_to,
+    turned,
     vote,
 )
 from rapc.worlds.skills.declarations import Event, Ports, Skill
@@ -80,7 +81,7 @@ class HallBlocked(Event):
     def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
         """Whether the robot does not get on, and not for the hallway's end."""
         hall = ports[HALL]
-        stuck = ports[PROGRESS].stalled >= BLOCKED or hall.outside >= OUTSIDE
+        stuck = ports[PROGRESS] >= BLOCKED or hall.outside >= OUTSIDE
         return () if stuck and not hall.ends else None
 
 
@@ -175,9 +176,3 @@ class TrackHallway(Skill):
         left = [x for x, y in echoes if 0.3 < x < END and 0.4 < y < edge_left]
         right = [x for x, y in echoes if 0.3 < x < END and 0.4 < -y < edge_right]
         return bool(left and right) and abs(max(left) - max(right)) < 0.2
-
-
-def turned(echoes: Sequence[Point], bearing: float) -> list[Point]:
-    """Return points as they are when `bearing` is ahead."""
-    cos, sin = math.cos(bearing), math.sin(bearing)
-    return [(x * cos + y * sin, y * cos - x * sin) for x, y in echoes]

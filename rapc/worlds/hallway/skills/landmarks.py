@@ -40,9 +40,7 @@ from rapc.worlds.hallway.channels import (
     Sighting,
     Tag,
     Trajectory,
-    Travel,
 )
-from rapc.worlds.hallway.skills.halls import turned
 from rapc.worlds.hallway.skills.moving import FACING, SPEED, MovementComplete
 from rapc.worlds.hallway.skills.sonar import (
     QUARTER,
@@ -50,6 +48,7 @@ from rapc.worlds.hallway.skills.sonar import (
     bearing_of,
     echo_points,
     square_to,
+    turned,
     vote,
 )
 from rapc.worlds.hallway.skills.tags import between
@@ -265,7 +264,7 @@ class AtLandmark(Event):
         """Whether it has arrived, and where that is."""
         pose = ports[POSE]
         here = round(pose.x, 2), round(pose.y, 2), round(pose.heading, 3)
-        return here if ports[TRAVEL].done else None
+        return here if ports[TRAVEL] else None
 
 
 class ApproachLandmark(Skill):
@@ -282,7 +281,7 @@ class ApproachLandmark(Skill):
     def step(self, now: float, ports: Ports) -> None:
         """Say where the place is; wait while the landmark has not been seen."""
         state, fix, pose = self.state, ports[FIX], ports[POSE]
-        ports[TRAVEL] = Travel(False)
+        ports[TRAVEL] = False
         if not fix.known:
             ports[TRAJECTORY] = Trajectory(0.0, 0.0, turn=True)
             return
@@ -293,7 +292,7 @@ class ApproachLandmark(Skill):
         state.turning = left < (0.3 if state.turning else AT)
         if state.turning:
             bearing = bearing_of(fix.normal + math.pi, pose)
-            ports[TRAVEL] = Travel(fix.in_view and abs(bearing) < FACING)
+            ports[TRAVEL] = fix.in_view and abs(bearing) < FACING
             ports[TRAJECTORY] = Trajectory(bearing, 0.0, turn=True)
             return
         bearing = bearing_of(math.atan2(dy, dx), pose)

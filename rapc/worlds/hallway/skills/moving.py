@@ -14,9 +14,7 @@ from rapc.worlds.hallway.channels import (
     TRAJECTORY,
     TRAVEL,
     Drive,
-    Progress,
     Trajectory,
-    Travel,
 )
 from rapc.worlds.hallway.skills.sonar import bearing_of
 from rapc.worlds.skills.declarations import Event, Parameter, Ports, Skill
@@ -44,7 +42,7 @@ class MovementComplete(Event):
 
     def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
         """Whether nothing is left to go."""
-        return () if ports[TRAVEL].done else None
+        return () if ports[TRAVEL] else None
 
 
 class Start(msgspec.Struct):
@@ -75,7 +73,7 @@ class SteerInDirection(Skill):
         y = state.y + wanted["distance"] * sin - pose.y
         left, ahead = math.hypot(x, y), x * cos + y * sin
         done = left < ARRIVED or ahead < 0
-        ports[TRAVEL] = Travel(done)
+        ports[TRAVEL] = done
         bearing = bearing_of(math.atan2(y, x), pose)
         speed = 0.0 if done else float(wanted["speed"])
         ports[TRAJECTORY] = Trajectory(bearing, speed, left)
@@ -93,7 +91,7 @@ class FaceDirection(Skill):
     def step(self, now: float, ports: Ports) -> None:
         """Say how far there is to turn."""
         bearing = bearing_of(self.arguments["direction"], ports[POSE])
-        ports[TRAVEL] = Travel(abs(bearing) < FACING)
+        ports[TRAVEL] = abs(bearing) < FACING
         ports[TRAJECTORY] = Trajectory(bearing, 0.0, turn=True)
 
 
@@ -105,7 +103,7 @@ class Halted(Event):
 
     def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
         """Whether it has been standing for some time."""
-        return () if ports[PROGRESS].stalled >= HALTED else None
+        return () if ports[PROGRESS] >= HALTED else None
 
 
 class Backing(Start):
@@ -137,6 +135,6 @@ class BackOff(Skill):
         if state.moved is None or far > state.far + 0.02:
             state.far, state.moved = far, now
         done = far >= self.arguments["distance"]
-        ports[TRAVEL] = Travel(done)
-        ports[PROGRESS] = Progress(now - state.moved)
+        ports[TRAVEL] = done
+        ports[PROGRESS] = now - state.moved
         ports[DRIVE] = Drive(0.0 if done else -0.08, 0.0)

@@ -25,7 +25,7 @@ import msgspec
 from rapc.base.values import Atom
 from rapc.worlds.hallway.channels import DIRECTIONS, PASSED, POSE, SONAR, SONARS, Pose
 from rapc.worlds.hallway.skills.jambs import WIDTH
-from rapc.worlds.hallway.skills.sonar import Point, Votes, vote
+from rapc.worlds.hallway.skills.sonar import Point, Votes, turned_by, vote
 from rapc.worlds.skills.declarations import Event, Parameter, Ports, Skill
 
 KEPT = 50
@@ -158,7 +158,10 @@ def find_gap(rings: Sequence[Ring], place: Point, votes: Votes) -> Pose | None:
     axis = math.atan2(votes.sin, votes.cos) / 4
     for quarter in range(4):
         heading = axis + quarter * math.pi / 2
-        ways = [_along(ring.pose, place, heading)[0] for ring in rings]
+        ways = [
+            turned_by(ring.pose.x - place[0], ring.pose.y - place[1], heading)[0]
+            for ring in rings
+        ]
         if ways[-1] < BEHIND or min(ways) > -BEFORE:
             continue
         found = _gap_across(list(_beams(rings, place, heading)))
@@ -177,7 +180,7 @@ Beam = tuple[float, float, float, float]
 def _beams(rings: Sequence[Ring], place: Point, heading: float) -> Iterator[Beam]:
     """Yield all beams, the narrow place at (0, 0)."""
     for ring in rings:
-        x, y = _along(ring.pose, place, heading)
+        x, y = turned_by(ring.pose.x - place[0], ring.pose.y - place[1], heading)
         turn = ring.pose.heading - heading
         cos, sin = math.cos(turn), math.sin(turn)
         for far, (dx, dy) in zip(ring.ranges, DIRECTIONS, strict=True):
@@ -261,13 +264,6 @@ def _edge(votes: dict[int, int]) -> int | None:
     pierced = sum(votes.get(number, 0) < 0 for number in range(edge, edge + RUN))
     whole = len(run) >= PIECES and run[-1] >= edge + RUN - 1 and pierced <= 1
     return edge if whole else None
-
-
-def _along(pose: Pose, place: Point, heading: float) -> Point:
-    """Return how far the robot is past a place along a heading, and to its left."""
-    x, y = pose.x - place[0], pose.y - place[1]
-    cos, sin = math.cos(heading), math.sin(heading)
-    return x * cos + y * sin, y * cos - x * sin
 
 
 def _moved(before: Pose, now: Pose) -> bool:

@@ -34,6 +34,18 @@ class Votes(msgspec.Struct):
     sin: float = 0.0
 
 
+def turned_by(x: float, y: float, heading: float) -> Point:
+    """Return how far a place is along a heading, and to the left of it."""
+    cos, sin = math.cos(heading), math.sin(heading)
+    return x * cos + y * sin, y * cos - x * sin
+
+
+def turned(echoes: Sequence[Point], bearing: float) -> list[Point]:
+    """Return points as they are when `bearing` is ahead."""
+    cos, sin = math.cos(bearing), math.sin(bearing)
+    return [(x * cos + y * sin, y * cos - x * sin) for x, y in echoes]
+
+
 def echo_points(ranges: Sequence[float]) -> list[Point]:
     """Return where the echoes come from, the robot's middle at (0, 0), ahead is x."""
     return [(r * dx, r * dy) for r, (dx, dy) in zip(ranges, DIRECTIONS, strict=True)]
