@@ -8,17 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from random import Random
-from typing import TYPE_CHECKING
-
-import msgspec
 
 from rapc.worlds.hallway.map import Map, Opening, middle
+from rapc.worlds.hallway.people import Walker
 from rapc.worlds.hallway.plan import FloorPlan, door_box
-
-if TYPE_CHECKING:
-    from rapc.worlds.hallway.people import Walker
-    from rapc.worlds.hallway.robot import Robot
-    from rapc.worlds.hallway.state import HallwaySettings, HallwayState
+from rapc.worlds.hallway.robot import Robot
+from rapc.worlds.hallway.state import DoorState, HallwaySettings, HallwayState, Lift
 
 SHUT_FOR = 25.0
 """How long a door stays closed on average, in seconds."""
@@ -31,29 +26,6 @@ A_FLOOR = 6.0
 
 DWELL = 20.0
 """How long the lift stays for the robot before somebody else can call it."""
-
-
-class DoorState(msgspec.Struct):
-    """A door in a doorway, open or closed."""
-
-    doorway: str
-    closed: bool = False
-    #: When it is next opened or closed; None: never.
-    changes: float | None = None
-
-
-class Lift(msgspec.Struct):
-    """The cabin of the lift."""
-
-    #: Where it is, or was last.
-    floor: int
-    #: Where it is going, and when it will be there; None: it stands open.
-    towards: int | None = None
-    arrives: float = 0.0
-    #: When it can be called by somebody else.
-    free_from: float = 0.0
-    #: When somebody else next wants it; None: never.
-    wanted: float | None = None
 
 
 def doors(openings: Iterable[Opening], every: float, rng: Random) -> list[DoorState]:

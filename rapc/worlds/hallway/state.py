@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import msgspec
 
-from rapc.worlds.hallway.doors import DoorState, Lift
 from rapc.worlds.hallway.people import Walker
 from rapc.worlds.hallway.robot import Robot, Wear
 
@@ -22,6 +21,29 @@ class HallwaySettings(msgspec.Struct, frozen=True):
     drift: float = 1.0
     #: How fast the battery is used up; 1 is usual, 0 never.
     usage: float = 1.0
+
+
+class DoorState(msgspec.Struct):
+    """A door in a doorway, open or closed."""
+
+    doorway: str
+    closed: bool = False
+    #: When it is next opened or closed; None: never.
+    changes: float | None = None
+
+
+class Lift(msgspec.Struct):
+    """The cabin of the lift."""
+
+    #: Where it is, or was last.
+    floor: int
+    #: Where it is going, and when it will be there; None: it stands open.
+    towards: int | None = None
+    arrives: float = 0.0
+    #: When it can be called by somebody else.
+    free_from: float = 0.0
+    #: When somebody else next wants it; None: never.
+    wanted: float | None = None
 
 
 class Collision(msgspec.Struct, frozen=True):

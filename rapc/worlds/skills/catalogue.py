@@ -31,7 +31,7 @@ from rapc.worlds.skills.declarations import (
     first_line,
     label_of,
 )
-from rapc.worlds.skills.network import Member, WiringError, wire
+from rapc.worlds.skills.network import Member, Periphery, WiringError, wire
 
 
 class SkillRequest(msgspec.Struct, frozen=True):
@@ -52,7 +52,7 @@ class DescribedSkill(msgspec.Struct, frozen=True):
     doc: str
 
 
-class Catalogue:
+class Catalogue(Periphery):
     """All skills of a world, by name.
 
     Args:
@@ -74,7 +74,6 @@ class Catalogue:
     ) -> None:
         self.sensors = check_list("sensors", sensors, Channel, "channels")
         self.actuators = check_list("actuators", actuators, Channel, "channels")
-        #: Who decides on a channel that several skills may write.
         self.arbiters: dict[Channel[Any], Arbiter] = {}
         for arbiter in check_list("arbiters", arbiters, Arbiter, "arbiters"):
             channel = getattr(arbiter, "channel", None)

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rapc.base.graph import Edge, Graph, Vertex
 from rapc.worlds.skills.declarations import (
@@ -30,9 +30,6 @@ from rapc.worlds.skills.declarations import (
     label_of,
 )
 
-if TYPE_CHECKING:
-    from rapc.worlds.skills.catalogue import Catalogue
-
 
 class WiringError(ValueError):
     """Skills that cannot run together."""
@@ -41,6 +38,17 @@ class WiringError(ValueError):
         super().__init__(reason)
         #: Keys of the skills that stand in each other's way, if that is the reason.
         self.skills = tuple(skills)
+
+
+class Periphery:
+    """What a network of skills is wired to."""
+
+    #: Channels that the world writes.
+    sensors: Sequence[Channel[Any]]
+    #: Channels that the world reads.
+    actuators: Sequence[Channel[Any]]
+    #: Who decides on a channel that several skills may write.
+    arbiters: Mapping[Channel[Any], Arbiter]
 
 
 @dataclass(slots=True)
@@ -123,12 +131,12 @@ def late(channel: Channel[Any]) -> str:
 
 
 def wire(
-    catalogue: Catalogue, members: Sequence[Member], *, trial: bool = False
+    around: Periphery, members: Sequence[Member], *, trial: bool = False
 ) -> Network:
     """Return the network of `members`; their ports lead into it from now on.
 
     Args:
-        catalogue: the sensors, actuators and arbiters.
+        around: the sensors, actuators and arbiters.
         members: the skills and events.
         trial: whether other skills may still come on and write what is read.
 
@@ -136,7 +144,7 @@ def wire(
         WiringError: if an input has no writer, a channel several without an arbiter,
             or skills read each other in a circle without a delay.
     """
-    wiring = _Wiring(catalogue, members, trial)
+    wiring = _Wiring(around, members, trial)
     for member in members:
         wiring.connect(member)
     wiring.finish()
@@ -147,12 +155,12 @@ class _Wiring:
     """One call of `wire`."""
 
     def __init__(
-        self, catalogue: Catalogue, members: Sequence[Member], trial: bool
+        self, around: Periphery, members: Sequence[Member], trial: bool
     ) -> None:
-        self.catalogue = catalogue
+        self.around = around
         self.trial = trial
         self.network = Network()
-        self.sensors = {channel.name for channel in catalogue.sensors}
+        self.sensors = {channel.name for channel in around.sensors}
         self.members: dict[str, Member | Arbitration] = {m.key: m for m in members}
         self.writers = self._find_writers(members)
         #: What each member has to come after.
@@ -167,7 +175,7 @@ class _Wiring:
                     writers.setdefault(channel, []).append(member.key)
         together = ", which come on together," if self.trial else ""
         for channel, keys in writers.items():
-            if len(keys) > 1 and channel not in self.catalogue.arbiters:
+            if len(keys) > 1 and channel not in self.around.arbiters:
                 both = " and ".join(map(self._named, keys[:2]))
                 told = f"{both}{together} both write `{channel.name}`"
                 raise WiringError(told, keys)
@@ -204,7 +212,7 @@ class _Wiring:
 
     def _slot(self, member: Member, channel: Channel[Any]) -> str:
         """Return where a skill writes one of its outputs."""
-        if channel.own or channel in self.catalogue.arbiters:
+        if channel.own or channel in self.around.arbiters:
             return f"{channel.name} of {member.key}"
         return channel.name
 
@@ -221,14 +229,14 @@ class _Wiring:
     def _writer(self, channel: Channel[Any]) -> str | None:
         """Return the key of the skill, or the arbiter, that writes a channel."""
         keys = self.writers.get(channel)
-        if keys and channel in self.catalogue.arbiters:
+        if keys and channel in self.around.arbiters:
             return f"arbiter of {channel.name}"
         return keys[0] if keys else None
 
     def finish(self) -> None:
         """Put arbiters in, order everything, and connect the actuators."""
         network = self.network
-        for channel, arbiter in self.catalogue.arbiters.items():
+        for channel, arbiter in self.around.arbiters.items():
             if keys := self.writers.get(channel):
                 key = f"arbiter of {channel.name}"
                 slots = tuple(f"{channel.name} of {writer}" for writer in keys)
@@ -236,7 +244,7 @@ class _Wiring:
                 self.before[key] = keys
                 network.edges += (Edge(writer, key, channel.name) for writer in keys)
         network.order = {key: self.members[key] for key in self._ordered()}
-        for channel in self.catalogue.actuators:
+        for channel in self.around.actuators:
             if writer := self._writer(channel):
                 end = f"{channel.name} (actuator)"
                 network.edges.append(Edge(writer, end, channel.name))
