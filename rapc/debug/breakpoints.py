@@ -13,6 +13,7 @@ import msgspec
 from rapc import events
 from rapc.base.names import hint
 from rapc.base.values import Fact, format_atom, is_variable, match_pattern, readable
+from rapc.debug.arguments import read_pattern
 from rapc.debug.history import History
 from rapc.debug.log import ToldEvent
 from rapc.errors import ArgumentError, TextError
@@ -70,12 +71,10 @@ class Breakpoints:
 
     Args:
         history: what they stop.
-        pattern: makes a pattern of values of a list with variables.
     """
 
-    def __init__(self, history: History, pattern: Callable[[str], Fact]) -> None:
+    def __init__(self, history: History) -> None:
         self._history = history
-        self._pattern = pattern
         self._next = 1
         #: All of them by number.
         self.all: dict[int, Breakpoint] = {}
@@ -198,7 +197,7 @@ class Breakpoints:
 
     def _of_list(self, kind: str, what: str) -> Meets:
         """Return what says whether an event is about a request or a fact."""
-        pattern = self._pattern(what if what.startswith("(") else f"({what})")
+        pattern = read_pattern(what if what.startswith("(") else f"({what})")
         use: Use = "primitive" if kind == "primitive" else "asserted"
         name, known = str(pattern[0]), self._history.library.program.signatures
         if name not in known.table(use) and not is_variable(name):
@@ -212,7 +211,7 @@ class Breakpoints:
             name = what.lower()
             self._see_rap(name)
             return _of((events.TaskSelected,), lambda keys: _goal(keys).name == name)
-        pattern = self._pattern(what)
+        pattern = read_pattern(what)
         return _of(
             (events.TaskSelected,),
             lambda keys: (

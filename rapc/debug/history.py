@@ -46,7 +46,7 @@ _RUNNING = 512
 _SHARE = 12
 """A gap between saved states is at most this part of their distance from now, then."""
 
-ONLY_TO_LOOK_AT = (
+_ONLY_TO_LOOK_AT = (
     "this is a recorded run without what it ran: it can be stepped, searched and told, "
     "not asked or changed"
 )
@@ -148,7 +148,7 @@ class History:
         #: Asked after each stop: a line to be told, or nothing.
         self.notes: list[Callable[[], str]] = []
         self.branch = Branch("main")
-        self._branches = [self.branch]
+        self.branches = [self.branch]
         #: The serial number of the first event that no check has looked at.
         self.fresh = self.serial
         self._paused = False
@@ -186,7 +186,7 @@ class History:
             StateError: for a recorded run that is only looked at.
         """
         if isinstance(self._run, Playback):
-            raise StateError(ONLY_TO_LOOK_AT)
+            raise StateError(_ONLY_TO_LOOK_AT)
         return self._run
 
     @property
@@ -194,11 +194,10 @@ class History:
         """Whether it can be asked and changed: no recording that is only played."""
         return not isinstance(self._run, Playback)
 
-    @property
-    def branches(self) -> list[Branch]:
-        """All branches, the first one first. Raises StateError as `run`."""
-        assert self.run is not None
-        return self._branches
+    def check_is_run(self) -> None:
+        """Raise StateError for a recorded run that is only looked at."""
+        if not self.is_run:
+            raise StateError(_ONLY_TO_LOOK_AT)
 
     @property
     def cycle(self) -> int:
@@ -597,6 +596,7 @@ class History:
         Raises:
             ArgumentError: for a name that is taken.
         """
+        self.check_is_run()
         if any(name == branch.name for branch in self.branches):
             raise ArgumentError(f"there is a branch `{name}` already")
         self.branch.left = self.moment

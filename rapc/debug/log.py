@@ -8,11 +8,13 @@ may last as long as it likes.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
+from io import StringIO
 from itertools import chain, takewhile
 from typing import Any, NamedTuple
 
 from rapc.events import Event
+from rapc.runtime.events.trace import TextTrace
 from rapc.world import Time
 
 MOST = 60_000
@@ -110,3 +112,12 @@ class EventLog:
         """Return the events that are kept from a serial number on, in order."""
         found = list(takewhile(lambda told: told.serial >= serial, self.backwards()))
         return found[::-1]
+
+
+def in_lines(told: Iterable[ToldEvent]) -> list[str]:
+    """Return events as lines of a text trace."""
+    written = StringIO()
+    trace = TextTrace(written)
+    for one in told:
+        trace(one.event())
+    return written.getvalue().splitlines()

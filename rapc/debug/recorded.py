@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
-from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -17,16 +15,11 @@ from rapc.debug.recording import UNREADABLE, Recording
 from rapc.errors import LoadError
 from rapc.runtime.events.trace import JsonTrace
 
-_DECISIONS = (events.TaskSelected, events.MethodChosen)
-"""The events in which a run decides something."""
-
 _BROKEN_OFF = ("until", "cycles", "cancelled")
 """Why a run ends that could have gone on: what it did then is not done again."""
 
 _FOLDER = re.compile(r"(^| at ).*[/\\:](?=[^/\\:]+\.rap:[0-9]+)")
 """The folder of a file whose row is told: alone, or behind words."""
-
-_Event = dict[str, Any]
 
 
 def write_trace(history: History, path: Path) -> int:
@@ -46,14 +39,6 @@ def write_trace(history: History, path: Path) -> int:
     except OSError as error:
         raise LoadError(f"cannot write `{path}`: {error.strerror}") from error
     return count
-
-
-class Parting(msgspec.Struct, frozen=True):
-    """Where two runs part: what each did then; None where one is over."""
-
-    cycle: int
-    here: _Event | None
-    there: _Event | None
 
 
 class Replay:
@@ -145,37 +130,6 @@ class _Lines:
     def write(self, text: str) -> None:
         """Keep a line."""
         self.text = text
-
-
-def parting(history: History, path: Path) -> Parting | None:
-    """Return the first decision in which the run differs from a recorded one.
-
-    Args:
-        history: the run, as far as it has gone.
-        path: the trace of the other.
-
-    Raises:
-        LoadError: for what is not a trace.
-    """
-    others = Recording(path).written(_DECISIONS)
-    for here, there in zip_longest(_mine(history), others):
-        if _bare(here) != _bare(there):
-            return Parting((here or there or {})["cycle"], here, there)
-    return None
-
-
-def _mine(history: History) -> Iterator[_Event]:
-    """Iterate over the decisions of a run as a trace has them."""
-    written = _Lines()
-    trace = JsonTrace(written)
-    for one in history.scan(*_DECISIONS):
-        trace.raw(*one)
-        yield msgspec.json.decode(written.text)
-
-
-def _bare(event: _Event | None) -> _Event | None:
-    """Return an event without its serial number."""
-    return event and {key: value for key, value in event.items() if key != "n"}
 
 
 def _anywhere(told: Any) -> Any:

@@ -10,16 +10,16 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 import msgspec
 
 from rapc.base.values import format_atom
+from rapc.debug.arguments import split
 from rapc.debug.breakpoints import KINDS
 from rapc.events import kinds
 from rapc.language.complete import fits
 from rapc.library.library import Library
-from rapc.repl.arguments import split
 from rapc.repl.shell import Shell
 
 _WORD = re.compile(r"[^\s()\"]*$")
@@ -49,30 +49,23 @@ def candidates(shell: Shell, text: str) -> list[Candidate]:
     return list({one.text: one for one in found}.values())
 
 
-_TOLD = ("help", "find", "show", "to", "goto")
-"""The commands that complete by what needs no run."""
-
-
 def _matching(named: Named, prefix: str) -> Iterator[Candidate]:
     for name, doc in sorted(named):
         if name.startswith(prefix):
             yield Candidate(name, len(prefix), doc)
 
 
-# --- commands -----------------------------------------------------------------------
+# --- commands -------------------------------------------------------------------------
 
 
 def _of_command(shell: Shell, text: str) -> Iterable[Candidate]:
     name, space, rest = text[1:].partition(" ")
-    if space and not shell.history.is_run and name not in _TOLD:
-        return ()
     if not space:
-        return _matching(
-            ((f":{c.name}", c.doc) for c in shell.commands.values()), f":{name}"
-        )
+        names = ((f":{c.name}", c.doc) for c in shell.commands.values())
+        return _matching(names, f":{name}")
     open_at = _open_list(rest)
     if open_at is not None:
-        return _of_text(shell, rest[open_at:])
+        return _of_text(shell, rest[open_at:]) if shell.history.is_run else ()
     word = _WORD.search(rest)
     prefix = "" if word is None else word.group()
     before = split(rest[: len(rest) - len(prefix)])
@@ -91,67 +84,114 @@ def _open_list(text: str) -> int | None:
     return start if depth else None
 
 
+_IN_BRACKETS = re.compile(r"\[((?:[^\[\]]|\[[^\]]*\])*)\]")
+_ALTERNATIVES = re.compile(r" \| (?![^\[]*\])")
+_GROUP = re.compile(r"\[[^\]]*\]|[^\s\[\]]+")
+
+
+def _unwrapped(usage: str) -> str:
+    """Return a usage without brackets round all of it."""
+    found = _IN_BRACKETS.fullmatch(usage)
+    return found[1] if found else usage
+
+
+class _Slot(NamedTuple):
+    """A place of an argument: one of some words may stand there."""
+
+    words: list[str]
+    #: Whether it may be left out, and whether it belongs to the word before it.
+    optional: bool
+    follows: bool
+
+
+def _slots(usage: str) -> Iterator[_Slot]:
+    """Yield what a usage without alternatives has, in order."""
+    for group in _GROUP.findall(_unwrapped(usage)):
+        inner = group.strip("[]")
+        words = [inner.split(" | ")] if " | " in inner else [[w] for w in inner.split()]
+        for at, slot in enumerate(words):
+            yield _Slot(slot, group.startswith("["), at > 0)
+
+
+def next_words(takes: str, before: Iterable[str]) -> Iterator[tuple[str, str]]:
+    """Yield what a command may be given next; a word is followed by what comes then.
+
+    Args:
+        takes: what it takes, as its help has it: `[TASK] [in CYCLE] | failed [TASK]`.
+        before: the arguments that are there.
+    """
+    for usage in _ALTERNATIVES.split(_unwrapped(takes)):
+        slots = list(_slots(usage))
+        for said in before:
+            fitting = [at for at, slot in enumerate(slots) if said in slot.words]
+            fitting += [at for at, s in enumerate(slots) if s.words[0].isupper()]
+            slots = slots[fitting[0] + 1 :] if fitting else []
+        for at, slot in enumerate(slots):
+            if not (slot.follows and at):
+                then = slots[at + 1].words[0] if slots[at + 1 :] else ""
+                then = then if then.isupper() else ""
+                yield from ((word, then) for word in slot.words if word[0].isalpha())
+                if slot.words[0].isupper() or not slot.optional:
+                    break
+
+
 def _arguments(shell: Shell, name: str, before: list[str], prefix: str) -> Named:
-    """Return what a command may be given next."""
-    if name == "break":
-        return _of_break(shell, before, prefix)
-    if name == "history":
-        return _of_history(shell, before)
-    fixed: Mapping[str, Callable[[], Named]] = {
-        "help": lambda: [(c.name, c.doc) for c in shell.commands.values()],
-        "find": lambda: [("back", "backwards"), *((kind, "") for kind in kinds())],
-        "branch": lambda: [(one.name, one.begun) for one in shell.history.branches],
-        "memory": lambda: _of_kind(_library(shell), "PREDICATE"),
-        "show": lambda: [("all", ""), ("requests", ""), ("none", "")],
-        "to": lambda: [("at", "a time")],
-        "goto": lambda: [("at", "a time"), ("end", "as far as was seen")],
-        "source": lambda: [*_tasks(shell), *_raps(_library(shell))],
-        "why": lambda: [("failed", "why a task failed"), *_tasks(shell)],
-        "when": lambda: [("chosen", "what a choice rested on"), *_tasks(shell)],
-    }
-    if name in fixed:
-        return fixed[name]()
+    """Yield what a command may be given next."""
     takes = shell.commands[name].takes if name in shell.commands else ""
-    return _tasks(shell) if "TASK" in takes and not before else ()
+    named: dict[str, Callable[[], Named]] = {
+        "COMMAND": lambda: [(c.name, c.doc) for c in shell.commands.values()],
+        "FILE": lambda: _files(prefix),
+        "KIND": lambda: [(kind, "") for kind in kinds()],
+    }
+    if shell.history.is_run:
+        library = _library(shell)
+        named |= {
+            "ITEM": lambda: _items(shell),
+            "NAME": lambda: _of_kind(library, "PREDICATE"),
+            "PREDICATE": lambda: _of_kind(library, "PREDICATE"),
+            "RAP": lambda: _raps(library),
+            "TASK": lambda: _tasks(shell),
+            "branch NAME": lambda: [(o.name, o.begun) for o in shell.history.branches],
+            "break KIND": KINDS.items,
+            "break WHAT": lambda: _of_break(library, before[0]),
+        }
+        if name == "break" and before[:1] == ["method"]:
+            yield from _of_methods(library, before[1:])
+            if before[2:] == ["of"]:
+                return
+    for word, then in next_words(takes, before):
+        if word.isupper():
+            yield from named.get(f"{name} {word}", named.get(word, tuple))()
+        else:
+            yield word, then
 
 
 def _library(shell: Shell) -> Library:
     return shell.history.run.machine.library.library
 
 
-def _of_break(shell: Shell, before: list[str], prefix: str) -> Named:
-    library = _library(shell)
-    if not before:
-        files = (("save", "keep them in a file"), ("load", "take them from a file"))
-        return [*KINDS.items(), *files]
-    if before[0] in ("save", "load"):
-        return _files(prefix)
-    if before == ["rap"]:
-        return _raps(library)
-    if before[0] == "method":
-        return _of_break_method(library, before[1:])
-    return _AFTER_BREAK
-
-
-def _of_break_method(library: Library, before: list[str]) -> Named:
-    raps = library.raps.values()
-    if not before:
-        methods = [(one.name, rap.name) for rap in raps for one in rap.methods]
+def _of_break(library: Library, kind: str) -> Named:
+    """Return what fits behind a kind of breakpoint."""
+    if kind == "method":
+        methods = [
+            (m.name, rap.name) for rap in library.raps.values() for m in rap.methods
+        ]
         return [(str(name), rap) for name, rap in methods if name is not None]
-    if before[1:] == ["of"]:
-        having = [r for r in raps if before[0] in [str(m.name) for m in r.methods]]
-        return [(rap.name, f"method {before[0]}") for rap in having]
-    return [*_AFTER_BREAK, ("of", "a RAP")] if not before[1:] else _AFTER_BREAK
+    return _raps(library) if kind == "rap" else ()
 
 
-_AFTER_BREAK = (("if", "a query"), ("after", "times"), ("log", ""), ("before", ""))
+def _of_methods(library: Library, before: list[str]) -> Named:
+    """Return what fits behind the name of a method: which RAP it is of."""
+    if before[1:] != ["of"]:
+        return [("of", "RAP")] if len(before) == 1 else ()
+    name, raps = before[0], library.raps.values()
+    having = [r for r in raps if name in [str(m.name) for m in r.methods]]
+    return [(rap.name, f"method {name}") for rap in having]
 
 
-def _of_history(shell: Shell, before: list[str]) -> Named:
-    machine = shell.history.run.machine
-    if before:
-        return _of_kind(machine.library.library, "PREDICATE")
-    return [(item.name, item.kind) for item in machine.memory.items.known.values()]
+def _items(shell: Shell) -> Named:
+    known = shell.history.run.machine.memory.items.known
+    return [(item.name, item.kind) for item in known.values()]
 
 
 def _tasks(shell: Shell) -> Named:

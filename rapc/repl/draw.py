@@ -19,7 +19,7 @@ from rich.table import Table as RichTable
 from rich.text import Text
 
 from rapc.base.visible import visible_lines
-from rapc.repl.answer import ShownAnswer, Table, shown
+from rapc.debug.answer import Answer, Table, shown
 
 _NUMBERS = (int, float)
 
@@ -36,7 +36,7 @@ _HANG = 2
 """How much deeper the further lines of a first cell begin than its first."""
 
 
-def draw(answer: ShownAnswer, width: int, *, color: bool) -> str:
+def draw(answer: Answer, width: int, *, color: bool) -> str:
     """Return an answer as text of lines that end, ready to be written.
 
     Args:

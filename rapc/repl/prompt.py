@@ -37,6 +37,8 @@ from prompt_toolkit.styles import Style
 
 from rapc.base.values import readable
 from rapc.base.visible import visible
+from rapc.debug.answer import Answer, say
+from rapc.debug.arguments import is_balanced
 from rapc.language.heads import (
     ALONE,
     ANNOTATIONS,
@@ -46,8 +48,6 @@ from rapc.language.heads import (
     QUERIES,
     RAP_CLAUSES,
 )
-from rapc.repl.answer import ShownAnswer, say
-from rapc.repl.arguments import is_balanced
 from rapc.repl.complete import candidates
 from rapc.repl.draw import draw
 from rapc.repl.highlight import indentation, tokens
@@ -184,7 +184,7 @@ class Prompt:
             interrupted = False
             self._write(shell.answer(text))
 
-    def _write(self, answer: ShownAnswer) -> None:
+    def _write(self, answer: Answer) -> None:
         width = shutil.get_terminal_size().columns
         sys.stdout.write(draw(answer, width, color=self._color))
         sys.stdout.flush()

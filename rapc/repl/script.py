@@ -7,7 +7,7 @@ from typing import TextIO
 
 import msgspec
 
-from rapc.repl.arguments import is_balanced
+from rapc.debug.arguments import is_balanced
 from rapc.repl.draw import draw
 from rapc.repl.shell import Shell
 

@@ -6,33 +6,28 @@ checked and joins the library, a goal is submitted, a formula is asked of memory
 
 from __future__ import annotations
 
-import inspect
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from io import StringIO
 from pathlib import Path
-
-import msgspec
 
 from rapc.base.names import did_you_mean
 from rapc.base.outputs import Output, check_output
 from rapc.base.resources import Value
-from rapc.base.source import Span
 from rapc.base.values import format_atom
 from rapc.console.findings import concise
 from rapc.debug.acts import SubmitTask
+from rapc.debug.answer import Answer, Command, failure, say, table
+from rapc.debug.arguments import Arguments, is_balanced, split
 from rapc.debug.breakpoints import Breakpoints
-from rapc.debug.history import ONLY_TO_LOOK_AT, Branch, History
+from rapc.debug.history import Branch, History
 from rapc.debug.log import ToldEvent
-from rapc.debug.look import task_of
 from rapc.debug.reload import changed
 from rapc.debug.texts import TYPED, Renewed, names_of, typed_in
-from rapc.errors import Error, RefusedError, StateError, TextError
+from rapc.errors import Error, RefusedError, TextError
 from rapc.events import PrimitiveEnded, PrimitiveRequested
 from rapc.host import CheckError
 from rapc.language.heads import ALONE, QUERIES
-from rapc.repl.answer import ShownAnswer, failure, say, table
-from rapc.repl.arguments import Arguments, is_balanced, read_pattern, split
 from rapc.runtime.events.trace import TextTrace
 from rapc.runtime.task_request import read_task_request
 from rapc.world import innermost
@@ -42,45 +37,6 @@ _WATCHED = 3
 
 MOST = 50
 """How many solutions of a query are shown at once."""
-
-
-Does = Callable[["Shell", Arguments], ShownAnswer]
-"""Carries out a command: given the shell and what stands behind its name."""
-
-
-class Command(msgspec.Struct, frozen=True):
-    """Something that begins with a colon."""
-
-    #: Its name, without the colon.
-    name: str
-    #: What it is given, as it is written in the help: `[N]`.
-    takes: str
-    #: What it does, in one sentence.
-    doc: str
-    does: Does
-    examples: tuple[str, ...] = ()
-    #: What else there is to know, a paragraph.
-    more: str = ""
-    #: The group under which `:help` lists it.
-    group: str = ""
-
-
-def command(takes: str, *examples: str, more: str = "") -> Callable[[Does], Command]:
-    """Return what makes a command of a function, by its name and its docstring.
-
-    Args:
-        takes: what the command is given.
-        examples: inputs that use it.
-        more: what else there is to know, behind the docstring's further paragraphs.
-    """
-
-    def made(does: Does) -> Command:
-        name = does.__name__.strip("_").replace("_", "-")
-        doc, _, rest = inspect.cleandoc(does.__doc__ or "").partition("\n\n")
-        known = " ".join([*rest.split(), *more.split()])
-        return Command(name, takes, doc, does, examples, known)
-
-    return made
 
 
 _OF_REQUESTS = (PrimitiveRequested, PrimitiveEnded)
@@ -118,9 +74,7 @@ class Shell:
         self.shows = "all"
         #: Whether the user wants to leave.
         self.left = False
-        self._breakpoints = None
-        if history.is_run:
-            self._breakpoints = Breakpoints(history, read_pattern)
+        self._breakpoints = Breakpoints(history)
         #: The queries whose answers are shown after every stop, by their texts.
         self.watches: list[str] = []
         self._seen: dict[str, str] = {}
@@ -143,15 +97,14 @@ class Shell:
     @property
     def breakpoints(self) -> Breakpoints:
         """The breakpoints of the run. Raises StateError as `History.run`."""
-        if self._breakpoints is None:
-            raise StateError(ONLY_TO_LOOK_AT)
+        self.history.check_is_run()
         return self._breakpoints
 
-    def answer(self, text: str) -> ShownAnswer:
+    def answer(self, text: str) -> Answer:
         """Carry out an input and return what there is to say."""
         text = text.strip()
         if not text or text.startswith(";"):
-            return ShownAnswer()
+            return Answer()
         try:
             if text.startswith(":"):
                 return self._command(text[1:])
@@ -159,44 +112,21 @@ class Shell:
         except (Error, ValueError) as error:
             return failure(*_refusal(error))
 
-    def _command(self, text: str) -> ShownAnswer:
+    def _command(self, text: str) -> Answer:
         name, _, rest = text.partition(" ")
         command = self.commands.get(name)
         if command is None:
             listed = "`:help` lists all commands"
             said = did_you_mean(name, self.commands, listed, "`:{}`")
             return failure(f"there is no command `:{name}`; {said}")
+        if command.asks:
+            return command(self.history, rest)
         arguments = Arguments(rest)
         found = command.does(self, arguments)
         arguments.end()
         return found
 
     # --- what commands share ---------------------------------------------------------
-
-    def task(self, args: Arguments) -> int:
-        """Return the number of the task that a command is about.
-
-        The next argument, a number or the RAP of one live task, or the task whose
-        cycle was run last.
-
-        Raises:
-            TextError: if it is neither, or no task was selected yet.
-            ArgumentError: for a RAP without a live task, or with several.
-        """
-        name = args.peek().lower()
-        if name and not name.strip("[]").isdecimal():
-            history = self.history
-            if name in history.library.program.library.raps:
-                args.word("a task")
-                return task_of(history, name)
-        number = args.count("a task", self.history.selected or 0)
-        if not number:
-            raise TextError("no task has been chosen yet: say which is meant")
-        return number
-
-    def place(self, span: Span) -> str:
-        """Return a file and row as text."""
-        return self.history.library.program.compiler.row(span)
 
     def happened(self, since: int) -> list[str]:
         """Return what has happened since a serial number, as far as it is shown."""
@@ -218,8 +148,7 @@ class Shell:
 
     def forget_trace(self) -> None:
         """Begin a new trace: the run stands at another time."""
-        if self._breakpoints is not None:
-            self._breakpoints.look_again()
+        self._breakpoints.look_again()
         self._written = StringIO()
         self._trace = TextTrace(self._written)
 
@@ -235,8 +164,6 @@ class Shell:
 
     def watched(self) -> list[str]:
         """Return what is to be shown after every stop: notes, logs, watches."""
-        if self._breakpoints is None:
-            return []
         lines = [text for note in self.history.notes if (text := note())]
         lines += self._breakpoints.logged[self._told_of :]
         self._told_of = len(self._breakpoints.logged)
@@ -258,7 +185,7 @@ class Shell:
 
     # --- RAP text -----------------------------------------------------------------
 
-    def _rap_text(self, text: str) -> ShownAnswer:
+    def _rap_text(self, text: str) -> Answer:
         if text in ("*1", "*2", "*3"):
             return self._earlier(int(text[1]))
         if not text.startswith("("):
@@ -274,7 +201,7 @@ class Shell:
             return self._define(text)
         return self.submit(text) if self._is_goal(head, text) else self.ask(text)
 
-    def _define(self, text: str) -> ShownAnswer:
+    def _define(self, text: str) -> Answer:
         """Check a definition, and let it join the library or replace the one there."""
         names = names_of(text)
         kept = {old: said for old, said in self.typed.items() if old.isdisjoint(names)}
@@ -285,7 +212,7 @@ class Shell:
         self.typed = typed
         return answer
 
-    def renew(self, renewed: Renewed, file: str = "") -> ShownAnswer:
+    def renew(self, renewed: Renewed, file: str = "") -> Answer:
         """Go on with another text of the library; say what was found in `file`."""
         if not changed(
             self.history.run.machine.library.library, renewed.library.program.library
@@ -307,7 +234,7 @@ class Shell:
         asks = head in program.signatures.predicates or head in (*ALONE, *QUERIES)
         return head in program.library.raps and not (asks and "?" in text)
 
-    def submit(self, text: str) -> ShownAnswer:
+    def submit(self, text: str) -> Answer:
         """Give the robot a task."""
         request = read_task_request(text)
         self.history.act(SubmitTask(request))
@@ -315,7 +242,7 @@ class Shell:
         number = self.history.run.machine.state.numbers
         return say(f"submitted for later: {text}" if later else f"[{number}] {text}")
 
-    def ask(self, text: str) -> ShownAnswer:
+    def ask(self, text: str) -> Answer:
         """Ask memory, and show all solutions."""
         forms = split(text)
         if len(forms) != 1:
@@ -324,12 +251,12 @@ class Shell:
         self.answers = [solutions, *self.answers[:2]]
         return self._solutions(solutions)
 
-    def _earlier(self, number: int) -> ShownAnswer:
+    def _earlier(self, number: int) -> Answer:
         if number > len(self.answers):
             return failure(f"there is no answer `*{number}` yet")
         return self._solutions(self.answers[number - 1])
 
-    def _solutions(self, solutions: list[dict[str, Value]]) -> ShownAnswer:
+    def _solutions(self, solutions: list[dict[str, Value]]) -> Answer:
         if not solutions:
             return say("no")
         names = list(dict.fromkeys(name for found in solutions for name in found))
@@ -338,7 +265,7 @@ class Shell:
         self._names, self._left = tuple(names), solutions
         return self.more()
 
-    def more(self) -> ShownAnswer:
+    def more(self) -> Answer:
         """Show the next solutions of the query that was answered last."""
         names, solutions = self._names, self._left
         rows = [[found.get(name) for name in names] for found in solutions[:MOST]]

@@ -19,24 +19,21 @@ from pathlib import Path
 import msgspec
 
 from rapc import events
-from rapc.base.values import Fact
-from rapc.debug import (
+from rapc.base.values import Fact, format_list
+from rapc.debug import find, options, recorded
+from rapc.debug.acts import AssertFact, EraseFacts, FailTask
+from rapc.debug.history import History
+from rapc.debug.questions import (
     commitments,
     differences,
     facts,
-    failures,
-    find,
-    look,
-    options,
-    recorded,
-    timeline,
+    state,
+    tasks,
+    times,
     what_if,
-    who,
     why,
     why_not,
 )
-from rapc.debug.acts import AssertFact, EraseFacts, FailTask
-from rapc.debug.history import History
 from rapc.errors import Error
 from rapc.events import Event
 from rapc.ir.printer import format_formula
@@ -79,10 +76,11 @@ class Asker:
         facts = self.session.run.machine.memory.facts
         return self.dice.choice([fact for fact in facts if len(fact) > 1])
 
-    def pattern(self, gap: object) -> tuple[object, ...]:
-        """Return a fact with gaps in it."""
+    def pattern(self) -> str:
+        """Return a fact with gaps in it, as text."""
         name, *args = self.fact()
-        return (name, *(gap if self.dice.random() < 0.5 else arg for arg in args))
+        gaps = ["?" if self.dice.random() < 0.5 else arg for arg in args]
+        return format_list((name, *gaps))
 
 
 def _formulas(session: History) -> Iterator[str]:
@@ -116,7 +114,7 @@ def _memory(one: Asker) -> None:
     for relation in one.session.run.machine.library.signatures.relations:
         memory.query(relation)
         memory.spread(relation)
-        look.beliefs(one.session.run, relation)
+        state.beliefs(one.session, relation)
 
 
 def _results(one: Asker) -> None:
@@ -134,12 +132,13 @@ def _stand(one: Asker) -> None:
     assert session.seen_over in (True, False)
     assert session.now == session.run.now
     assert session.over == bool(session.reason)
+    assert session.selected is None or session.selected > 0
 
 
 def _what_if(one: Asker) -> None:
     fact, task = one.fact(), one.task()
     act = one.dice.choice((AssertFact(fact), EraseFacts(fact), FailTask(task)))
-    what_if.what_if(one.session, [act], cycles=one.dice.randrange(1, 6))
+    what_if.ahead(one.session, [act], one.dice.randrange(1, 6))
 
 
 def _find_before(one: Asker) -> None:
@@ -177,15 +176,15 @@ OF_RUNS: Mapping[str, Callable[[Asker], object]] = {
     "check_fact": lambda one: one.session.run.check_fact(*one.fact()),
     "question": _formula,
     "memory": _memory,
-    "tree": lambda one: look.tree(one.session.run),
-    "chain": lambda one: look.chain(one.session.run, one.task()),
-    "items": lambda one: look.items(one.session.run),
-    "monitors": lambda one: look.monitored_tasks(one.session.run),
-    "claims": lambda one: look.claims(one.session.run),
-    "requests": lambda one: look.requests(one.session.run),
-    "stack": lambda one: look.stack(one.session.run),
-    "skills": lambda one: look.skills(one.session.run),
-    "names": lambda one: look.names_with_facts(one.session.run),
+    "tree": lambda one: tasks.tree(one.session),
+    "chain": lambda one: tasks.chain(one.session, str(one.task())),
+    "items": lambda one: state.items(one.session),
+    "monitors": lambda one: state.monitors(one.session),
+    "claims": lambda one: state.claims(one.session),
+    "requests": lambda one: state.requests(one.session),
+    "stack": lambda one: state.stack(one.session),
+    "skills": lambda one: state.skills(one.session),
+    "names": lambda one: state.names_with_facts(one.session),
     "options": lambda one: list(options.changeable_options(one.session.run)),
 }
 """What can be asked of a run, in the middle of a cycle too."""
@@ -195,23 +194,25 @@ QUESTIONS: Mapping[str, Callable[[Asker], object]] = {
     "save": lambda one: one.session.run.save(),
     "fork": lambda one: one.session.run.fork().step(),
     "world": _world,
-    "why": lambda one: why.why(one.session, one.session.selected or 1),
-    "why a task": lambda one: why.why(one.session, one.task()),
-    "why not": lambda one: why_not.why_not(one.session, one.task()),
+    "why": lambda one: why.why(one.session),
+    "why a task": lambda one: why.why(one.session, str(one.task())),
+    "why not": lambda one: why_not.why_not(one.session, str(one.task())),
     "why not so": lambda one: why_not.why_not_query(
         one.session, one.dice.choice(one.formulas)
     ),
-    "who": lambda one: who.who(one.session, one.pattern("?")),  # type: ignore[arg-type]
+    "who": lambda one: facts.who(one.session, one.pattern()),
     "what if": _what_if,
     "commitment": lambda one: commitments.commitment(one.session, one.task()),
     "stale": lambda one: commitments.stale(one.session),
-    "why failed": lambda one: failures.why_failed(one.session),
-    "between": lambda one: differences.between(one.session, one.cycle(), one.cycle()),
-    "timeline": lambda one: timeline.timeline(one.session),
-    "history": lambda one: facts.of_facts(one.session, one.pattern("?")),  # type: ignore[arg-type]
-    "history of an item": lambda one: facts.of_item(one.session, str(one.fact()[1])),
-    "retries": lambda one: facts.retries(one.session),
-    "deadlines": lambda one: facts.deadlines(one.session),
+    "why failed": lambda one: why.why(one.session, "failed"),
+    "between": lambda one: differences.diff(
+        one.session, f"{one.cycle()} {one.cycle()}"
+    ),
+    "timeline": lambda one: times.timeline(one.session),
+    "history": lambda one: facts.history_(one.session, one.pattern()),
+    "history of an item": lambda one: facts.history_(one.session, str(one.fact()[1])),
+    "retries": lambda one: times.retries(one.session),
+    "deadlines": lambda one: times.deadlines(one.session),
     "stand": _stand,
     "scan": lambda one: [*one.session.scan(first=one.cycle())],
     "find": _find_before,

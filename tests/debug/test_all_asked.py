@@ -43,7 +43,7 @@ ACTS: Mapping[str, str] = {
     "History.ahead": "runs on and is undone: `what_if` is asked",
     "History.at": "stands in the past for a while: `why` is asked",
     "History.branch_off": "begins a branch",
-    "History.branches": "lists what was done",
+    "History.check_is_run": "says what it is",
     "History.follow": "listens from then on",
     "History.is_run": "says what it is",
     "History.goto_time": "goes to a cycle, as `goto` does",

@@ -8,11 +8,10 @@ import pytest
 
 from rapc import events
 from rapc.debug.breakpoints import Breakpoint, Breakpoints
-from rapc.debug.differences import between
 from rapc.debug.find import Finder, find_event
 from rapc.debug.history import History
+from rapc.debug.questions.differences import diff
 from rapc.errors import ArgumentError, TextError
-from rapc.repl.arguments import read_pattern
 from rapc.repl.commands.table import commands
 from rapc.repl.complete import candidates
 from rapc.repl.shell import Shell
@@ -22,7 +21,7 @@ from tests.repl.shells import said, truck_shell
 
 def _with(*points: Breakpoint) -> tuple[History, Breakpoints]:
     session = truck()
-    found = Breakpoints(session, read_pattern)
+    found = Breakpoints(session)
     for point in points:
         found.add(point)
     return session, found
@@ -92,7 +91,7 @@ def test_method_breakpoint_stops_in_the_rap_it_names(
     what: str, cycles: list[int]
 ) -> None:
     session = scripted(TWICE, "(fetch)", rows=(row("(walk dock)"),))
-    points = Breakpoints(session, read_pattern)
+    points = Breakpoints(session)
     points.add(Breakpoint("method", what))
     assert _cycles(session) == cycles
 
@@ -251,8 +250,9 @@ def test_search_in_vain_tells_the_events_before() -> None:
 def test_two_moments_are_compared() -> None:
     session = truck()
     session.goto(60)
-    found = between(session, 20, 60)
-    assert "(truck-location quarry-1)" in found.came
-    assert "(truck-location zone-6)" in found.went
-    assert 10 in dict(found.left)
+    found = diff(session, "20 60")
+    assert found.table is not None
+    assert ("+", "fact", "(truck-location quarry-1)") in found.table.rows
+    assert ("-", "fact", "(truck-location zone-6)") in found.table.rows
+    assert any(row[0] == "-" and "[10]" in str(row[2]) for row in found.table.rows)
     assert session.cycle == 60

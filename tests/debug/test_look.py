@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import rapc
-from rapc.debug import look
+from rapc.debug.history import History
+from rapc.debug.questions.state import requests
 from rapc.worlds.script import Row
 from rapc.worlds.scripted import ScriptedWorld
 
@@ -18,6 +19,7 @@ def test_cancelled_request_is_not_under_way() -> None:
     world = ScriptedWorld([Row(("doze",), after=9)], declared=library.program.library)
     run = library.start(world, tasks="(rest)")
     run.step()
-    assert [(one.task, one.request) for one in look.requests(run)] == [(1, "(doze)")]
+    [asked] = requests(History(run)).rows
+    assert (asked["task"], asked["request"]) == (1, "(doze)")
     run.cancel(("rest",))
-    assert look.requests(run) == []
+    assert requests(History(run)).rows == []

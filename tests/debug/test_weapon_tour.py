@@ -7,8 +7,8 @@ import pytest
 from rapc import events
 from rapc.debug.history import History
 from rapc.debug.log import ToldEvent
-from rapc.debug.why import why
-from rapc.debug.why_not import TaskAnswer, why_not
+from rapc.debug.questions.why import reasons
+from rapc.debug.questions.why_not import TaskAnswer, task_asked
 from rapc.host import CheckedLibrary
 from rapc.runtime.task_request import of_node
 from rapc.testing.discover import find
@@ -71,18 +71,18 @@ def test_why_tells_of_each_cycle_what_the_trace_tells(tour: History) -> None:
         task = _selected(told)
         if task is None:
             continue
-        found = why(tour, task, cycle)
+        choice, doing = reasons(tour, task, cycle)
         own = [o for o in told if o.kind in outcomes and o.keys["task"] == task]
-        assert found.doing.outcome == (outcomes[own[0].kind] if own else "nothing")
-        seen.add(found.doing.outcome)
-        left = found.choice.candidates
-        for rule in found.choice.rules:
-            assert set(rule.left) < set(left)
-            left = rule.left
+        assert doing.outcome == (outcomes[own[0].kind] if own else "nothing")
+        seen.add(doing.outcome)
+        left = choice.candidates
+        for _, kept in choice.rules:
+            assert set(kept) < set(left)
+            left = kept
         assert left == (task,)
         if own and own[0].kind is events.MethodChosen:
-            assert found.doing.said == own[0].keys["method"]
-            assert found.doing.bindings == own[0].keys["bindings"]
+            assert doing.said == own[0].keys["method"]
+            assert doing.bindings == own[0].keys["bindings"]
     assert seen >= {"method", "succeeded", "failed"}
 
 
@@ -119,4 +119,4 @@ def _before(session: History, task: int, cycle: int) -> TaskAnswer:
     """Return what is said of a task when it is about to come up."""
     with session.at(cycle - 1):
         session.run.come_to_choice()
-        return why_not(session, task)
+        return task_asked(session, task)

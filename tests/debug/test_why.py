@@ -8,13 +8,11 @@ import pytest
 
 from rapc import events
 from rapc.debug.acts import AssertFact
-from rapc.debug.clause import ClauseAsked
-from rapc.debug.commitments import commitment, stale
-from rapc.debug.failures import why_failed
 from rapc.debug.history import History
-from rapc.debug.what_if import what_if
-from rapc.debug.why import why
-from rapc.debug.why_not import why_not, why_not_query
+from rapc.debug.questions.commitments import commitment, stale
+from rapc.debug.questions.what_if import ahead, what_if
+from rapc.debug.questions.why import reasons, why
+from rapc.debug.questions.why_not import ClauseAsked, task_asked, why_not_query
 from rapc.errors import ArgumentError, FactError
 from tests.debug.sessions import row, scripted, truck
 from tests.effort import first
@@ -47,12 +45,9 @@ def test_each_rule_of_choice_is_told_with_what_it_left() -> None:
     session.step()
     selected = session.selected
     assert selected in (2, 3)
-    choice = why(session, selected).choice
+    choice, _ = reasons(session, selected)
     assert choice.candidates == (1, 2, 3)
-    assert [(rule.rule, rule.left) for rule in choice.rules] == [
-        ("highest priority", (2, 3)),
-        ("chance", (selected,)),
-    ]
+    assert choice.rules == (("highest priority", (2, 3)), ("chance", (selected,)))
 
 
 def test_why_agrees_with_the_trace_of_every_cycle() -> None:
@@ -63,27 +58,27 @@ def test_why_agrees_with_the_trace_of_every_cycle() -> None:
     chance = random.Random(3)
     selected = [one for one in told if one.kind is events.TaskSelected]
     for one in chance.sample(selected, 40):
-        found = why(session, one.keys["task"], one.cycle)
-        assert one.keys["task"] in found.choice.candidates
-        for rule in found.choice.rules:
-            assert one.keys["task"] in rule.left
-        if found.choice.rules:
-            assert found.choice.rules[-1].left == (one.keys["task"],)
+        choice, doing = reasons(session, one.keys["task"], one.cycle)
+        assert one.keys["task"] in choice.candidates
+        for _, left in choice.rules:
+            assert one.keys["task"] in left
+        if choice.rules:
+            assert choice.rules[-1][1] == (one.keys["task"],)
         else:
-            assert found.choice.candidates == (one.keys["task"],)
+            assert choice.candidates == (one.keys["task"],)
         if one.cycle in methods:
             keys = methods[one.cycle]
-            assert (found.doing.outcome, found.doing.said) == ("method", keys["method"])
-            [method] = [m for m in found.doing.methods if m.name == keys["method"]]
+            assert (doing.outcome, doing.said) == ("method", keys["method"])
+            [method] = [m for m in doing.methods if m.name == keys["method"]]
             assert method.holds
-            for fact in found.doing.rests_on:
+            for fact in doing.rests_on:
                 assert fact.time is not None
 
 
 def test_a_method_is_told_with_the_facts_it_rested_on_and_who_asserted_them() -> None:
     session = truck()
     session.goto(60)
-    found = why(session, 41).doing
+    _, found = reasons(session, 41)
     assert (found.outcome, found.said) == ("method", "outside")
     [origin] = found.rests_on
     assert origin.fact == ("location", "item-1", "quarry-1")
@@ -95,27 +90,27 @@ def test_a_task_that_did_not_come_up_is_said() -> None:
     session = truck()
     session.step(5)
     with pytest.raises(ArgumentError, match="did not come up in cycle 2"):
-        why(session, 1, 2)
+        why(session, "1 in 2")
     with pytest.raises(ArgumentError, match="never came up"):
-        why(session, 4)
+        why(session, "4")
     with pytest.raises(ArgumentError, match="there is no task"):
-        why(session, 40)
+        why(session, "40")
 
 
 def test_why_not_says_how_far_each_conjunct_held() -> None:
     session = _small("(greet ann)")
     session.act(AssertFact(("at", "ann", "hall")))
     session.act(AssertFact(("at", "ann", "cellar")))
-    answer = why_not(session, 1)
+    answer = task_asked(session, 1)
     shout, whisper = answer.methods
     assert shout.context is not None
-    assert [part.solutions for part in shout.context.parts] == [2, 0]
+    assert [found for _, found in shout.context.parts] == [2, 0]
     assert shout.context.count == 3
     assert shout.context.missing == (("warm", "hall"), ("warm", "cellar"))
     assert not whisper.holds
     session.act(AssertFact(("warm", "hall")))
     session.act(AssertFact(("holds", "ann", "bell")))
-    asked = why_not(session, 1).methods[0].context
+    asked = task_asked(session, 1).methods[0].context
     assert asked is not None
     assert asked.unwanted == (("holds", "ann", "bell"),)
 
@@ -123,7 +118,7 @@ def test_why_not_says_how_far_each_conjunct_held() -> None:
 def test_why_not_of_a_task_that_has_ended_is_of_its_last_cycle() -> None:
     session = truck()
     session.go()
-    answer = why_not(session, 9)
+    answer = task_asked(session, 9)
     assert answer.past
     assert answer.clauses[0].clause == "succeed of `travel-road`"
     assert answer.clauses[0].holds
@@ -134,7 +129,7 @@ def _answers(session: History) -> list[tuple[int, ClauseAsked]]:
     """Return clauses and contexts that fail now, with their tasks."""
     found = []
     for task in session.run.machine.state.live_tasks():
-        answer = why_not(session, task.number)
+        answer = task_asked(session, task.number)
         asked = [*answer.clauses, *(m.context for m in answer.methods if m.context)]
         found += [(task.number, one) for one in asked if one.missing]
     return found
@@ -155,9 +150,9 @@ def test_the_fact_that_is_named_lets_the_conjunct_hold(answers: int) -> None:
                     session.run.assert_fact(*fact)
                 except FactError:  # a place of an item, which handlers alone set
                     continue
-                again = _same(why_not(session, number), asked)
+                again = _same(task_asked(session, number), asked)
             at = len(asked.parts) - 1
-            assert again.parts[at].solutions > 0, (fact, asked)
+            assert again.parts[at][1] > 0, (fact, asked)
             tried += 1
 
 
@@ -172,7 +167,7 @@ def _same(answer: object, asked: ClauseAsked) -> ClauseAsked:
 def test_a_query_is_asked_conjunct_by_conjunct() -> None:
     session = truck()
     asked = why_not_query(session, "(and (place ?p quarry) (produces ?p green))")
-    assert [part.solutions for part in asked.parts] == [3, 0]
+    assert [found for _, found in asked.parts] == [3, 0]
     assert asked.missing[0] == ("produces", "quarry-1", "green")
     assert asked.near[0][:2] == ("produces", "quarry-1")
     assert why_not_query(session, "(place ?p quarry)").holds
@@ -181,19 +176,16 @@ def test_a_query_is_asked_conjunct_by_conjunct() -> None:
 def test_why_failed_names_the_clause_down_to_the_first_cause() -> None:
     session = _small("(greet ann)")
     with pytest.raises(ArgumentError, match="no task has failed"):
-        why_failed(session)
+        why(session, "failed")
     session.act(AssertFact(("at", "ann", "hall")))
     session.act(AssertFact(("warm", "hall")))
     session.go()
-    found = why_failed(session)
-    assert (found.task, found.result) == (1, "hoarse")
-    cause = found.because
-    while cause is not None and cause.because is not None:
-        cause = cause.because
-    assert cause is not None
-    assert cause.note == "the world answered `hoarse`"
+    first, *_, last = why(session, "failed").lines
+    assert first.startswith("[1] (greet ann) failed in cycle ")
+    assert first.endswith(": hoarse")
+    assert last.endswith("the world answered `hoarse`")
     with pytest.raises(ArgumentError, match="there is no task"):
-        why_failed(session, 7)
+        why(session, "failed 7")
 
 
 def test_commitments_that_are_stale_are_told() -> None:
@@ -201,7 +193,7 @@ def test_commitments_that_are_stale_are_told() -> None:
     session.goto(60)
     found = {one.task: one for one in stale(session)}
     assert found[7].gone == (("truck-location", "depot"),)
-    assert found[7].bindings["?here"] == "depot"
+    assert found[7].chosen.keys["bindings"]["?here"] == "depot"
     assert dict(found[7].would)["#1"] == {"?here": "quarry-1"}
     assert commitment(session, 3).now is not None
     with pytest.raises(ArgumentError, match="is at work on no method"):
@@ -212,9 +204,12 @@ def test_what_if_is_tried_aside() -> None:
     session = _small("(greet ann)")
     session.act(AssertFact(("at", "ann", "hall")))
     here = session.run.save()
-    found = what_if(session, [AssertFact(("warm", "hall"))])
-    assert found.differs
-    assert [one.kind for one in found.as_it_is][-1] is events.TaskFailed
-    assert [o.keys["method"] for o in found.would_be if "method" in o.keys] == ["shout"]
+    assert ahead(session, [], 1)[-1].kind is events.TaskFailed
+    told = ahead(session, [AssertFact(("warm", "hall"))], 1)
+    assert [o.keys["method"] for o in told if "method" in o.keys] == ["shout"]
+    found = what_if(session, "(assert (warm hall))").lines
+    assert found[0] == "as it is:"
+    assert "it would be:" in found
     assert session.run.save() == here
-    assert not what_if(session, [AssertFact(("at", "bob", "hall"))]).differs
+    same = what_if(session, "(assert (at bob hall))").lines
+    assert same[0] == "the same would be done:"

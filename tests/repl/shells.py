@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rapc.repl.answer import ShownAnswer
+from rapc.debug.answer import Answer
 from rapc.repl.commands.table import commands
 from rapc.repl.draw import draw
 from rapc.repl.shell import Shell
@@ -16,7 +16,7 @@ def truck_shell(*tasks: str) -> Shell:
 
 def said(shell: Shell, *inputs: str, width: int = 100) -> str:
     """Return what the shell says to the last of some inputs, as text."""
-    answer = ShownAnswer()
+    answer = Answer()
     for text in inputs:
         answer = shell.answer(text)
     return draw(answer, width, color=False)
@@ -24,7 +24,7 @@ def said(shell: Shell, *inputs: str, width: int = 100) -> str:
 
 def rows(shell: Shell, *inputs: str) -> list[tuple[object, ...]]:
     """Return the rows of the table that the last of some inputs gives."""
-    answer = ShownAnswer()
+    answer = Answer()
     for text in inputs:
         answer = shell.answer(text)
     assert answer.table is not None, answer.lines

@@ -6,7 +6,7 @@ import random
 
 import pytest
 
-from rapc.repl.arguments import is_balanced
+from rapc.debug.arguments import is_balanced
 from rapc.repl.commands.table import commands
 from rapc.repl.complete import candidates
 from rapc.repl.draw import draw

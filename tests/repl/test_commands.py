@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from rapc.repl.arguments import is_balanced, split
+from rapc.debug.arguments import is_balanced, split
 from rapc.repl.commands.table import commands
 from rapc.repl.script import inputs
 from rapc.repl.shell import Shell

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from rapc.debug.answer import Command
 from rapc.repl.commands.table import commands
-from rapc.repl.shell import Command
 from tests.cli.command import rapc
 from tests.effort import first
 from tests.repl.terminal import Terminal

@@ -8,7 +8,8 @@ import pytest
 
 import rapc
 from rapc.base.values import Fact
-from rapc.debug import look
+from rapc.debug.history import History
+from rapc.debug.questions import state, tasks
 from rapc.events import Event, TaskBlocked
 from rapc.runtime.interpreter import Interpreter
 from rapc.world import HandlerMemory, Handlers, Kit
@@ -38,10 +39,8 @@ def _ask_everything(run: Interpreter) -> None:
         question.first()
         question.all()
     _ask_memory(run)
-    look.monitored_tasks(run)
-    look.claims(run)
-    look.items(run)
-    look.tree(run)
+    for ask in (state.monitors, state.claims, state.items, tasks.tree):
+        ask(History(run))
 
 
 def _ask_memory(run: Interpreter) -> None:
@@ -151,7 +150,8 @@ def test_a_task_waits_for_the_item_by_the_name_that_stands(asking: bool) -> None
     run.listen(told.append, TaskBlocked)
     run.submit("(watch item-3)")
     if asking:
-        assert look.monitored_tasks(run)[-1].formula == "(emptied item-3)"
+        asked = state.monitors(History(run))
+        assert asked.rows[-1]["waits for"] == "(emptied item-3)"
     run.assert_fact("color", "item-3", "red")
     run.step()
     assert [event.on for event in told] == ["(emptied item-1)"]

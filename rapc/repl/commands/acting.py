@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
-from rapc.base.values import Fact, typed
+from rapc.base.values import typed
 from rapc.debug.acts import (
     Act,
     AssertFact,
@@ -14,25 +12,23 @@ from rapc.debug.acts import (
     RetryTask,
     SendSignal,
 )
+from rapc.debug.answer import Answer, command, say, table
+from rapc.debug.arguments import Arguments, read_pattern
 from rapc.debug.forced import ForceResult
-from rapc.debug.log import ToldEvent
 from rapc.debug.options import change_option, changeable_options
 from rapc.debug.texts import reread
-from rapc.debug.what_if import what_if
 from rapc.errors import TextError
-from rapc.repl.answer import ShownAnswer, say, table
-from rapc.repl.arguments import Arguments, read_pattern, split
-from rapc.repl.shell import Shell, command
+from rapc.repl.shell import Shell
 
 
-def _do(shell: Shell, act: Act) -> ShownAnswer:
+def _do(shell: Shell, act: Act) -> Answer:
     before, branch = shell.history.serial, shell.history.branch
     shell.history.act(act)
     return say(*shell.happened(before), *shell.branched(branch), f"done: {act}")
 
 
 @command("FACT", ":assert (truck-status ready)")
-def _assert(shell: Shell, args: Arguments) -> ShownAnswer:
+def _assert(shell: Shell, args: Arguments) -> Answer:
     """Assert a fact.
 
     All that is done to the run is done again when it is replayed. Done in the past,
@@ -42,13 +38,13 @@ def _assert(shell: Shell, args: Arguments) -> ShownAnswer:
 
 
 @command("PREFIX", ":erase (color item-1)")
-def _erase(shell: Shell, args: Arguments) -> ShownAnswer:
+def _erase(shell: Shell, args: Arguments) -> Answer:
     """Erase every fact that starts so."""
     return _do(shell, EraseFacts(args.fact("a fact")))
 
 
 @command("GOAL [OPTIONS]", ":submit (rock-order red 1) :priority 2 :deadline 400")
-def _submit(shell: Shell, args: Arguments) -> ShownAnswer:
+def _submit(shell: Shell, args: Arguments) -> Answer:
     """Give the robot a task; a goal typed by itself does the same."""
     args.word("a goal")
     args.rest()
@@ -56,64 +52,15 @@ def _submit(shell: Shell, args: Arguments) -> ShownAnswer:
 
 
 @command("GOAL", ":cancel (rock-order red ?)")
-def _cancel(shell: Shell, args: Arguments) -> ShownAnswer:
+def _cancel(shell: Shell, args: Arguments) -> Answer:
     """Take away the top-level tasks that a goal matches."""
     return _do(shell, CancelTasks(read_pattern(args.word("a goal"))))
 
 
 @command("SIGNAL", ":signal (:door-open hall)")
-def _signal(shell: Shell, args: Arguments) -> ShownAnswer:
+def _signal(shell: Shell, args: Arguments) -> Answer:
     """Send a signal to the tasks that wait for it."""
     return _do(shell, SendSignal(args.signal()))
-
-
-@command(
-    "(assert FACT) | (erase PREFIX) ... [CYCLES]",
-    ":what-if (assert (truck-fuel 2))",
-    ":what-if (erase (color item-1)) 5",
-)
-def _what_if(shell: Shell, args: Arguments) -> ShownAnswer:
-    """Say what the next cycles would bring if memory were another.
-
-    It is tried aside and undone.
-    """
-    acts: list[Act] = []
-    cycles = 1
-    for said in args.rest():
-        if said.isdecimal():
-            cycles = int(said)
-        else:
-            acts.append(_act(said))
-    if not acts:
-        raise TextError("say what if: (assert FACT...) or (erase PREFIX...)")
-    found = what_if(shell.history, acts, cycles)
-    if not found.differs:
-        return say("the same would be done:", *_told(shell, found.as_it_is))
-    return say(
-        "as it is:",
-        *_told(shell, found.as_it_is),
-        "it would be:",
-        *_told(shell, found.would_be),
-    )
-
-
-def _act(text: str) -> Act:
-    """Return what `(assert FACT)` or `(erase PREFIX)` does."""
-    words = split(text[1:].rstrip().removesuffix(")"))
-    makes: dict[str, Callable[[Fact], Act]] = {
-        "assert": AssertFact,
-        "erase": EraseFacts,
-    }
-    if len(words) != 2 or words[0] not in makes:
-        raise TextError(f"(assert FACT) or (erase PREFIX) is wanted, not {text}")
-    return makes[words[0]](read_pattern(words[1]))
-
-
-def _told(shell: Shell, told: tuple[ToldEvent, ...]) -> list[str]:
-    shell.forget_trace()
-    lines = shell.trace(told)
-    shell.forget_trace()
-    return lines or ["  nothing"]
 
 
 @command(
@@ -121,7 +68,7 @@ def _told(shell: Shell, told: tuple[ToldEvent, ...]) -> list[str]:
     ":force (arm-grasp ? ?) arm-dropped",
     ":force (truck-move) okay 3",
 )
-def _force(shell: Shell, args: Arguments) -> ShownAnswer:
+def _force(shell: Shell, args: Arguments) -> Answer:
     """Let the next request that is like this end with a result.
 
     The request does not reach the world: nothing is done there, and it takes as
@@ -133,29 +80,15 @@ def _force(shell: Shell, args: Arguments) -> ShownAnswer:
 
 
 @command("[TASK]", ":fail 12")
-def _fail(shell: Shell, args: Arguments) -> ShownAnswer:
+def _fail(shell: Shell, args: Arguments) -> Answer:
     """Let a task fail, as if a condition of it did not hold."""
-    return _do(shell, FailTask(shell.task(args)))
+    return _do(shell, FailTask(args.task(shell.history)))
 
 
 @command("[TASK]", ":retry 12")
-def _retry(shell: Shell, args: Arguments) -> ShownAnswer:
+def _retry(shell: Shell, args: Arguments) -> Answer:
     """Let the method of a task end badly, so that the task chooses again."""
-    return _do(shell, RetryTask(shell.task(args)))
-
-
-@command("", ":reload")
-def _reload(shell: Shell, args: Arguments) -> ShownAnswer:
-    """Read the files of the library again, and go on with what they say now.
-
-    What is found in them is shown, and a faulty file is refused. A method under way
-    keeps the text that it began with; the next choice sees the new one.
-    """
-    if not shell.paths:
-        raise TextError("it is not known which files the library was read from")
-    name = shell.history.run.machine.library.name
-    typed = "\n\n".join(shell.typed.values())
-    return shell.renew(reread(shell.paths, typed, name))
+    return _do(shell, RetryTask(args.task(shell.history)))
 
 
 @command(
@@ -164,7 +97,7 @@ def _reload(shell: Shell, args: Arguments) -> ShownAnswer:
     ":option rapc.futile-limit 3",
     ":option truck.arm1-drops 0",
 )
-def _option(shell: Shell, args: Arguments) -> ShownAnswer:
+def _option(shell: Shell, args: Arguments) -> Answer:
     """Change a setting of the interpreter or an option of the world, or list them.
 
     Listed are those that can be changed while a run goes on, with their values.
@@ -186,16 +119,15 @@ def _option(shell: Shell, args: Arguments) -> ShownAnswer:
     return _do(shell, change_option(run, owner, name, value))
 
 
-ACTING = (
-    _assert,
-    _erase,
-    _submit,
-    _cancel,
-    _signal,
-    _force,
-    _fail,
-    _retry,
-    _option,
-    _reload,
-    _what_if,
-)
+@command()
+def _reload(shell: Shell, args: Arguments) -> Answer:
+    """Read the files of the library again, and go on with what they say now.
+
+    What is found in them is shown, and a faulty file is refused. A method under way
+    keeps the text that it began with; the next choice sees the new one.
+    """
+    if not shell.paths:
+        raise TextError("it is not known which files the library was read from")
+    name = shell.history.run.machine.library.name
+    typed = "\n\n".join(shell.typed.values())
+    return shell.renew(reread(shell.paths, typed, name))

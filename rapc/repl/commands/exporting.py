@@ -9,12 +9,12 @@ from pathlib import Path
 
 from rapc.base.values import format_list
 from rapc.debug.acts import CancelTasks, SubmitTask
+from rapc.debug.answer import Answer, command, say
+from rapc.debug.arguments import Arguments
 from rapc.errors import LoadError, StateError, TextError
 from rapc.events import Event, RunStarted
 from rapc.ir.nodes import DefineTest
-from rapc.repl.answer import ShownAnswer, say
-from rapc.repl.arguments import Arguments
-from rapc.repl.shell import Shell, command
+from rapc.repl.shell import Shell
 from rapc.runtime.task_request import as_text
 from rapc.testing.discover import find
 from rapc.testing.exported import exported
@@ -29,7 +29,7 @@ _SUFFIX = ".test.rap"
     ":export-test dropped.test.rap",
     ":export-test wanted.test.rap 1 succeeds",
 )
-def _export_test(shell: Shell, args: Arguments) -> ShownAnswer:
+def _export_test(shell: Shell, args: Arguments) -> Answer:
     """Write what just happened as a define-test that passes now.
 
     The world is a script in it: each request with the result, the time and the
@@ -40,7 +40,7 @@ def _export_test(shell: Shell, args: Arguments) -> ShownAnswer:
     may do.
     """
     path = Path(args.word("a file"))
-    task = 1 if args.peek() in ("", "succeeds") else shell.task(args)
+    task = 1 if args.peek() in ("", "succeeds") else args.task(shell.history)
     wanted = args.takes("succeeds")
     args.end()
     if not path.name.endswith(_SUFFIX):
@@ -125,6 +125,3 @@ def _write(path: Path, text: str, modules: Collection[str], *, wanted: bool) -> 
         path.unlink()
         raise StateError("the files of the library are not what was run: `:reload`")
     return passes[0]
-
-
-EXPORTING = (_export_test,)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from rapc.base.names import hint
+from rapc.debug.answer import Answer, command, say, table
+from rapc.debug.arguments import Arguments
 from rapc.errors import TextError
-from rapc.repl.answer import ShownAnswer, say, table
-from rapc.repl.arguments import Arguments
-from rapc.repl.shell import Shell, command
+from rapc.repl.shell import Shell
 
 _TYPED = (
     "(define-rap ...)   a definition is checked and joins the library",
@@ -16,7 +16,7 @@ _TYPED = (
 
 
 @command("[COMMAND]", ":help", ":help goto")
-def _help(shell: Shell, args: Arguments) -> ShownAnswer:
+def _help(shell: Shell, args: Arguments) -> Answer:
     """List the commands, or say more of one."""
     if args:
         return _of_command(shell, args.word("a command").removeprefix(":"))
@@ -31,7 +31,7 @@ def _help(shell: Shell, args: Arguments) -> ShownAnswer:
     return table(("command", "what it does"), rows, notes=notes)
 
 
-def _of_command(shell: Shell, name: str) -> ShownAnswer:
+def _of_command(shell: Shell, name: str) -> Answer:
     command = shell.commands.get(name)
     if command is None:
         near = hint(name, shell.commands).replace("`", "`:", 1)
@@ -44,11 +44,8 @@ def _of_command(shell: Shell, name: str) -> ShownAnswer:
     return say(*lines)
 
 
-@command("", ":quit")
-def _quit(shell: Shell, args: Arguments) -> ShownAnswer:
+@command()
+def _quit(shell: Shell, args: Arguments) -> Answer:
     """Leave; the run is given up."""
     shell.left = True
-    return ShownAnswer()
-
-
-HELPING = (_help, _quit)
+    return Answer()

@@ -2,24 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import msgspec
 
 from rapc.base.names import plural
-from rapc.base.outputs import BREAKPOINTS, TRACE
-from rapc.base.values import readable
-from rapc.debug import differences, recorded
+from rapc.base.outputs import BREAKPOINTS
+from rapc.debug.answer import Answer, command, say, table
+from rapc.debug.arguments import Arguments
 from rapc.debug.breakpoints import KINDS, Breakpoint
-from rapc.debug.find import Finder, find_event, is_before
-from rapc.debug.history import History
 from rapc.debug.recording import UNREADABLE
 from rapc.errors import ArgumentError, TextError
-from rapc.repl.answer import ShownAnswer, say, table
-from rapc.repl.arguments import Arguments
-from rapc.repl.shell import Shell, command
+from rapc.repl.shell import Shell
 
 _KINDS = f"Kinds: {'; '.join(f'`{kind}`: {said}' for kind, said in KINDS.items())}."
 
@@ -40,7 +34,7 @@ _KINDS = f"Kinds: {'; '.join(f'`{kind}`: {said}' for kind, said in KINDS.items()
     ":break save my-breakpoints.json",
     more=_KINDS,
 )
-def _break(shell: Shell, args: Arguments) -> ShownAnswer:
+def _break(shell: Shell, args: Arguments) -> Answer:
     """Set a breakpoint, or list them.
 
     A cycle is one piece: the run stops after the cycle in which it happened, or with
@@ -88,7 +82,7 @@ def _several(shell: Shell, point: Breakpoint) -> list[str]:
 _OPTIONS = ("if", "after", "log", "before")
 
 
-def _listed(shell: Shell) -> ShownAnswer:
+def _listed(shell: Shell) -> Answer:
     rows = [
         (number, str(point), point.met)
         for number, point in shell.breakpoints.all.items()
@@ -98,7 +92,7 @@ def _listed(shell: Shell) -> ShownAnswer:
     return table(columns, rows, none="there are no breakpoints", notes=logged)
 
 
-def _save(shell: Shell, path: Path) -> ShownAnswer:
+def _save(shell: Shell, path: Path) -> Answer:
     shell.refuse_output(path, BREAKPOINTS)
     points = [
         msgspec.structs.replace(point, met=0)
@@ -111,7 +105,7 @@ def _save(shell: Shell, path: Path) -> ShownAnswer:
     return say(f"{plural(len(points), 'breakpoint')} in {path}")
 
 
-def _load(shell: Shell, path: Path) -> ShownAnswer:
+def _load(shell: Shell, path: Path) -> Answer:
     try:
         points = msgspec.json.decode(path.read_bytes(), type=list[Breakpoint])
     except OSError as error:
@@ -124,7 +118,7 @@ def _load(shell: Shell, path: Path) -> ShownAnswer:
 
 
 @command("NUMBER | all", ":unbreak 2", ":unbreak all")
-def _unbreak(shell: Shell, args: Arguments) -> ShownAnswer:
+def _unbreak(shell: Shell, args: Arguments) -> Answer:
     """Remove a breakpoint, or all."""
     if args.takes("all"):
         for number in list(shell.breakpoints.all):
@@ -135,7 +129,7 @@ def _unbreak(shell: Shell, args: Arguments) -> ShownAnswer:
 
 
 @command("[QUERY]", ":watch (truck-location ?where)")
-def _watch(shell: Shell, args: Arguments) -> ShownAnswer:
+def _watch(shell: Shell, args: Arguments) -> Answer:
     """Show the answers to a query after every stop, and mark what has changed."""
     if args:
         shell.watch(args.word("a query"))
@@ -144,7 +138,7 @@ def _watch(shell: Shell, args: Arguments) -> ShownAnswer:
 
 
 @command("NUMBER | all", ":unwatch 1")
-def _unwatch(shell: Shell, args: Arguments) -> ShownAnswer:
+def _unwatch(shell: Shell, args: Arguments) -> Answer:
     """Watch a query no more."""
     if args.takes("all"):
         shell.watches.clear()
@@ -154,106 +148,3 @@ def _unwatch(shell: Shell, args: Arguments) -> ShownAnswer:
             raise ArgumentError(f"there is no watch {number}")
         del shell.watches[number - 1]
     return say(*(shell.watched() or ["nothing is watched"]))
-
-
-@command(
-    "[back] KIND [KEY=VALUE | TEXT]...",
-    ":find task-failed",
-    ":find back method-chosen task=12",
-    ":find fact-asserted location bay1",
-    ":find primitive-ended result=arm-dropped",
-)
-def _find(shell: Shell, args: Arguments) -> ShownAnswer:
-    """Go to the next event of a kind, or back to the last one.
-
-    Kinds and keys are those of a trace. Other words must occur in the event. The
-    session then stands at the end of the cycle in which it happened.
-    """
-    back = args.takes("back")
-    kind = args.word("a kind of event")
-    said = args.rest()
-    finder = Finder.of(kind, said)
-    found = find_event(shell.history, finder, back=back)
-    shell.forget_trace()
-    if found is None:
-        lines = _not_found(shell.history, finder, " ".join([kind, *said]), back=back)
-        return say(*lines, shell.history.stand())
-    return say(*shell.trace([found]), f"in cycle {found.cycle}", shell.history.stand())
-
-
-def _not_found(
-    history: History, finder: Finder, said: str, *, back: bool
-) -> Iterator[str]:
-    """Yield what to say of a search in vain, with what lies the other way."""
-    yield f"no {said} is found {'before' if back else 'after'} this cycle"
-    if not (back or history.no_way_back):
-        found = history.scan(finder.kind, want=is_before(history, finder))
-        count = sum(1 for _ in found)
-        if count:
-            yield f"{plural(count, 'event')} before it: `:find back {said}`"
-
-
-@command("FILE", ":record run.jsonl")
-def _record(shell: Shell, args: Arguments) -> ShownAnswer:
-    """Write the trace of the run up to now, in the form jsonl.
-
-    `rapc repl run.jsonl` opens it again.
-    """
-    path = Path(args.word("a file"))
-    shell.refuse_output(path, TRACE)
-    count = recorded.write_trace(shell.history, path)
-    done = len(shell.history.branch.acts)
-    notes = ["what was done by hand is not in it"] if done else []
-    return say(f"{plural(count, 'event')} in {path}", *notes)
-
-
-def _diff_of_runs(shell: Shell, path: Path) -> ShownAnswer:
-    found = recorded.parting(shell.history, path)
-    if found is None:
-        return say("all decisions are the same, as far as both have gone")
-    return say(
-        f"the first decision that differs, in cycle {found.cycle}:",
-        f"  here:  {_decision(found.here)}",
-        f"  there: {_decision(found.there)}",
-    )
-
-
-def _decision(event: dict[str, Any] | None) -> str:
-    if event is None:
-        return "nothing more"
-    at = f"at {readable(event['time'])}"
-    if event["event"] == "task-selected":
-        return f"{event['goal']} [{event['task']}] came up {at}"
-    bound = " ".join(f"{name} {value}" for name, value in event["bindings"].items())
-    chose = f"[{event['task']}] chose {event['method']} of {event['rap']} {at}"
-    return f"{chose} with {bound}" if bound else chose
-
-
-@command("CYCLE [CYCLE] | FILE", ":diff 20", ":diff 20 60", ":diff other-seed.jsonl")
-def _diff(shell: Shell, args: Arguments) -> ShownAnswer:
-    """Say what differs between two moments, or from a run that was recorded.
-
-    Of two runs the first decision is told that differs: which task came up, or
-    which method was chosen.
-    """
-    if args and not args.peek().isdecimal():
-        return _diff_of_runs(shell, Path(args.word("a file")))
-    history = shell.history
-    first = args.count("a cycle")
-    second = args.count("a cycle", history.cycle)
-    found = differences.between(history, first, second)
-    rows = [("+", "fact", one) for one in found.came]
-    rows += [("-", "fact", one) for one in found.went]
-    rows += [("+", "task", f"[{n}] {goal}") for n, goal in found.joined]
-    rows += [("-", "task", f"[{n}] {goal}") for n, goal in found.left]
-    rows += [
-        ("~", "task", f"[{number}] {goal}: {before}, now {after}")
-        for number, goal, before, after in found.changed
-    ]
-    head = f"cycle {first} to cycle {second}"
-    return table(("", "of", "what"), rows, head, none="no difference")
-
-
-STOPPING = (_break, _unbreak, _watch, _unwatch)
-
-SEARCHING = (_find, _diff, _record)

@@ -1,35 +1,52 @@
-"""All commands, in the order of `:help`."""
+"""All commands, in the order of `:help`: those of each group by module."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from itertools import chain
+from collections.abc import Mapping, Sequence
+from types import ModuleType
 
 from msgspec.structs import replace
 
-from rapc.repl.commands.acting import ACTING
-from rapc.repl.commands.asking import ASKING
-from rapc.repl.commands.exporting import EXPORTING
-from rapc.repl.commands.helping import HELPING
-from rapc.repl.commands.looking import LOOKING
-from rapc.repl.commands.moving import MOVING, TIME
-from rapc.repl.commands.remembering import REMEMBERING
-from rapc.repl.commands.stopping import SEARCHING, STOPPING
-from rapc.repl.shell import Command
-
-_GROUPS: Sequence[tuple[str, Sequence[Command]]] = (
-    ("going on", MOVING),
-    ("stopping", STOPPING),
-    ("time", (*TIME, *SEARCHING)),
-    ("looking", LOOKING),
-    ("asking", ASKING),
-    ("what has been", (*REMEMBERING, *EXPORTING)),
-    ("acting", ACTING),
-    ("this and that", HELPING),
+from rapc.debug.answer import Command
+from rapc.debug.questions import (
+    commitments,
+    differences,
+    facts,
+    state,
+    tasks,
+    times,
+    what_if,
+    why,
+    why_not,
 )
+from rapc.repl.commands import (
+    acting,
+    exporting,
+    helping,
+    moving,
+    querying,
+    stopping,
+    travelling,
+)
+
+_GROUPS: Mapping[str, Sequence[ModuleType]] = {
+    "going on": (moving,),
+    "stopping": (stopping,),
+    "time": (travelling, differences),
+    "looking": (tasks, querying, state),
+    "asking": (why, why_not, commitments),
+    "what has been": (facts, times, exporting),
+    "acting": (acting, what_if),
+    "this and that": (helping,),
+}
 
 
 def commands() -> tuple[Command, ...]:
     """Return all commands, each with the group that it belongs to."""
-    groups = ([replace(one, group=name) for one in found] for name, found in _GROUPS)
-    return tuple(chain.from_iterable(groups))
+    return tuple(
+        replace(one, group=group)
+        for group, modules in _GROUPS.items()
+        for module in modules
+        for one in vars(module).values()
+        if isinstance(one, Command) and one.does.__module__ == module.__name__
+    )

@@ -5,10 +5,11 @@ from __future__ import annotations
 import re
 
 from rapc.base.values import Fact, number
-from rapc.errors import TextError
-from rapc.ir.nodes import Call
+from rapc.debug.history import History
+from rapc.errors import ArgumentError, TextError
+from rapc.events import TaskCreated
+from rapc.ir.nodes import Call, Const
 from rapc.parser.parse import parse_fact, parse_pattern, parse_signal
-from rapc.testing.patterns import flat
 from rapc.world import Time
 
 _PART = re.compile(r'"(?:[^"\\]|\\.)*"?|[()]|;[^\n]*|[^\s()";]+|\s+')
@@ -54,7 +55,8 @@ def read_pattern(text: str) -> Fact:
     made = parse_pattern(text)
     if any(isinstance(term, Call) for term in made.args):
         raise TextError(f"a pattern holds values and variables only: {text}")
-    return flat(made)
+    terms = [one.value if isinstance(one, Const) else one.name for one in made.args]  # type: ignore[union-attr]
+    return (made.name, *terms)
 
 
 class Arguments:
@@ -112,6 +114,26 @@ class Arguments:
             raise TextError(f"{what} is a whole number, not `{said}`")
         return int(said)
 
+    def task(self, history: History) -> int:
+        """Take the next argument as a task: a number, or the RAP of one live task.
+
+        Without an argument it is the task whose cycle was run last.
+
+        Raises:
+            TextError: if it is neither, or no task was selected yet.
+            ArgumentError: for a RAP without a live task, or with several.
+        """
+        name = self.peek().lower()
+        if name and not name.strip("[]").isdecimal():
+            history.check_is_run()
+            if name in history.library.program.library.raps:
+                self.word("a task")
+                return _task_of(history, name)
+        number = self.count("a task", history.selected or 0)
+        if not number:
+            raise TextError("no task has been chosen yet: say which is meant")
+        return number
+
     def time(self, what: str) -> Time:
         """Take the next argument as a time.
 
@@ -148,3 +170,20 @@ class Arguments:
         """
         if self._left:
             raise TextError(f"`{self._left[0]}` is too much here")
+
+
+def _task_of(history: History, rap: str) -> int:
+    """Return the number of the live task of a RAP.
+
+    Raises:
+        ArgumentError: if the RAP has no live task, or several.
+    """
+    goals = {n: goal for n, goal in history.run.goals().items() if goal.name == rap}
+    if len(goals) == 1:
+        return next(iter(goals))
+    if goals:
+        listed = ", ".join(f"[{number}] {goal}" for number, goal in goals.items())
+        raise ArgumentError(f"`{rap}` has several live tasks: {listed}; give a number")
+    last = history.last(TaskCreated, want=lambda told: told.keys["goal"].name == rap)
+    ended = f"; its last task was [{last.keys['task']}]" if last is not None else ""
+    raise ArgumentError(f"`{rap}` has no live task{ended}")

@@ -1,0 +1,110 @@
+"""What the methods under way have been chosen for, and what of that is no longer so."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import msgspec
+
+from rapc import events
+from rapc.base.resources import Value
+from rapc.base.values import Fact, format_list, readable
+from rapc.debug.acts import live_task
+from rapc.debug.answer import Answer, bound_to, question, say
+from rapc.debug.arguments import Arguments
+from rapc.debug.history import History
+from rapc.debug.log import ToldEvent
+from rapc.debug.questions.why import method_supports
+from rapc.debug.questions.why_not import ClauseAsked, ask, methods
+from rapc.errors import ArgumentError
+from rapc.runtime.tasks.start import read_inputs
+
+
+class Commitment(msgspec.Struct, frozen=True):
+    """A method under way, what its choice rested on, and what of that has gone."""
+
+    task: int
+    goal: str
+    #: The event that tells of the choice.
+    chosen: ToldEvent
+    rested_on: tuple[Fact, ...]
+    #: Those of them that are no longer believed.
+    gone: tuple[Fact, ...]
+    #: The context asked again with what the task was given alone.
+    now: ClauseAsked | None
+    #: The methods that hold now, each with what it would bind.
+    would: tuple[tuple[str, Mapping[str, Value]], ...]
+
+
+@question("chosen [TASK]", ":when chosen 106", ":when chosen")
+def when(history: History, args: Arguments) -> Answer:
+    """Say what the choice of a method rested on, and what of that is no longer so.
+
+    Without a task: all methods under way that rest on what is no longer so.
+    """
+    args.takes("chosen")
+    found = [commitment(history, args.task(history))] if args else stale(history)
+    if not found:
+        return say("no method under way rests on what is no longer so")
+    return say(*(line for one in found for line in _lines(one)))
+
+
+def _lines(one: Commitment) -> Iterator[str]:
+    keys = one.chosen.keys
+    at = f"in cycle {one.chosen.cycle}, at time {readable(one.chosen.time)}"
+    chose = f"{keys['method']}{bound_to(keys['bindings'])}"
+    yield f"[{one.task}] {one.goal} chose {chose} {at}"
+    for fact in one.rested_on:
+        mark = "no longer so" if fact in one.gone else "still so"
+        yield f"  because of {format_list(fact)}: {mark}"
+    if one.now is not None and not one.now.holds:
+        yield f"  now: {one.now.in_a_line()}"
+    would = ", or ".join(f"{name}{bound_to(bound)}" for name, bound in one.would)
+    yield f"  it would choose now: {would or 'nothing'}"
+
+
+def commitment(history: History, number: int) -> Commitment:
+    """Return what the choice of a task's method rested on, and what has changed.
+
+    Raises:
+        ArgumentError: if the task is at work on no method.
+        StateError: if the run cannot be taken back in time.
+    """
+    if live_task(history.run, number).run is None:
+        raise ArgumentError(f"task [{number}] is at work on no method")
+    told = history.last(events.MethodChosen, want=lambda o: o.keys["task"] == number)
+    assert told is not None
+    with history.at(told.cycle - 1) as run:
+        run.come_to_choice()
+        before = live_task(run, number)
+        if not before.bound:
+            read_inputs(run.machine, before)
+        plans = run.machine.state.methods(before.plan)
+        plan = next((m for m in plans if m.name == told.keys["method"]), None)
+        facts = tuple(method_supports(run.machine, before, plan))
+    machine, task = history.run.machine, live_task(history.run, number)
+    query = None if task.run is None else task.run.plan.choice
+    now = "its context now"
+    return Commitment(
+        task=number,
+        goal=str(task.goal()),
+        chosen=told,
+        rested_on=facts,
+        gone=tuple(fact for fact in facts if fact not in machine.memory.facts),
+        now=None if query is None else ask(machine, now, query, task, task.env),
+        would=tuple(
+            (one.name, {} if one.context is None else one.context.bindings)
+            for one in methods(machine, task)
+            if one.holds
+        ),
+    )
+
+
+def stale(history: History) -> list[Commitment]:
+    """Return the methods under way whose choice rested on what is no longer so."""
+    found = [
+        commitment(history, task.number)
+        for task in history.run.machine.state.live_tasks()
+        if task.run is not None and task.run.plan.choice is not None
+    ]
+    return [one for one in found if one.gone]

@@ -1,0 +1,228 @@
+"""Questions about facts and items: when they came and went, and by whom.
+
+When and by whom is gathered from the events of the run up to now.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+from rapc import events
+from rapc.analysis.facts.index import Index
+from rapc.base.values import (
+    Fact,
+    format_atom,
+    format_list,
+    match_pattern,
+    readable,
+)
+from rapc.compiler.watches import WatchKey
+from rapc.debug.answer import Answer, question, table
+from rapc.debug.arguments import Arguments, read_pattern
+from rapc.debug.history import History
+from rapc.debug.log import ToldEvent, Want
+from rapc.debug.questions.why import Origin, origins
+from rapc.debug.questions.why_not import last_asserted
+from rapc.errors import ArgumentError
+from rapc.library.signatures import Use
+from rapc.world import Time
+
+_FACTS = (events.FactAsserted, events.FactErased)
+_ITEMS = (
+    events.ItemIntroduced,
+    events.ItemMerged,
+    events.ItemMoved,
+    events.ItemLost,
+)
+_CAUSES = (events.PrimitiveEnded, events.DataReceived, events.TaskSelected)
+
+
+class _Change(NamedTuple):
+    """A fact that came or went, or what became of an item."""
+
+    time: Time
+    cycle: int
+    #: `+`, `-`, or what became of the item.
+    what: str
+    said: str
+    #: By what: a request of a task, a datum, a notation, the user.
+    by: str
+
+
+@question(
+    "ITEM [PREDICATE] | FACT",
+    ":history item-1",
+    ":history item-1 color",
+    ":history (truck-location ?)",
+    of_recordings=True,
+)
+def history_(history: History, args: Arguments) -> Answer:
+    """Tell when facts came and went, and what became of an item, with who did it."""
+    said = args.word("an item or a fact")
+    none = f"nothing has become of {said}"
+    if said.startswith("("):
+        pattern = read_pattern(said)
+        size = len(pattern)
+
+        def about(told: ToldEvent) -> bool:
+            fact = told.keys["fact"]
+            return len(fact) >= size and match_pattern(pattern, fact[:size]) is not None
+
+        found = _changes(history, about, lambda told: False)
+    else:
+        predicate = args.word("a predicate").lower() if args else ""
+        names = _names_of(history, said.lower())
+
+        def names_it(told: ToldEvent) -> bool:
+            name, *values = told.keys["fact"]
+            texts = [part for part in values if type(part) is str]
+            return predicate in ("", name) and not names.isdisjoint(texts)
+
+        found = _changes(
+            history,
+            names_it,
+            lambda told: not predicate and told.keys["item"] in names,
+        )
+        none += f"; if it is no item but a fact, write ({said})"
+    return table(("time", "cycle", "", "what", "by"), found, none=none)
+
+
+def _names_of(history: History, name: str) -> set[str]:
+    """Return all names that stand for one item now."""
+    if not history.is_run:
+        merged = history.scan(events.ItemMerged)
+        pairs = [{told.keys["item"], told.keys["with_"]} for told in merged]
+        return {name}.union(*(pair for pair in pairs if name in pair))
+    items = history.run.machine.memory.items
+    kept = str(items.canonical(name))
+    return {name, kept} | {n for n in items.aliases if items.canonical(n) == kept}
+
+
+def _changes(history: History, of_fact: Want, of_item: Want) -> list[_Change]:
+    """Return the changes that are wanted, each with what made it."""
+    found: list[_Change] = []
+    open_since = 0
+    chooser: int | None = None
+    for told in history.scan(*_FACTS, *_ITEMS, *_CAUSES):
+        if told.kind is events.TaskSelected:
+            chooser, open_since = told.keys["task"], len(found)
+        elif told.kind in (events.PrimitiveEnded, events.DataReceived):
+            by = _source(told)
+            for at in range(open_since, len(found)):
+                if found[at].by == "handler":
+                    found[at] = found[at]._replace(by=by)
+            open_since = len(found)
+        elif told.kind in _FACTS:
+            if of_fact(told):
+                found.append(_of_fact(told, chooser))
+        elif of_item(told):
+            found.append(_of_item(told))
+    return found
+
+
+def _source(told: ToldEvent) -> str:
+    if told.kind is events.DataReceived:
+        return f"datum {format_list(told.keys['data'])}"
+    task = told.keys["task"]
+    return format_list(told.keys["request"]) + ("" if task is None else f" [{task}]")
+
+
+def _of_fact(told: ToldEvent, chooser: int | None) -> _Change:
+    by = told.keys["by"]
+    if by == "notation" and chooser is not None:
+        by = f"notation [{chooser}]"
+    sign = "+" if told.kind is events.FactAsserted else "-"
+    return _Change(told.time, told.cycle, sign, format_list(told.keys["fact"]), by)
+
+
+def _of_item(told: ToldEvent) -> _Change:
+    keys, tag = told.keys, str(told.kind.__struct_config__.tag)
+    said = f"{keys['item']} at {format_atom(keys['location'])}"
+    if keys.get("with_") is not None:
+        said += f", also {keys['with_']}"
+        if keys.get("score") is not None:
+            said += f", score {readable(keys['score'])}"
+    what = tag.removeprefix("item-")
+    return _Change(told.time, told.cycle, what, said, "handler")
+
+
+# --- who has to do with a fact ------------------------------------------------------
+
+_USES: tuple[Use, ...] = ("test", "believed", "asserted", "erased")
+"""How the library uses facts: it asks for them, or makes them so."""
+
+
+@question("FACT", ":who (truck-location depot)", ":who (location ?item external)")
+def who(history: History, args: Arguments) -> Answer:
+    """Tell who asserted a fact, who asks for it, and who waits for it."""
+    pattern = read_pattern(args.word("a fact"))
+    machine, name = history.run.machine, str(pattern[0])
+    if name not in machine.library.signatures.relations:
+        raise ArgumentError(str(machine.library.signatures.unknown("test", name)))
+    facts = [
+        fact
+        for fact in machine.memory.facts.table(name).stamps
+        if match_pattern(pattern, fact[: len(pattern)]) is not None
+    ]
+    stamps = {fact: last_asserted(machine, fact) for fact in facts}
+    found = origins(history, stamps, history.cycle + 1)
+    rows = [*map(_believed, found), *_noted_by(history, facts)]
+    rows += [*_listening(history, pattern), *_places(history, name)]
+    return table(("how", "who", "where"), rows, none="nobody has to do with it")
+
+
+_Row = tuple[str, str, str]
+
+
+def _believed(origin: Origin) -> _Row:
+    since = "the beginning" if origin.time is None else readable(origin.time)
+    by = f", by {origin.by}" if origin.by else ""
+    how = "noted" if origin.by == "notation" else "believed"
+    return how, format_list(origin.fact), f"since {since}{by}"
+
+
+def _noted_by(history: History, facts: list[Fact]) -> Iterator[_Row]:
+    """Yield the methods under way that have noted some of the facts, by task."""
+    notations = history.run.machine.memory.notations
+    for task in history.run.machine.state.live_tasks():
+        if task.run is not None and task.run.notations:
+            noted = notations.facts(task.run.notations)
+            if any(fact in noted for fact in facts):
+                yield "noted by", f"[{task.number}]", ""
+
+
+def _listening(history: History, pattern: Fact) -> Iterator[_Row]:
+    """Yield the tasks whose monitor hears of changes of the fact."""
+    entries = {entry.task: entry for entry in history.run.agenda()}
+    for task in history.run.machine.state.live_tasks():
+        keys = () if task.wait is None else task.wait.keys or ()
+        if any(_hears(key, pattern) for key in keys):
+            entry = entries[task.number]
+            yield "listened to by", f"[{entry.task}] {entry.goal}", entry.state
+
+
+def _hears(key: WatchKey, pattern: Fact) -> bool:
+    """Whether a change of a fact that fits the pattern may touch a listener's key."""
+    if not isinstance(key, tuple) or key[0] != pattern[0]:
+        return False
+    if len(key) == 1 or int(str(key[1])) >= len(pattern):
+        return True
+    wanted = pattern[int(str(key[1]))]
+    return str(wanted).startswith("?") or wanted == key[2]
+
+
+def _places(history: History, name: str) -> Iterator[_Row]:
+    """Yield where the library asks for facts of a name, or makes them so."""
+    program = history.library.program
+    index = Index(program.library)
+    for use in _USES:
+        for one in index.uses_of(use, name):
+            words = _words(type(one.owner).__name__)
+            form = f"{words} {getattr(one.owner, 'name', '')}".strip()
+            yield use, form, program.compiler.row(one.span)
+
+
+def _words(name: str) -> str:
+    """Return the name of a class of nodes as the language writes it."""
+    return "".join(f"-{c.lower()}" if c.isupper() else c for c in name).lstrip("-")

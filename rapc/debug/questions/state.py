@@ -1,0 +1,198 @@
+"""Questions about what stands now besides tasks: memory, things, requests, world."""
+
+from __future__ import annotations
+
+from rapc.base.values import Atom, format_atom, format_list, number, readable
+from rapc.debug.acts import live_task
+from rapc.debug.answer import Answer, question, table
+from rapc.debug.arguments import Arguments
+from rapc.debug.history import History
+from rapc.errors import ArgumentError, TextError
+from rapc.events import TaskCreated
+from rapc.runtime.memory.store import NEVER
+from rapc.runtime.snapshot import deadlocks_in_words
+from rapc.runtime.state.things import format_thing
+from rapc.world import Drawable, Thing
+
+
+def names_with_facts(history: History) -> Answer:
+    """Return the names that facts of memory have, each with how many they are."""
+    tables = sorted(history.run.machine.memory.facts.tables.items())
+    rows = [(name, len(found.stamps)) for name, found in tables if found.stamps]
+    return table(("facts of", "number"), rows, none="memory is empty")
+
+
+def beliefs(history: History, name: str, *values: Atom | None) -> Answer:
+    """Return the facts of a name that values match, None any value, with ages.
+
+    Raises:
+        ArgumentError: if nothing is declared by that name, or a value is not of the
+            declared kind.
+    """
+    machine = history.run.machine
+    signatures = machine.library.signatures
+    if name not in signatures.relations:
+        raise ArgumentError(str(signatures.unknown("test", name)))
+    wrong = signatures.wrong_kind("erased", name, values)
+    if wrong is not None:
+        raise ArgumentError(wrong)
+    rows = []
+    for fact, stamp in machine.memory.facts.table(name).stamps.items():
+        given = zip(values, fact[1:], strict=False)
+        if all(want is None or want == value for want, value in given):
+            since = None if stamp is None or stamp == NEVER else number(stamp)
+            age = None if since is None else history.now - since
+            rows.append((format_list(fact), since, age))
+    return table(("fact", "since", "age"), rows, none="no such fact")
+
+
+@question()
+def items(history: History, args: Arguments) -> Answer:
+    """List the items that memory knows."""
+    memory = history.run.machine.memory
+    rows = []
+    for item in memory.items.known.values():
+        place = memory.facts.asserted(("location", item.name))
+        at = "" if place is None else format_atom(place[-1])
+        rows.append(
+            (item.name, item.kind, at, item.sensor if item.accessible else None)
+        )
+    columns = ("item", "class", "location", "sensor name")
+    return table(columns, rows, none="memory knows no items")
+
+
+@question()
+def monitors(history: History, args: Arguments) -> Answer:
+    """List the tasks with monitors, and what each waits for."""
+    machine = history.run.machine
+    entries = {entry.task: entry for entry in history.run.agenda()}
+    rows = []
+    for task in machine.state.live_tasks():
+        if task.plan.monitored:
+            entry, wait = entries[task.number], task.wait
+            formula = machine.monitors.reason(task) if task.bound else ""
+            timer = None if wait is None else wait.timer
+            told = (task.number, entry.goal, entry.state, formula, timer)
+            rows.append((*told, entry.deadline))
+    columns = ("task", "goal", "state", "waits for", "looks at", "deadline")
+    return table(columns, rows, none="no task has a monitor")
+
+
+@question()
+def claims(history: History, args: Arguments) -> Answer:
+    """List the things that are held, by whom, and who waits for them.
+
+    Circles of tasks that wait for each other are named below.
+    """
+    things = history.run.machine.things
+    rows = []
+    for hold in (hold for _, holds in sorted(things.held.items()) for hold in holds):
+        task, thing = hold.run.task, hold.ask.thing
+        waiters = sorted(
+            wait.task.number
+            for wait in things.waits.values()
+            if any(ask.thing == thing for way in wait.alternatives for ask in way)
+        )
+        how = "uses" if hold.ask.used else "claims"
+        told = (hold.said or format_thing(thing), task.number, str(task.goal()), how)
+        rows.append((*told, " ".join(f"[{number}]" for number in waiters) or None))
+    columns = ("thing", "held by", "goal", "how", "waited for by")
+    notes = deadlocks_in_words(history.run.machine)
+    return table(columns, rows, none="no thing is held", notes=notes)
+
+
+@question()
+def requests(history: History, args: Arguments) -> Answer:
+    """List the requests under way: sent, neither ended nor cancelled."""
+    # A world may answer what was cancelled once more, or never.
+    pending = sorted(history.run.machine.state.pending.items())
+    rows = [
+        (ticket, task.number, format_list(asked))
+        for ticket, (task, asked) in pending
+        if task is not None
+    ]
+    return table(("ticket", "task", "request"), rows, none="no request is under way")
+
+
+@question()
+def stack(history: History, args: Arguments) -> Answer:
+    """Show the families that were chosen, the one that is preferred now first."""
+    goals = history.run.goals()
+    rows = [
+        (priority, f"[{family}]", str(goals.get(family, "has ended")))
+        for priority, family in reversed(history.run.machine.agenda.stack)
+    ]
+    columns = ("priority", "family", "goal")
+    return table(columns, rows, none="no family has been chosen yet")
+
+
+@question()
+def skills(history: History, args: Arguments) -> Answer:
+    """List the skills that methods have switched on."""
+    activations = history.run.machine.state.activations
+    rows = [
+        (
+            one.ticket,
+            None if one.task is None else one.task.number,
+            " ".join(map(format_list, one.skills)),
+            "off" if one.run is None else "on",
+        )
+        for one in (*activations.on.values(), *activations.off.values())
+    ]
+    return table(("ticket", "task", "skills", ""), rows, none="no skill is on")
+
+
+@question()
+def world(history: History, args: Arguments) -> Answer:
+    """Show what is true in the world, which the robot need not know."""
+    shown = history.run.machine.world
+    if not isinstance(shown, Drawable):
+        raise ArgumentError(f"the world `{shown.name}` has no picture of itself")
+    picture = shown.picture()
+    rows = [
+        (
+            ("* " if spot.name == picture.here else "") + spot.name,
+            " ".join(map(_thing, spot.things)),
+            spot.note or None,
+        )
+        for spot in picture.spots
+    ]
+    gauges = [f"{one.name}: {readable(one.value)}" for one in picture.gauges]
+    said = "what is true in the world; the robot does not know it"
+    return table(("place", "things", "besides"), rows, said, notes=gauges)
+
+
+def _thing(thing: Thing) -> str:
+    return f"{format_atom(thing.look)} {thing.kind}" if thing.look else thing.kind
+
+
+@question("[TASK | RAP]", ":source", ":source 12", ":source fill-order")
+def source(history: History, args: Arguments) -> Answer:
+    """Show the text of a RAP, or of the RAP of a task."""
+    program = history.library.program
+    name = args.peek()
+    if not name or name.strip("[]").isdecimal():
+        name = _rap_of(history, args.task(history))
+    else:
+        name = args.word("a RAP").lower()
+    node = program.library.raps.get(name)
+    if node is None:
+        raise ArgumentError(str(program.signatures.unknown("goal", name)))
+    file = program.library.files.get(node.span.file)
+    if file is None or not file.text:
+        raise TextError(f"the text of `{node.name}` is not at hand")
+    first, last = file.row(node.span.start), file.row(node.span.end)
+    width = len(str(last))
+    lines = [f"{row:>{width}} {file.line(row)}" for row in range(first, last + 1)]
+    return Answer((file.name, *lines), is_code=True)
+
+
+def _rap_of(history: History, number: int) -> str:
+    """Return the RAP of a task, whether it has ended or not.
+
+    Raises:
+        ArgumentError: if there is no such task.
+    """
+    told = history.last(TaskCreated, want=lambda one: one.keys["task"] == number)
+    goal = live_task(history.run, number).goal() if told is None else told.keys["goal"]
+    return str(goal.name)

@@ -1,0 +1,74 @@
+"""What would be chosen if memory were another: tried aside, and undone."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from rapc import events
+from rapc.debug.acts import Act, AssertFact, EraseFacts
+from rapc.debug.answer import Answer, question, say
+from rapc.debug.arguments import Arguments, read_pattern, split
+from rapc.debug.history import History
+from rapc.debug.log import ToldEvent, in_lines
+from rapc.errors import TextError
+
+_OF_CHOICES = (
+    *(events.TaskSelected, events.MethodChosen, events.TaskSucceeded),
+    *(events.TaskFailed, events.TaskBlocked, events.TaskWoken),
+    *(events.PrimitiveRequested, events.RunEnded),
+)
+"""The events that tell what is chosen."""
+
+
+@question(
+    "(assert FACT) | (erase PREFIX) ... [CYCLES]",
+    ":what-if (assert (truck-fuel 2))",
+    ":what-if (erase (color item-1)) 5",
+)
+def what_if(history: History, args: Arguments) -> Answer:
+    """Say what the next cycles would bring if memory were another.
+
+    It is tried aside and undone.
+    """
+    acts: list[Act] = []
+    cycles = 1
+    for said in args.rest():
+        if said.isdecimal():
+            cycles = int(said)
+        else:
+            acts.append(_act(said))
+    if not acts:
+        raise TextError("say what if: (assert FACT...) or (erase PREFIX...)")
+    now, then = ahead(history, (), cycles), ahead(history, acts, cycles)
+    if [(o.kind, o.time, o.keys) for o in now] == [
+        (o.kind, o.time, o.keys) for o in then
+    ]:
+        return say("the same would be done:", *_lines(now))
+    return say("as it is:", *_lines(now), "it would be:", *_lines(then))
+
+
+def ahead(history: History, acts: Iterable[Act], cycles: int) -> list[ToldEvent]:
+    """Return what is chosen in the next cycles after some acts, which are undone.
+
+    Raises:
+        Error: if an act cannot be done.
+        StateError: if the run cannot be taken back in time.
+    """
+    told = history.ahead(acts, cycles)
+    return [one for one in told if one.kind in _OF_CHOICES]
+
+
+def _act(text: str) -> Act:
+    """Return what `(assert FACT)` or `(erase PREFIX)` does."""
+    words = split(text[1:].rstrip().removesuffix(")"))
+    makes: dict[str, type[AssertFact | EraseFacts]] = {
+        "assert": AssertFact,
+        "erase": EraseFacts,
+    }
+    if len(words) != 2 or words[0] not in makes:
+        raise TextError(f"(assert FACT) or (erase PREFIX) is wanted, not {text}")
+    return makes[words[0]](read_pattern(words[1]))
+
+
+def _lines(told: list[ToldEvent]) -> list[str]:
+    return in_lines(told) or ["  nothing"]

@@ -1,0 +1,367 @@
+"""Why a task came up, what it did then, and why tasks fail.
+
+The cycle is run again aside, from the moment before it: so each rule of choice is told
+with the candidates that it left [T 3.2.4; L 4], and the method with the facts that its
+context rested on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import msgspec
+
+from rapc import events
+from rapc.base.resources import Value
+from rapc.base.values import Fact, format_list, number, readable
+from rapc.compiler.query.query import Query
+from rapc.compiler.rap_plan import MethodPlan
+from rapc.debug.acts import live_task
+from rapc.debug.answer import Answer, bound_to, numbers, question, say
+from rapc.debug.arguments import Arguments
+from rapc.debug.history import History
+from rapc.debug.log import ToldEvent
+from rapc.debug.questions.why_not import (
+    MethodAnswer,
+    Supports,
+    in_words,
+    last_cycle,
+    methods,
+    supports,
+)
+from rapc.errors import ArgumentError
+from rapc.events import Cause, Event
+from rapc.runtime.events.report import cause_lines
+from rapc.runtime.machine import Machine
+from rapc.runtime.state.task import Task
+from rapc.runtime.tasks.start import read_inputs
+from rapc.world import Time
+
+
+class Origin(msgspec.Struct, frozen=True):
+    """A fact that something rested on, with who had asserted it."""
+
+    fact: Fact
+    #: When it was asserted last; None if it was not in the run that is known.
+    time: Time | None
+    cycle: int | None
+    #: By what: a primitive of a task, a datum, a notation, the user.
+    by: str
+
+    def __str__(self) -> str:
+        told = f"because of {format_list(self.fact)}"
+        if self.time is not None:
+            told += f", asserted at {readable(self.time)}"
+        if self.cycle is not None:
+            told += f" in cycle {self.cycle}"
+        return f"{told} by {self.by}" if self.by else told
+
+
+class Choice(msgspec.Struct, frozen=True):
+    """Why a task was the one to come up."""
+
+    task: int
+    cycle: int
+    time: Time
+    #: The tasks that could have come up.
+    candidates: tuple[int, ...]
+    #: The rules of choice that were applied, each with the tasks that it left.
+    rules: tuple[tuple[str, tuple[int, ...]], ...]
+
+
+class Doing(msgspec.Struct, frozen=True):
+    """What a task did in its cycle, and what that rested on."""
+
+    #: `method`, `succeeded`, `failed`, `blocked`, or `nothing` that events tell of.
+    outcome: str = "nothing"
+    #: The method chosen, or what it waits for.
+    said: str = ""
+    bindings: Mapping[str, Value] = {}
+    #: The facts that the clause rested on that settled it.
+    rests_on: tuple[Origin, ...] = ()
+    #: All methods as they stood then, where one was chosen.
+    methods: tuple[MethodAnswer, ...] = ()
+    because: Cause | None = None
+
+
+_SETTLES: Mapping[type[Event], str] = {
+    events.MethodChosen: "method",
+    events.TaskSucceeded: "succeeded",
+    events.TaskFailed: "failed",
+    events.TaskBlocked: "blocked",
+}
+"""The events that tell what a cycle came to."""
+
+
+@question(
+    "[TASK] [in CYCLE] | failed [TASK]",
+    ":why",
+    ":why 12",
+    ":why 12 in 30",
+    ":why failed",
+    ":why failed 92",
+)
+def why(history: History, args: Arguments) -> Answer:
+    """Say why a task came up and what it did then, or why it failed.
+
+    Each rule of choice is told with the tasks that it left, then the method with
+    the facts that its context rested on: when each was asserted, and by what.
+    """
+    if args.takes("failed"):
+        return why_failed(history, args.task(history) if args else None)
+    number = args.task(history)
+    cycle = args.count("a cycle") if args.takes("in") else None
+    choice, doing = reasons(history, number, cycle)
+    return say(*_of_choice(choice), *_of_doing(doing))
+
+
+def _of_choice(choice: Choice) -> Iterator[str]:
+    at = f"in cycle {choice.cycle}, at time {readable(choice.time)}"
+    yield f"[{choice.task}] came up {at}:"
+    if len(choice.candidates) == 1:
+        yield "  it was the only task that could go on"
+        return
+    yield f"  {len(choice.candidates)} could go on: {numbers(choice.candidates)}"
+    for rule, left in choice.rules:
+        yield f"  {rule}: {numbers(left)}"
+
+
+def _of_doing(doing: Doing) -> Iterator[str]:
+    if doing.outcome == "method":
+        yield f"It chose method {doing.said}{bound_to(doing.bindings)}:"
+        if len(doing.methods) == 1 and not doing.methods[0].solved:
+            yield "  its only method"
+        else:
+            for method in doing.methods:
+                mark = "*" if method.name == doing.said else " "
+                yield f" {mark} {method.name}: {in_words(method)}"
+    elif doing.outcome == "succeeded":
+        yield f"It succeeded{bound_to(doing.bindings)}:"
+    elif doing.outcome == "failed":
+        yield f"It failed ({doing.said}):"
+        yield from (f"  {line}" for line in cause_lines(doing.because))
+    elif doing.outcome == "blocked":
+        yield f"It was blocked until {doing.said}"
+    yield from (f"  {origin}" for origin in doing.rests_on)
+
+
+def reasons(
+    history: History, task: int, cycle: int | None = None
+) -> tuple[Choice, Doing]:
+    """Return why a task came up, in its last cycle or in the one given; what it did.
+
+    Raises:
+        ArgumentError: if it did not come up.
+        StateError: if the run cannot be taken back in time.
+    """
+    last = last_cycle(history, task) if cycle is None else cycle
+    of_cycle = history.scan(
+        events.TaskSelected,
+        *_SETTLES,
+        first=last,
+        want=lambda one: one.cycle == last and one.keys["task"] == task,
+    )
+    own = list(of_cycle)
+    if events.TaskSelected not in [one.kind for one in own]:
+        raise ArgumentError(f"task [{task}] did not come up in cycle {last}")
+    settled = next((one for one in own if one.kind in _SETTLES), None)
+    with history.at(last - 1) as run:
+        run.come_to_choice()
+        choice = _choice(history, task)
+        doing, rests_on = _doing(run.machine, live_task(run, task), settled)
+    known = origins(history, rests_on, last)
+    return choice, msgspec.structs.replace(doing, rests_on=known)
+
+
+def _choice(history: History, task: int) -> Choice:
+    """Return why a task is the next to come up; the run is about to choose."""
+    machine = history.run.machine
+    sole, others = machine.agenda.entries()
+    live = {one.number: one for one in machine.state.live_tasks()}
+    entries = {n: (live[n].priority, late, failed) for n, late, failed in others}
+    if sole is not None:
+        entries[sole] = (live[sole].priority, 0.0, False)
+    left = sorted(entries)
+    rules: list[tuple[str, tuple[int, ...]]] = []
+    for rule, keep in _rules(entries, machine.agenda.stack, live):
+        if len(left) < 2:
+            break
+        kept = keep(left)
+        if len(kept) < len(left):
+            rules.append((rule, tuple(kept)))
+            left = kept
+    if len(left) > 1:
+        rules.append(("chance", (task,)))
+    candidates = tuple(sorted(entries))
+    return Choice(task, history.cycle + 1, history.now, candidates, tuple(rules))
+
+
+def _rules(
+    entries: Mapping[int, tuple[int, float, bool]],
+    stack: Sequence[tuple[int, int]],
+    live: Mapping[int, Task],
+) -> list[tuple[str, Any]]:
+    """Return the rules of choice, each with what keeps some of the tasks left."""
+
+    def highest(left: list[int]) -> list[int]:
+        most = max(entries[n][0] for n in left)
+        return [n for n in left if entries[n][0] == most]
+
+    def soonest(left: list[int]) -> list[int]:
+        first = min(entries[n][1] for n in left)
+        return [n for n in left if entries[n][1] == first]
+
+    def fresh(left: list[int]) -> list[int]:
+        return [n for n in left if not entries[n][2]] or left
+
+    def family(left: list[int]) -> list[int]:
+        priority = entries[left[0]][0]
+        open_to = [family for level, family in stack if level <= priority]
+        return [n for n in left if open_to and live[n].family == open_to[-1]] or left
+
+    return [
+        ("highest priority", highest),
+        ("earliest latest start", soonest),
+        ("no method has ended badly", fresh),
+        ("family at work", family),
+    ]
+
+
+def _doing(
+    machine: Machine, task: Task, settled: ToldEvent | None
+) -> tuple[Doing, Supports]:
+    """Return what a task did, and what that rested on; the run stands before it."""
+    if not task.bound:
+        read_inputs(machine, task)
+    if settled is None:
+        return Doing(), {}
+    outcome, keys = _SETTLES[settled.kind], settled.keys
+    if outcome == "method":
+        name, found = keys["method"], tuple(methods(machine, task))
+        plan = next(
+            (m for m in machine.state.methods(task.plan) if m.name == name), None
+        )
+        if plan is None:
+            found += (MethodAnswer(name, None, False, 0, 0, solved=True),)
+        rests_on = method_supports(machine, task, plan)
+        return Doing(outcome, name, keys["bindings"], (), found), rests_on
+    if outcome == "succeeded":
+        rests_on = _supports_of(machine, task, task.plan.succeed)
+        return Doing(outcome, "", keys["outputs"]), rests_on
+    if outcome == "failed":
+        return Doing(outcome, keys["reason"], because=keys["because"]), {}
+    return Doing(outcome, keys["on"]), {}
+
+
+def method_supports(
+    machine: Machine, task: Task, method: MethodPlan | None
+) -> Supports:
+    """Return the facts that the context of a method rests on now."""
+    return _supports_of(machine, task, None if method is None else method.choice)
+
+
+def _supports_of(machine: Machine, task: Task, query: Query | None) -> Supports:
+    if query is None:
+        return {}
+    machine.noting.begin(task)
+    found = query.first(machine.noting, task.env) or {}
+    return supports(machine, query.formula, {**task.env, **found})
+
+
+# --- where facts come from ----------------------------------------------------------
+
+
+def origins(history: History, found: Supports, before: int) -> tuple[Origin, ...]:
+    """Return who asserted some facts last, before a cycle began."""
+    last: dict[Fact, ToldEvent] = {}
+    for told in history.log.backwards(events.FactAsserted):
+        if len(last) == len(found):
+            break
+        if told.cycle < before and told.keys["fact"] in found:
+            last.setdefault(told.keys["fact"], told)
+    if len(last) < len(found) and not history.log.has(0):
+        for told in history.scan(
+            events.FactAsserted,
+            want=lambda one: one.cycle < before and one.keys["fact"] in found,
+        ):
+            last[told.keys["fact"]] = told
+    return tuple(_origin(history, fact, found[fact], last.get(fact)) for fact in found)
+
+
+def _origin(
+    history: History, fact: Fact, since: Time | None, told: ToldEvent | None
+) -> Origin:
+    if told is None:
+        return Origin(fact, None if since is None else number(since), None, "")
+    return Origin(fact, told.time, told.cycle, _by_whom(history, told))
+
+
+def _by_whom(history: History, told: ToldEvent) -> str:
+    """Return in words who has asserted or erased a fact."""
+    by: str = told.keys["by"]
+    if told.cycle == 0 or by in ("user", "memory"):
+        return by
+    chosen_by = None
+    for one in history.scan(first=told.cycle, want=lambda o: o.cycle == told.cycle):
+        if one.kind is events.TaskSelected and chosen_by is None:
+            chosen_by = one.keys["task"]
+        if one.serial < told.serial:
+            continue
+        if by == "notation" and one.kind in (events.MethodEnded, events.TaskRemoved):
+            break
+        if one.kind is events.PrimitiveEnded:
+            task = "" if one.keys["task"] is None else f" [{one.keys['task']}]"
+            return f"{format_list(one.keys['request'])}{task}"
+        if one.kind is events.DataReceived:
+            return f"datum {format_list(one.keys['data'])}"
+    return by if chosen_by is None else f"{by} of [{chosen_by}]"
+
+
+# --- failures -----------------------------------------------------------------------
+
+_FAILURES: Mapping[type[Event], str] = {
+    events.TaskFailed: "failed",
+    events.MethodEnded: "had a method that ended badly",
+    events.TaskRemoved: "was removed",
+}
+
+
+def why_failed(history: History, number: int | None = None) -> Answer:
+    """Say why a task failed, or the last one that did: the causes, to the first one.
+
+    Raises:
+        ArgumentError: if none has, or this one has not.
+    """
+    numbers = history.run.machine.state.numbers
+
+    def wanted(told: ToldEvent) -> bool:
+        if told.kind is events.TaskFailed:
+            return number is None or told.keys["task"] == number
+        if told.keys["task"] != number:
+            return False
+        return told.kind is events.TaskRemoved or told.keys["result"] != "okay"
+
+    told = history.last(*_FAILURES, want=wanted)
+    if told is None:
+        if number is None:
+            raise ArgumentError("no task has failed")
+        if not 0 < number <= numbers:
+            raise ArgumentError(f"there is no task [{number}]")
+        raise ArgumentError(
+            f"task [{number}] has not failed, and no method of it has ended badly"
+        )
+    keys, failed = told.keys, told.keys["task"]
+    goal = keys.get("goal") or _goal(history, failed)
+    at = f"in cycle {told.cycle}, at time {readable(told.time)}"
+    result = keys.get("result") or keys.get("cause", "")
+    return say(
+        f"[{failed}] {goal} {_FAILURES[told.kind]} {at}: {result}",
+        *(f"  {line}" for line in cause_lines(keys.get("because"))),
+    )
+
+
+def _goal(history: History, number: int) -> str:
+    """Return the goal of a task when it was made; nothing if that is not known."""
+    made = history.last(events.TaskCreated, want=lambda o: o.keys["task"] == number)
+    return "" if made is None else str(made.keys["goal"])

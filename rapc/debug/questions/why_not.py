@@ -1,0 +1,506 @@
+"""Why a task does not go on, why a method is not chosen, why a query does not hold.
+
+What is asked is what a cycle would ask, in its order [L 3]: inputs, `succeed`,
+monitors, conditions, then the methods. A clause is asked conjunct by conjunct: how far
+it holds, and what is missing where not. A task that has ended is asked about as it
+stood before its last cycle. Asking leaves no mark on the run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from itertools import islice
+
+import msgspec
+
+from rapc.base.names import did_you_mean, plural
+from rapc.base.resources import Value
+from rapc.base.values import Fact, format_list
+from rapc.compiler.query.query import Query
+from rapc.compiler.rap_plan import MethodPlan
+from rapc.debug.acts import live_task
+from rapc.debug.answer import Answer, bound_to, numbers, question, say
+from rapc.debug.arguments import Arguments
+from rapc.debug.history import History
+from rapc.errors import ArgumentError
+from rapc.events import Goal, TaskSelected
+from rapc.ir import clauses, nodes
+from rapc.parser.parse import parse_formula
+from rapc.runtime.interpreter import Interpreter
+from rapc.runtime.machine import Machine
+from rapc.runtime.memory.memory import EXTERNAL
+from rapc.runtime.memory.store import NEVER
+from rapc.runtime.state.task import Env, Task
+from rapc.runtime.tasks.causes import conditions
+from rapc.runtime.tasks.hold_things import asks_of
+from rapc.runtime.tasks.start import read_inputs
+from rapc.world import Time
+
+MOST = 100
+"""How many solutions are counted."""
+
+_NEAR = 3
+"""How many facts are named that come near to what is missing."""
+
+_CLAUSES = tuple(clause.word for clause in clauses.RAP if not clause.hands_on)
+"""The clauses of a RAP that can be asked about by their names."""
+
+
+class ClauseAsked(msgspec.Struct, frozen=True):
+    """What comes of asking a clause."""
+
+    #: The clause in words.
+    clause: str
+    #: The conjuncts up to the first without a solution, each with how many solutions
+    #: all up to it have: at most `MOST`.
+    parts: tuple[tuple[str, int], ...]
+    #: How many conjuncts there are.
+    count: int
+    #: What the first solution adds; where there is none, what the variables of the
+    #: conjunct that fails were bound to.
+    bindings: Mapping[str, Value] = {}
+    #: What is wrong with the conjunct that fails, where there is more to say.
+    note: str = ""
+    #: Facts, each of which would let the conjunct that fails have a solution.
+    missing: tuple[Fact, ...] = ()
+    #: Facts that keep a negated conjunct from holding.
+    unwanted: tuple[Fact, ...] = ()
+    #: Facts that come near to what is missing.
+    near: tuple[Fact, ...] = ()
+
+    @property
+    def holds(self) -> bool:
+        """Whether the whole clause has a solution."""
+        return len(self.parts) == self.count and all(found for _, found in self.parts)
+
+    def lines(self) -> Iterator[str]:
+        """Say how far the clause holds, and what is missing."""
+        yield f"{self.clause}: {'holds' if self.holds else 'does not hold'}"
+        for text, found in self.parts:
+            told = str(found) if found < MOST else f"{MOST} or more"
+            yield f"  {' ' if found else '>'} {text}: {told}"
+        left = self.count - len(self.parts)
+        if left:
+            yield f"    and {left} more, not asked"
+        if self.bindings:
+            yield f"  {bound_to(self.bindings).strip()}"
+        if self.note:
+            yield f"  {self.note}"
+        for fact in self.missing:
+            yield f"  would hold with {format_list(fact)}"
+        for fact in self.unwanted:
+            yield f"  is kept from holding by {format_list(fact)}"
+        for fact in self.near:
+            yield f"  near to it: {format_list(fact)}"
+
+    def in_a_line(self) -> str:
+        """Say whether the clause holds, else at which conjunct it fails."""
+        pairs = bound_to(self.bindings)
+        if self.holds:
+            return f"holds{pairs}"
+        at = f"conjunct {len(self.parts)} of {self.count}"
+        told = f"{self.parts[-1][0]} fails, {at}{pairs and ','}{pairs}"
+        return f"{told} ({self.note})" if self.note else told
+
+
+class MethodAnswer(msgspec.Struct, frozen=True):
+    """Whether a method could be chosen, and what speaks against it."""
+
+    name: str
+    #: Its context, asked; None for a method without one.
+    context: ClauseAsked | None
+    #: Whether an `otherwise` keeps it from holding: a method before it holds.
+    otherwise: bool
+    #: How often it has ended badly, and how often it was chosen.
+    failures: int
+    tries: int
+    #: Who holds a thing that it would have to wait for; empty if nobody.
+    held_by: str = ""
+    #: Whether a problem solver has just brought it.
+    solved: bool = False
+
+    @property
+    def holds(self) -> bool:
+        """Whether its context holds."""
+        return not self.otherwise and (self.context is None or self.context.holds)
+
+
+class TaskAnswer(msgspec.Struct, frozen=True):
+    """What keeps a task from going on, or from doing what was expected."""
+
+    task: int
+    goal: Goal
+    #: The cycle at whose end it was asked, and whether that is in the past.
+    cycle: int
+    past: bool
+    state: str
+    waits_for: str
+    #: The tasks of higher priority that could go on, if it could.
+    before_it: tuple[int, ...]
+    #: The clauses of the task, in the order of a cycle.
+    clauses: tuple[ClauseAsked, ...]
+    methods: tuple[MethodAnswer, ...]
+    #: The method under way, if there is one.
+    under_way: str | None
+
+
+# --- the question -------------------------------------------------------------------
+
+
+@question(
+    "[TASK] [METHOD | CLAUSE] | QUERY",
+    ":why-not 12",
+    ":why-not fill-order",
+    ":why-not 132 take",
+    ":why-not 132 succeed",
+    ":why-not (and (p ?x) (q ?x))",
+)
+def why_not(history: History, args: Arguments) -> Answer:
+    """Say what keeps a task from going on, a method from being chosen, a query from holding.
+
+    Behind each conjunct stands how many solutions all up to it have. A task that
+    has ended is asked about as it stood before its last cycle.
+    """  # noqa: E501  # the help has it in one sentence
+    if args.peek().startswith("("):
+        return say(*why_not_query(history, args.word("a query")).lines())
+    answer = task_asked(history, args.task(history))
+    if args:
+        return say(*_one_method(answer, args.word("a method")))
+    return say(*_whole_task(answer))
+
+
+def _one_method(answer: TaskAnswer, name: str) -> Iterator[str]:
+    yield f"[{answer.task}] {answer.goal}, after cycle {answer.cycle}"
+    asked = [one for one in answer.clauses if one.clause.split()[0] == name]
+    for one in asked:
+        yield from one.lines()
+    if asked:
+        return
+    if name in _CLAUSES:
+        yield f"  `{answer.goal.name}` has no clause `{name}`"
+        return
+    method = next((one for one in answer.methods if one.name == name), None)
+    if method is None:
+        names = [one.name for one in answer.methods]
+        said = did_you_mean(name, names, f"it has {', '.join(names) or 'none'}")
+        raise ArgumentError(f"[{answer.task}] has no method `{name}`; {said}")
+    if method.context is None:
+        yield f"method {name}: {in_words(method)}"
+        return
+    yield from method.context.lines()
+    rest = in_words(method).partition("; ")[2]
+    if rest:
+        yield f"  {rest}"
+    if method.otherwise:
+        yield "  it is for when no method before it holds"
+
+
+def _whole_task(answer: TaskAnswer) -> Iterator[str]:
+    stood = "stood" if answer.past else "stands"
+    waits = f", waiting for {answer.waits_for}" if answer.waits_for else ""
+    state = f"{answer.state}{waits}"
+    yield f"[{answer.task}] {answer.goal} {stood} after cycle {answer.cycle}: {state}"
+    if answer.before_it:
+        yield f"  of higher priority: {numbers(answer.before_it)}"
+    if answer.under_way is not None:
+        yield f"  method {answer.under_way} is under way"
+    for asked in answer.clauses:
+        yield f"  {asked.clause}: {asked.in_a_line()}"
+    for method in answer.methods:
+        yield f"  method {method.name}: {in_words(method)}"
+
+
+def in_words(method: MethodAnswer) -> str:
+    """Say whether a method could be chosen, and what became of it so far."""
+    if method.otherwise:
+        told = "is for when no method before it holds"
+    elif method.solved:
+        told = "has come from the problem solver"
+    elif method.context is None:
+        told = "has no context"
+    else:
+        told = method.context.in_a_line()
+    if method.failures:
+        told += f"; has failed {plural(method.failures, 'time')}"
+    if method.tries:
+        told += f"; was chosen {plural(method.tries, 'time')}"
+    return f"{told}; waits for {method.held_by}" if method.held_by else told
+
+
+# --- tasks and methods --------------------------------------------------------------
+
+
+def task_asked(history: History, number: int) -> TaskAnswer:
+    """Return what keeps a task from going on.
+
+    Raises:
+        ArgumentError: if there is no such task.
+        StateError: for one that has ended, if the run cannot be taken back in time.
+    """
+    live = {task.number: task for task in history.run.machine.state.live_tasks()}
+    if number in live:
+        if history.no_way_back and live[number].bound:
+            return _answer(history.run, number, history.cycle, past=False)
+        with history.at() as run:
+            return _answer(run, number, history.cycle, past=False)
+    with history.at(last_cycle(history, number) - 1) as run:
+        run.come_to_choice()
+        return _answer(run, number, history.cycle, past=True)
+
+
+def last_cycle(history: History, number: int) -> int:
+    """Return the last cycle in which a task was selected.
+
+    Raises:
+        ArgumentError: if it never was.
+    """
+    if not 0 < number <= history.run.machine.state.numbers:
+        raise ArgumentError(f"there is no task [{number}]")
+    found = history.last(TaskSelected, want=lambda told: told.keys["task"] == number)
+    if found is None:
+        raise ArgumentError(f"task [{number}] never came up")
+    return found.cycle
+
+
+def _answer(run: Interpreter, number: int, cycle: int, *, past: bool) -> TaskAnswer:
+    machine, task = run.machine, live_task(run, number)
+    entries = {entry.task: entry for entry in run.agenda()}
+    own = entries[number]
+    if not task.bound:
+        read_inputs(machine, task)
+    higher = (
+        one.task
+        for one in entries.values()
+        if one.state == own.state == "eligible" and one.priority > own.priority
+    )
+    return TaskAnswer(
+        task=number,
+        goal=task.goal(),
+        cycle=cycle,
+        past=past,
+        state=own.state,
+        waits_for=own.waits_for,
+        before_it=tuple(higher),
+        clauses=tuple(_clauses(machine, task)),
+        methods=tuple(methods(machine, task)) if task.bound else (),
+        under_way=None if task.run is None else task.run.plan.name,
+    )
+
+
+def _clauses(machine: Machine, task: Task) -> Iterator[ClauseAsked]:
+    """Ask the clauses of a task that a cycle asks before methods."""
+    plan, env = task.plan, task.env
+    for clause in clauses.RAP if task.bound else ():
+        if clause.word in plan.clauses and not clause.is_condition:
+            words = f"{clause.word} of `{plan.name}`"
+            yield ask(machine, words, plan.clauses[clause.word], task, env)
+    for words, query, asker, bound in conditions(task):
+        yield ask(machine, words, query, asker, bound)
+    run = task.within
+    while run is not None:
+        if run.plan.constraints is not None:
+            words = f"constraints of method `{run.plan.name}`"
+            yield ask(machine, words, run.plan.constraints, run.task, run.env)
+        run = run.task.within
+
+
+def methods(machine: Machine, task: Task) -> Iterator[MethodAnswer]:
+    """Ask each method of a task whether it could be chosen now."""
+    held = False
+    for method in machine.state.methods(task.plan):
+        context = None
+        if method.choice is not None:
+            clause = f"context of method `{method.name}`"
+            context = ask(machine, clause, method.choice, task, task.env)
+        answer = MethodAnswer(
+            name=method.name,
+            context=context,
+            otherwise=method.otherwise and held,
+            failures=task.failures_of(method),
+            tries=task.times_tried(method),
+            held_by=_held_by(machine, task, method, context),
+        )
+        held = held or answer.holds
+        yield answer
+
+
+def _held_by(
+    machine: Machine, task: Task, method: MethodPlan, context: ClauseAsked | None
+) -> str:
+    """Return what a method would have to wait for, and whose it is."""
+    if not method.things or (context is not None and not context.holds):
+        return ""
+    env = task.env if context is None else {**task.env, **context.bindings}
+    asks = asks_of(machine, task, method, env)
+    obstacle = None if asks is None else machine.things.obstacle(task, asks)
+    if obstacle is None:
+        return ""
+    holder = obstacle.run.task
+    thing = " ".join(map(str, obstacle.ask.thing))
+    return f"{thing}, held by {holder.goal()} [{holder.number}]"
+
+
+# --- clauses ------------------------------------------------------------------------
+
+
+def why_not_query(history: History, text: str) -> ClauseAsked:
+    """Ask memory a formula conjunct by conjunct.
+
+    Raises:
+        TextError: if `text` is no formula.
+        ValueError: for names that the library does not declare.
+    """
+    history.run.question(text)  # looks at the names
+    formula, machine = parse_formula(text), history.run.machine
+    query = machine.library.compiler.query(formula, "question", formula.span)
+    return ask(machine, "the question", query, None, {})
+
+
+def ask(
+    machine: Machine, clause: str, query: Query, asker: Task | None, env: Env
+) -> ClauseAsked:
+    """Ask a clause as a task would, conjunct by conjunct.
+
+    Args:
+        machine: the run's.
+        clause: the clause in words.
+        query: what is asked.
+        asker: the task whose clause it is; None for a question of the user.
+        env: what is bound beforehand.
+    """
+    context = machine.noting
+    context.begin(asker)
+    parts: list[tuple[str, int]] = []
+    solutions: list[dict[str, Value]] = [{}]
+    beginnings = query.beginnings()
+    for part, up_to_it, text in beginnings:
+        context.go_on()
+        found = list(islice(up_to_it.solutions(context, env), MOST))
+        parts.append((text, len(found)))
+        if not found:
+            known = [{**env, **one} for one in solutions]
+            missing, unwanted, near = _facts_about(machine, part, known)
+            return ClauseAsked(
+                clause=clause,
+                parts=tuple(parts),
+                count=len(beginnings),
+                bindings={n: v for n, v in known[0].items() if n in Query.names(part)},
+                note=context.noted,
+                missing=missing,
+                unwanted=unwanted,
+                near=near,
+            )
+        solutions = found
+    return ClauseAsked(clause, tuple(parts), len(beginnings), solutions[0])
+
+
+_Facts = tuple[Fact, ...]
+
+
+def _facts_about(
+    machine: Machine, part: nodes.Formula, known: list[dict[str, Value]]
+) -> tuple[_Facts, _Facts, _Facts]:
+    """Return facts that a conjunct without a solution lacks, that negate it, and near.
+
+    Args:
+        machine: the run's.
+        part: the conjunct.
+        known: what is bound in the solutions of those before it.
+    """
+    inner = part.part if isinstance(part, nodes.Not) else part
+    if isinstance(inner, nodes.Believe):
+        inner = inner.pattern
+    if not isinstance(inner, nodes.Proposition) or not _in_memory(machine, inner):
+        return (), (), ()
+    patterns = [_with_values(machine, inner, one) for one in known]
+    if isinstance(part, nodes.Not):
+        facts = machine.memory.facts
+        found = [fact for one in patterns[:_NEAR] for fact in facts.matching(one)]  # type: ignore[arg-type]
+        return (), tuple(dict.fromkeys(found))[:_NEAR], ()
+    ground = dict.fromkeys(pattern for pattern in patterns if None not in pattern)
+    missing: _Facts = tuple(ground)[:_NEAR]  # type: ignore[assignment]  # all atoms
+    return missing, (), tuple(_nearest(machine, patterns[0]))
+
+
+def _in_memory(machine: Machine, part: nodes.Proposition) -> bool:
+    return part.name in machine.library.signatures.relations
+
+
+Pattern = tuple[object, ...]
+"""A fact with None where nothing is known."""
+
+
+def _with_values(
+    machine: Machine, part: nodes.Proposition, env: Mapping[str, Value]
+) -> Pattern:
+    """Return a proposition with the values that variables have, None for the others."""
+    relation = machine.library.signatures.relations[part.name]
+    values = [_value(term, env) for term in relation.full(part.args)]
+    place = machine.memory.place
+    if part.name == "location" and values[-1:] == [EXTERNAL] and place is not None:
+        values[-1] = place
+    known: Pattern = machine.memory.canonical((part.name, *values))
+    return known
+
+
+def _value(term: nodes.Term, env: Mapping[str, Value]) -> object:
+    """Return the value of a term where it is known without computing, else None."""
+    if isinstance(term, nodes.Const):
+        return term.value
+    return env.get(term.name) if isinstance(term, nodes.Var) else None
+
+
+def _nearest(machine: Machine, pattern: Pattern) -> Iterable[Fact]:
+    """Return the facts that agree with a pattern in most arguments."""
+
+    def agreement(fact: Fact) -> int:
+        given = zip(pattern[1:], fact[1:], strict=False)
+        return sum(1 for want, value in given if want is not None and want == value)
+
+    facts = machine.memory.facts.table(str(pattern[0])).stamps
+    agreeing = sorted(filter(agreement, facts), key=agreement, reverse=True)
+    return agreeing[:_NEAR]
+
+
+Supports = dict[Fact, Time | None]
+"""Facts that a clause rests on, each with when it was last asserted, if it was."""
+
+
+def supports(
+    machine: Machine, formula: nodes.Formula, env: Mapping[str, Value]
+) -> Supports:
+    """Return the facts that make a formula hold, with these bindings, in its order."""
+    found: Supports = {}
+    stack = [formula]
+    while stack:
+        part = stack.pop()
+        if isinstance(part, nodes.And | nodes.Or):
+            stack.extend(reversed(part.parts))
+        elif isinstance(part, nodes.Believe):
+            stack.append(part.pattern)
+        elif isinstance(part, nodes.Proposition):
+            for fact in _rests_on(machine, part, env):
+                found.setdefault(fact, last_asserted(machine, fact))
+    return found
+
+
+def _rests_on(
+    machine: Machine, part: nodes.Proposition, env: Mapping[str, Value]
+) -> Iterable[Fact]:
+    """Return the first fact that a proposition matches; those of a named query."""
+    query = machine.library.library.queries.get(part.name)
+    if query is not None:
+        given = zip(query.args, part.args, strict=False)
+        values = {one.variable.name: _value(term, env) for one, term in given}
+        inner = {name: value for name, value in values.items() if value is not None}
+        return supports(machine, query.formula, inner)  # type: ignore[arg-type]
+    if not _in_memory(machine, part):
+        return ()
+    facts = machine.memory.facts.matching(_with_values(machine, part, env))  # type: ignore[arg-type]
+    return facts[:1]
+
+
+def last_asserted(machine: Machine, fact: Fact) -> Time | None:
+    """Return when a fact was last asserted; None if it never was, or is a default."""
+    stamp = machine.memory.facts.stamp(fact)
+    return None if stamp is None or stamp == NEVER else stamp

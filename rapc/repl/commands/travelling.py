@@ -1,0 +1,130 @@
+"""Commands that go to other moments and branches, and search through time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from rapc.base.names import plural
+from rapc.base.outputs import TRACE
+from rapc.debug.answer import Answer, command, say, table
+from rapc.debug.arguments import Arguments
+from rapc.debug.find import Finder, find_event, is_before
+from rapc.debug.history import History, Stop
+from rapc.debug.recorded import write_trace
+from rapc.repl.shell import Shell
+
+
+def _moved(shell: Shell, move: Callable[[History], Stop]) -> Answer:
+    """Go somewhere else in time, without telling what happens on the way."""
+    stop = move(shell.history)
+    shell.forget_trace()
+    failed = stop.kind == "broken"
+    lines = [stop.said] if failed else []
+    return Answer((*lines, *shell.watched(), shell.history.stand()), failed=failed)
+
+
+@command("[N]", ":back", ":back 100")
+def _back(shell: Shell, args: Arguments) -> Answer:
+    """Go back a cycle, or N of them.
+
+    The run is then as it was, and goes on as it did. Changing it there begins a new
+    branch.
+    """
+    cycles = args.count("how many cycles", 1)
+    cycles -= shell.history.over  # the end of the run is a step of its own
+    return _moved(shell, lambda history: history.goto(history.cycle - cycles))
+
+
+@command("CYCLE | at TIME | end", ":goto 264", ":goto at 240", ":goto end")
+def _goto(shell: Shell, args: Arguments) -> Answer:
+    """Go to the end of a cycle, or to a time, back or forth."""
+    if args.takes("at"):
+        time = args.time("a time")
+        return _moved(shell, lambda history: history.goto_time(time))
+    if args.takes("end"):
+        return _moved(shell, lambda one: one.goto(one.seen + one.seen_over))
+    cycle = args.count("a cycle")
+    return _moved(shell, lambda history: history.goto(cycle))
+
+
+@command("[NAME]", ":branch", ":branch main", ":branch with-fuel")
+def _branch(shell: Shell, args: Arguments) -> Answer:
+    """Go on in another branch, or begin a new one here."""
+    history = shell.history
+    name = args.peek() and args.word("a name")
+    if any(branch.name == name for branch in history.branches):
+        history.switch(name)
+        shell.forget_trace()
+    else:
+        history.branch_off(name)
+    return say(f"on {history.branch.name}", history.stand())
+
+
+@command()
+def _branches(shell: Shell, args: Arguments) -> Answer:
+    """List the branches."""
+    history = shell.history
+    history.check_is_run()
+    rows = [
+        (
+            "*" if branch is history.branch else "",
+            branch.name,
+            branch.begun,
+            branch.end.cycle,
+            "; ".join(f"{cycle}: {act}" for cycle, act in branch.acts),
+        )
+        for branch in history.branches
+    ]
+    return table(("", "branch", "from", "seen to", "acts"), rows)
+
+
+@command(
+    "[back] KIND [KEY=VALUE | TEXT]...",
+    ":find task-failed",
+    ":find back method-chosen task=12",
+    ":find fact-asserted location bay1",
+    ":find primitive-ended result=arm-dropped",
+)
+def _find(shell: Shell, args: Arguments) -> Answer:
+    """Go to the next event of a kind, or back to the last one.
+
+    Kinds and keys are those of a trace. Other words must occur in the event. The
+    session then stands at the end of the cycle in which it happened.
+    """
+    back = args.takes("back")
+    kind = args.word("a kind of event")
+    said = args.rest()
+    finder = Finder.of(kind, said)
+    found = find_event(shell.history, finder, back=back)
+    shell.forget_trace()
+    if found is None:
+        lines = _not_found(shell.history, finder, " ".join([kind, *said]), back=back)
+        return say(*lines, shell.history.stand())
+    return say(*shell.trace([found]), f"in cycle {found.cycle}", shell.history.stand())
+
+
+def _not_found(
+    history: History, finder: Finder, said: str, *, back: bool
+) -> Iterator[str]:
+    """Yield what to say of a search in vain, with what lies the other way."""
+    yield f"no {said} is found {'before' if back else 'after'} this cycle"
+    if not (back or history.no_way_back):
+        found = history.scan(finder.kind, want=is_before(history, finder))
+        count = sum(1 for _ in found)
+        if count:
+            yield f"{plural(count, 'event')} before it: `:find back {said}`"
+
+
+@command("FILE", ":record run.jsonl")
+def _record(shell: Shell, args: Arguments) -> Answer:
+    """Write the trace of the run up to now, in the form jsonl.
+
+    `rapc repl run.jsonl` opens it again.
+    """
+    path = Path(args.word("a file"))
+    shell.refuse_output(path, TRACE)
+    count = write_trace(shell.history, path)
+    done = len(shell.history.branch.acts)
+    notes = ["what was done by hand is not in it"] if done else []
+    return say(f"{plural(count, 'event')} in {path}", *notes)
