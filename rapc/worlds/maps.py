@@ -9,8 +9,7 @@ zones lies nothing at first: others disperse what the quarries make (T 6.1.2).
 
 from __future__ import annotations
 
-from importlib.resources import files
-from pathlib import PurePath
+from pathlib import Path
 
 
 class MapError(ValueError):
@@ -19,8 +18,12 @@ class MapError(ValueError):
 
 def map_names(world: str) -> list[str]:
     """Return the names of the maps that come with a world, sorted."""
-    folder = files("rapc.worlds") / world / "maps"
-    return sorted(PurePath(file.name).stem for file in folder.iterdir())
+    return sorted(_maps(world))
+
+
+def _maps(world: str) -> dict[str, Path]:
+    folder = Path(__file__).parent / world / "maps"
+    return {file.stem: file for file in folder.iterdir()}
 
 
 def shipped_map(world: str, name: str) -> str:
@@ -29,8 +32,8 @@ def shipped_map(world: str, name: str) -> str:
     Raises:
         MapError: if none has that name.
     """
-    for file in (files("rapc.worlds") / world / "maps").iterdir():
-        if PurePath(file.name).stem == name:
-            return file.read_text(encoding="utf-8")
+    found = _maps(world).get(name)
+    if found is not None:
+        return found.read_text(encoding="utf-8")
     known = ", ".join(f"`{one}`" for one in map_names(world))
     raise MapError(f"no map is called `{name}`; there are {known}")
