@@ -1,8 +1,9 @@
-"""The nearest name, for "did you mean"; and nouns in the plural with their number."""
+"""Names that may be meant by another one; nouns in the plural with their number."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import re
+from collections.abc import Iterable, Iterator
 
 _CUTOFF = 0.72
 
@@ -35,7 +36,7 @@ def nearest(name: str, names: Iterable[str]) -> str | None:
 
 
 _LONGEST = 60
-"""The longest names that `is_slip` compares: nobody compares longer ones by eye."""
+"""The longest names that are compared by letters: no person compares longer ones."""
 
 
 def is_slip(name: str, other: str) -> bool:
@@ -46,6 +47,10 @@ def is_slip(name: str, other: str) -> bool:
     """
     if max(len(name), len(other)) > _LONGEST:
         return False
+    return _wrong_letters(name, other) <= max(1, min(len(name), len(other)) // 4)
+
+
+def _wrong_letters(name: str, other: str) -> int:
     above: list[int] = []
     row = list(range(len(other) + 1))
     for at, letter in enumerate(name):
@@ -55,7 +60,62 @@ def is_slip(name: str, other: str) -> bool:
             if at and to and (name[at - 1], letter) == (wanted, other[to - 1]):
                 cost = min(cost, earlier[to - 1] + 1)
             row.append(cost)
-    return row[-1] <= max(1, min(len(name), len(other)) // 4)
+    return row[-1]
+
+
+_LOOKED_AT = 10
+"""Of names that all are one letter from each other only so many are looked at."""
+
+_TELLS_APART = re.compile(r"[0-9]+|-[a-z]$")
+"""What tells names apart that come in rows: `?arm1`, `?arm-b`."""
+
+
+class Close:
+    """Finds names with one wrong letter, without comparing each with each.
+
+    It compares what is left of names that lose a letter.
+
+    Args:
+        names: the names that may be meant.
+        least: how long a name must be for a slip to show.
+    """
+
+    def __init__(self, names: Iterable[str], least: int) -> None:
+        self._least = least
+        self._names: dict[str, list[str]] = {}
+        for name in names:
+            for short in self._shortened(name):
+                self._names.setdefault(short, []).append(name)
+
+    def to(self, name: str) -> str | None:
+        """Return the first name close to another that is not of a row with it."""
+        found = (other for other in self.all_to(name) if not is_row(name, other))
+        return next(found, None)
+
+    def all_to(self, name: str) -> Iterator[str]:
+        """Yield the names one slip away from another, each once."""
+        seen = {name}
+        for short in self._shortened(name):
+            for other in self._names.get(short, [])[:_LOOKED_AT]:
+                if other not in seen and _wrong_letters(name, other) == 1:
+                    seen.add(other)
+                    yield other
+
+    def is_long(self, name: str) -> bool:
+        """Whether a name is long enough for a slip to show, and not absurdly long."""
+        return self._least <= len(name) <= _LONGEST
+
+    def _shortened(self, name: str) -> Iterator[str]:
+        """Yield `name`; if it is long enough, also `name` without each letter."""
+        yield name
+        if self.is_long(name):
+            for at in range(len(name)):
+                yield name[:at] + name[at + 1 :]
+
+
+def is_row(one: str, other: str) -> bool:
+    """Whether two names differ by what numbers or letters the names of a row."""
+    return _TELLS_APART.sub("", one) == _TELLS_APART.sub("", other)
 
 
 def did_you_mean(

@@ -22,7 +22,6 @@ from rapc.analysis.check import Fact, Pass, Reported, check
 from rapc.analysis.checks.bindings import BINDINGS
 from rapc.analysis.checks.kinds import KINDS
 from rapc.analysis.facts.index import INDEX, Form, NameUse, VariableAt
-from rapc.analysis.facts.names import Close, is_row
 from rapc.analysis.facts.statistics import LIMITS, THRESHOLDS
 from rapc.analysis.facts.usage import (
     CENSUS,
@@ -43,6 +42,7 @@ from rapc.base.diagnostics import (
     Rule,
     Severity,
 )
+from rapc.base.names import Close, is_row
 from rapc.base.source import Span
 from rapc.base.values import Text, format_atom
 from rapc.ir import nodes

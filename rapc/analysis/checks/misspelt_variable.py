@@ -11,9 +11,9 @@ from collections.abc import Iterable, Iterator, Sequence
 from rapc.analysis.check import Pass, check
 from rapc.analysis.checks.bindings import BINDINGS
 from rapc.analysis.facts.index import INDEX, VariableAt
-from rapc.analysis.facts.names import Close
 from rapc.analysis.renaming import renaming
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.base.names import Close
 from rapc.ir import nodes
 
 MISSPELT = Rule(

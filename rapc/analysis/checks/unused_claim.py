@@ -6,10 +6,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from rapc.analysis.check import Pass, check
 from rapc.analysis.facts.index import INDEX, Occurrence
-from rapc.analysis.facts.names import Close, is_row
 from rapc.analysis.renaming import renaming
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
-from rapc.base.names import Suggestions, plural
+from rapc.base.names import Close, Suggestions, is_row, plural
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
 from rapc.ir.walk import steps

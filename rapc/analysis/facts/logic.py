@@ -30,6 +30,7 @@ from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 
 import msgspec
 
+from rapc.analysis.facts.statistics import LIMITS
 from rapc.base.source import Span
 from rapc.base.values import Atom, Number
 from rapc.ir import nodes
@@ -105,9 +106,6 @@ def holds_between(op: str, left: Number, right: Number) -> bool:
     return left != right
 
 
-_TRIES = 300
-"""How many pairs of literals are held against each other for one question."""
-
 Relations = Mapping[str, Signature]
 """The propositions and properties of a library."""
 
@@ -128,13 +126,12 @@ def follows(
         relations: the propositions and properties.
         given: the variables of `held` that have values before; None: all of them.
     """
-    if not wanted or len(wanted) > len(held) + _TRUE_LITERALS:
+    if not wanted or len(wanted) > len(held) + LIMITS.true_literals:
         return None
-    return _Search(relations, given, _TRIES).find(_Aim(wanted, held, free))
+    return _Search(relations, given, LIMITS.entailment_pairs).find(
+        _Aim(wanted, held, free)
+    )
 
-
-_TRUE_LITERALS = 8
-"""How many literals that hold by themselves a conjunction may have."""
 
 _Choice = dict[str, nodes.Term]
 
@@ -410,10 +407,6 @@ def may_clash(found: Sequence[Literal]) -> bool:
     return False
 
 
-MOST = 24
-"""A conjunction with more literals than this is not looked at."""
-
-
 class _Denial(msgspec.Struct, frozen=True):
     """What has no solution, and the literals that then do not all hold."""
 
@@ -444,7 +437,7 @@ class Conjunction:
 
     def add(self, literal: Literal) -> Clash | None:
         """Put in a literal; return what it contradicts, if it does."""
-        if len(self.held) >= MOST:
+        if len(self.held) >= LIMITS.conjunction:
             return None
         found = self._against(literal)
         self.held.append(literal)

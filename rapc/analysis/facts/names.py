@@ -1,4 +1,4 @@
-"""Uses of names that do not meet their declaration, and names one letter apart.
+"""Uses of names that do not meet their declaration.
 
 The signature table (`rapc.library.signatures`) says what is wrong; here each fault gets
 its place. The passes `unknown-rap`, `undeclared-predicate`, `functions`, `primitives`,
@@ -7,7 +7,6 @@ its place. The passes `unknown-rap`, `undeclared-predicate`, `functions`, `primi
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import get_args
@@ -16,6 +15,7 @@ import msgspec
 
 from rapc.analysis.check import Fact, Pass
 from rapc.analysis.facts.index import INDEX, USES, Form, NameUse, Uses
+from rapc.analysis.facts.statistics import THRESHOLDS
 from rapc.analysis.renaming import renaming
 from rapc.base.diagnostics import Diagnostic, Label, Rule
 from rapc.base.source import Span
@@ -23,75 +23,6 @@ from rapc.ir import nodes
 from rapc.library.library import word_span
 from rapc.library.signature import Signature
 from rapc.library.signatures import Fault, Use
-
-_MOST = 60
-"""How long a name may be; nobody compares longer ones by eye."""
-
-_LOOKED_AT = 10
-"""Of names that all are one letter from each other only so many are looked at."""
-
-_TELLS_APART = re.compile(r"[0-9]+|-[a-z]$")
-"""What tells names apart that come in rows: `?arm1`, `?arm-b`."""
-
-
-class Close:
-    """Finds names one slip away, by what is left of names that lose a letter.
-
-    Args:
-        names: the names that may be meant.
-        least: how long a name must be for a slip to show.
-    """
-
-    def __init__(self, names: Iterable[str], least: int) -> None:
-        self._least = least
-        self._names: dict[str, list[str]] = {}
-        for name in names:
-            for short in self._shortened(name):
-                self._names.setdefault(short, []).append(name)
-
-    def to(self, name: str) -> str | None:
-        """Return the first name close to another that is not of a row with it."""
-        found = (other for other in self.all_to(name) if not is_row(name, other))
-        return next(found, None)
-
-    def all_to(self, name: str) -> Iterator[str]:
-        """Yield the names one slip away from another, each once."""
-        seen = {name}
-        for short in self._shortened(name):
-            for other in self._names.get(short, [])[:_LOOKED_AT]:
-                if other not in seen and is_one_slip(name, other):
-                    seen.add(other)
-                    yield other
-
-    def is_long(self, name: str) -> bool:
-        """Whether a name is long enough for a slip to show, and not absurdly long."""
-        return self._least <= len(name) <= _MOST
-
-    def _shortened(self, name: str) -> Iterator[str]:
-        """Yield `name`; if it is long enough, also `name` without each letter."""
-        yield name
-        if self.is_long(name):
-            for at in range(len(name)):
-                yield name[:at] + name[at + 1 :]
-
-
-def is_row(one: str, other: str) -> bool:
-    """Whether two names differ by what numbers or letters the names of a row."""
-    return _TELLS_APART.sub("", one) == _TELLS_APART.sub("", other)
-
-
-def is_one_slip(one: str, other: str) -> bool:
-    """Whether one letter left out, put in, changed or swapped makes them equal."""
-    start = 0
-    while start < min(len(one), len(other)) and one[start] == other[start]:
-        start += 1
-    left, right = one[start:], other[start:]
-    if len(left) == len(right):
-        swapped = left[1::-1] == right[:2] and left[2:] == right[2:]
-        return left[1:] == right[1:] or swapped
-    longer, shorter = (left, right) if len(left) > len(right) else (right, left)
-    return longer[1:] == shorter
-
 
 _SHOWN = 2
 """How many places are shown besides the first one."""
@@ -154,7 +85,7 @@ def wrong_arity(run: Pass, rule: Rule, uses: Container[Use]) -> Iterator[Diagnos
     for (name, _), wrong in faults.items():
         number = run.result(MISUSES).uses()
         every = sum(number[use, name] for use in _ALL_USES if use in uses)
-        alike = every == len(wrong) >= _ALL
+        alike = every == len(wrong) >= THRESHOLDS.all_misused
         for one in wrong[:1] if alike else wrong:
             declared = one.fault.declared
             assert declared is not None
@@ -168,10 +99,6 @@ def wrong_arity(run: Pass, rule: Rule, uses: Container[Use]) -> Iterator[Diagnos
                 labels=(label,),
                 notes=(note,) if alike else (),
             )
-
-
-_ALL = 3
-"""So many uses that do not meet a declaration, and none that does, make one finding."""
 
 
 def wrong_kind(run: Pass, rule: Rule, uses: Container[Use]) -> Iterator[Diagnostic]:

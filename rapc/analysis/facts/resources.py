@@ -17,6 +17,7 @@ import msgspec
 
 from rapc.analysis.facts.index import Index
 from rapc.analysis.facts.logic import Literal, holds_between, literals, number_of
+from rapc.analysis.facts.statistics import LIMITS
 from rapc.base.values import Number
 from rapc.ir import nodes
 from rapc.library.library import Library
@@ -126,7 +127,7 @@ def overall_use(flow: Flow, every: Flows, library: Library) -> Flow:
     total = Flow(list(flow.changes), list(flow.asked), list(flow.given), flow.escapes)
     waiting, seen = list(flow.given), set(flow.given)
     while waiting and not total.escapes:
-        if len(seen) > _MOST:
+        if len(seen) > LIMITS.resource_inputs:
             total.escapes = True
             break
         name, at = waiting.pop()
@@ -142,10 +143,6 @@ def overall_use(flow: Flow, every: Flows, library: Library) -> Flow:
             seen.add(one)
             waiting.append(one)
     return total
-
-
-_MOST = 200
-"""To so many inputs a resource is followed."""
 
 
 def _new(

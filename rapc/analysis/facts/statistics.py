@@ -39,10 +39,6 @@ class Thresholds(msgspec.Struct, frozen=True):
 class Limits(msgspec.Struct, frozen=True):
     """How far a check looks."""
 
-    #: Letters of a name: nobody compares longer ones by eye.
-    name_length: int = 60
-    #: Names one letter apart from one another that are compared with a name.
-    close_names: int = 10
     #: Pairs of literals that are compared for one entailment.
     entailment_pairs: int = 300
     #: Literals of a conjunction that hold by themselves.
