@@ -7,7 +7,7 @@ far as searching and telling needs them.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache, lru_cache
 from typing import Annotated, Any, Union
 
@@ -71,17 +71,33 @@ def event_lines() -> Decoder[Any]:
     return Decoder(Union[lines])  # noqa: UP007  # there is no other way to say it
 
 
+Read = Callable[[Any], Any]
+"""Returns the value that a text of a trace stands for."""
+
 # --- words into values ----------------------------------------------------------------
 
 
 def as_told(row: int, line: Any) -> ToldEvent:
     """Return an event of a trace as a run would have told it."""
     kind = kinds()[line.__struct_config__.tag]
-    keys = {}
-    for name in kind.__struct_fields__[len(Event.__struct_fields__) :]:
-        value, read_it = getattr(line, name), _READ.get(name)
-        keys[name] = value if read_it is None else read_it(value)
-    return ToldEvent(kind, row, line.cycle, number(line.time), keys)
+    return ToldEvent(kind, row, line.cycle, number(line.time), _values(kind, line))
+
+
+def _values(kind: type[msgspec.Struct], line: Any) -> dict[str, Any]:
+    """Return the values of an event, or of a part of one, by their fields."""
+    found = {}
+    for name, read in _readers(kind):
+        value = getattr(line, name)
+        found[name] = value if read is None else read(value)
+    return found
+
+
+@cache
+def _readers(kind: type[msgspec.Struct]) -> Sequence[tuple[str, Read | None]]:
+    """Return the fields of an event besides those of all, with what reads each."""
+    fields = msgspec.structs.fields(kind)
+    own = [one for one in fields if one.name not in Event.__struct_fields__]
+    return [(one.name, _READ.get(one.type)) for one in own]
 
 
 _WORD = re.compile(r'"(?:[^"\\]|\\.)*"|[^\s()"]*\([^()]*\)|[^\s()"]+')
@@ -104,9 +120,8 @@ def _fact(text: str) -> Fact:
         return _words(text)
 
 
-def _facts(texts: str | tuple[str, ...]) -> object:
-    """Return the data of a result, or the one datum that came by itself."""
-    return _fact(texts) if isinstance(texts, str) else tuple(map(_fact, texts))
+def _facts(texts: tuple[str, ...]) -> tuple[Fact, ...]:
+    return tuple(map(_fact, texts))
 
 
 @lru_cache(_REMEMBERED)
@@ -119,23 +134,18 @@ def _goal(text: str) -> Goal:
 
 
 def _results(lines: tuple[Any, ...]) -> tuple[TaskResult, ...]:
-    names = TaskResult.__struct_fields__
-    found = [{name: getattr(line, name) for name in names} for line in lines]
-    return tuple([TaskResult(**{**o, "goal": _goal(o["goal"])}) for o in found])
+    return tuple([TaskResult(**_values(TaskResult, line)) for line in lines])
 
 
-def _what(value: str) -> object:
-    """Return a signal or skill; what became of a resource stays words."""
-    return _fact(value) if value.startswith("(") else value
+def _result_or_signal(text: str) -> str | Fact:
+    return _fact(text) if text.startswith("(") else text
 
 
-_READ: Mapping[str, Callable[[Any], Any]] = {
-    "goal": _goal,
-    "fact": _fact,
-    "request": _fact,
-    "sent": _fact,
-    "data": _facts,
-    "what": _what,
-    "results": _results,
+_READ: Mapping[Any, Read] = {
+    Goal: _goal,
+    Fact: _fact,
+    tuple[Fact, ...]: _facts,
+    str | Fact: _result_or_signal,
+    tuple[TaskResult, ...]: _results,
 }
-"""How the values of a key are read; those of any other stay as they are."""
+"""How values are read, by the types of fields; what became of a resource stays text."""
