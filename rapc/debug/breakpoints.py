@@ -7,17 +7,18 @@ breakpoint that stops `before` goes back to the cycle before it.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from typing import Any
 
 import msgspec
 
 from rapc import events
 from rapc.base.names import hint
-from rapc.base.values import Fact, format_atom, is_variable, match_pattern, readable
+from rapc.base.values import format_atom, is_variable, match_pattern, readable
 from rapc.debug.arguments import read_pattern
 from rapc.debug.history import History
 from rapc.debug.log import ToldEvent
 from rapc.errors import ArgumentError, TextError
-from rapc.events import Event, Goal
+from rapc.events import Event
 from rapc.library.signatures import Use
 from rapc.world import Time
 
@@ -80,9 +81,10 @@ class Breakpoints:
         self.all: dict[int, Breakpoint] = {}
         #: What those that only log have met, in words.
         self.logged: list[str] = []
+        #: Those that wait for an event, with what says whether it is one.
         self._meets: dict[int, Meets] = {}
+        #: Those that wait for a time or a query, with whether it has come or holds.
         self._held: dict[int, bool] = {}
-        self._reached: dict[int, Time] = {}
         self._stopped_before: int | None = None
 
     # --- setting ------------------------------------------------------------------
@@ -106,7 +108,8 @@ class Breakpoints:
         if point.kind in ("true", "false"):
             self._held[number] = bool(history.question(point.what).holds())
         elif point.kind == "time":
-            self._reached[number] = _number(point.what)
+            _number(point.what)  # looks at it
+            self._held[number] = False
         else:
             self._meets[number] = self._matcher(point)
         self.all[number] = point
@@ -122,13 +125,8 @@ class Breakpoints:
         """
         if self.all.pop(number, None) is None:
             raise ArgumentError(f"there is no breakpoint {number}")
-        tables: tuple[dict[int, object], ...] = (
-            self._meets,  # type: ignore[assignment]  # only keys are used
-            self._held,
-            self._reached,
-        )
-        for table in tables:
-            table.pop(number, None)
+        self._meets.pop(number, None)
+        self._held.pop(number, None)
         self._install()
 
     def _install(self) -> None:
@@ -139,23 +137,22 @@ class Breakpoints:
 
     def _matcher(self, point: Breakpoint) -> Meets:
         """Return what says whether an event is one that a breakpoint waits for."""
-        what = point.what
-        if point.kind == "rap":
+        kind, what = point.kind, point.what
+        if kind == "rap":
             return self._of_goal(what)
-        if point.kind in ("primitive", "fact"):
-            return self._of_list(point.kind, what)
-        if point.kind == "method":
+        if kind in ("primitive", "fact"):
+            return self._of_list(kind, what)
+        if kind == "method":
             return self._of_method(what)
-        number = _number(what) if point.kind == "task" else None
-        kinds, wanted = {
-            "task": (_OF_TASKS, lambda keys: keys["task"] == number),
-            "failure": (
-                (events.TaskFailed,),
+        if kind == "task":
+            number = _number(what)
+            return _of(lambda keys: keys["task"] == number, *_OF_TASKS)
+        if kind == "failure":
+            return _of(
                 lambda keys: what in ("", keys["reason"], keys["result"]),
-            ),
-            "deadline": ((events.DeadlineMissed,), lambda keys: True),
-        }[point.kind]
-        return _of(kinds, wanted)
+                events.TaskFailed,
+            )
+        return _of(lambda keys: True, events.DeadlineMissed)
 
     def _of_method(self, what: str) -> Meets:
         """Return what says whether an event is the choice of a method."""
@@ -172,8 +169,8 @@ class Breakpoints:
                 f"`{rap}` has no method `{name}`; it is one of {listed}"
             )
         return _of(
-            (events.MethodChosen,),
             lambda keys: keys["method"] == name and rap in ("", keys["rap"]),
+            events.MethodChosen,
         )
 
     def raps_with(self, method: str) -> list[str]:
@@ -202,23 +199,25 @@ class Breakpoints:
         name, known = str(pattern[0]), self._history.library.program.signatures
         if name not in known.table(use) and not is_variable(name):
             raise ArgumentError(str(known.unknown(use, name)))
-        if kind == "primitive":
-            return _of((events.PrimitiveRequested,), _fits("request", pattern))
-        return _of((events.FactAsserted, events.FactErased), _fits("fact", pattern))
+        size, of_facts = len(pattern), (events.FactAsserted, events.FactErased)
+        key = "request" if kind == "primitive" else "fact"
+        return _of(
+            lambda keys: match_pattern(pattern, keys[key][:size]) is not None,
+            *((events.PrimitiveRequested,) if kind == "primitive" else of_facts),
+        )
 
     def _of_goal(self, what: str) -> Meets:
-        if not what.startswith("("):
-            name = what.lower()
-            self._see_rap(name)
-            return _of((events.TaskSelected,), lambda keys: _goal(keys).name == name)
-        pattern = read_pattern(what)
-        return _of(
-            (events.TaskSelected,),
-            lambda keys: (
-                match_pattern(pattern, (_goal(keys).name, *_goal(keys).inputs))
-                is not None
-            ),
-        )
+        """Return what says whether an event is the choice of a task by its goal."""
+        size = None if what.startswith("(") else 1  # a name alone, whatever its inputs
+        pattern = read_pattern(what) if size is None else (what.lower(),)
+        if size is not None:
+            self._see_rap(str(pattern[0]))
+
+        def wanted(keys: Mapping[str, Any]) -> bool:
+            goal = (keys["goal"].name, *keys["goal"].inputs)
+            return match_pattern(pattern, goal[:size]) is not None
+
+        return _of(wanted, events.TaskSelected)
 
     # --- while the run goes on ------------------------------------------------------
 
@@ -261,17 +260,19 @@ class Breakpoints:
         """Return the queries that have come to hold or not to, and times that came."""
         found = []
         for number, held in list(self._held.items()):
-            holds = self._holds(self.all[number].what)
-            if holds != held:
-                self._held[number] = holds
-                if holds == (self.all[number].kind == "true"):
-                    words = "holds" if holds else "holds no more"
-                    found.append((number, f"{self.all[number].what} {words}"))
-        for number, time in list(self._reached.items()):
-            if self._history.now >= time:
-                del self._reached[number]
-                found.append((number, f"time {readable(self._history.now)}"))
+            point, holds = self.all[number], self._is_so(self.all[number])
+            self._held[number] = holds
+            if holds != held and holds == (point.kind != "false"):
+                words = f"{point.what} {'holds' if holds else 'holds no more'}"
+                time = f"time {readable(self._history.now)}"
+                found.append((number, time if point.kind == "time" else words))
         return found
+
+    def _is_so(self, point: Breakpoint) -> bool:
+        """Whether a query holds now, or a time has come."""
+        if point.kind == "time":
+            return self._history.now >= _number(point.what)
+        return self._holds(point.what)
 
     def _holds(self, formula: str) -> bool:
         """Whether a formula holds; one with names that went with a text does not."""
@@ -281,35 +282,17 @@ class Breakpoints:
             return False
 
     def look_again(self) -> None:
-        """Take note of what holds now: the history stands at another moment."""
-        for number in self._held:
-            self._held[number] = self._holds(self.all[number].what)
-        for number, point in self.all.items():
-            if point.kind == "time" and self._history.now < _number(point.what):
-                self._reached[number] = _number(point.what)
+        """Take note of what holds now: the history stands at another moment.
+
+        A time that has not been met yet is still met if it has come meanwhile.
+        """
+        for number, held in self._held.items():
+            point = self.all[number]
+            self._held[number] = self._is_so(point) and (held or point.kind != "time")
 
 
-def _of(
-    kinds: tuple[type[Event], ...], wanted: Callable[[Mapping[str, object]], bool]
-) -> Meets:
+def _of(wanted: Callable[[Mapping[str, Any]], bool], *kinds: type[Event]) -> Meets:
     return lambda told: told.kind in kinds and wanted(told.keys)
-
-
-def _goal(keys: Mapping[str, object]) -> Goal:
-    found = keys["goal"]
-    assert isinstance(found, Goal)
-    return found
-
-
-def _fits(key: str, pattern: Fact) -> Callable[[Mapping[str, object]], bool]:
-    size = len(pattern)
-
-    def fits(keys: Mapping[str, object]) -> bool:
-        fact = keys[key]
-        assert isinstance(fact, tuple)
-        return match_pattern(pattern, fact[:size]) is not None
-
-    return fits
 
 
 def _words(told: ToldEvent) -> str:
