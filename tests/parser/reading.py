@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+from itertools import pairwise
+
 from rapc.base.diagnostics import Diagnostic
 from rapc.base.source import SourceFile, Span
 from rapc.parser.parse import parse
@@ -17,6 +20,7 @@ def reading(text: str) -> Reading:
     return read(SourceFile(FILE, text))
 
 
+@lru_cache(maxsize=4)
 def parsed(text: str) -> SourceUnit:
     """A text read to IR."""
     return parse(SourceFile(FILE, text))
@@ -61,3 +65,18 @@ def plain(datum: Datum) -> Plain:
     if value is None:
         value = getattr(datum, "value", None)
     return (kind, value, datum.start, datum.end)
+
+
+def hold_places(text: str) -> None:
+    """Everything said lies in the text, and fixes can be carried out."""
+    made = parsed(text)
+    for found in made.diagnostics:
+        spans = [found.span, *(label.span for label in found.labels)]
+        edits = sorted(found.fix.edits, key=lambda e: e.span.start) if found.fix else []
+        for span in (*spans, *(edit.span for edit in edits)):
+            assert span.file == FILE
+            assert 0 <= span.start <= span.end <= len(text) + 1
+        for one, other in pairwise(edits):
+            assert one.span.end <= other.span.start
+    for form in made.forms:
+        assert 0 <= form.span.start < form.span.end <= len(text)

@@ -9,14 +9,13 @@ import random
 import re
 
 import pytest
-from hypothesis import HealthCheck, given
 
 from rapc.language import build, grammar
 from rapc.language.shapes import Production
 from rapc.parser.syntax import Datum, List
-from tests.effort import examples, first
+from tests.effort import first
 from tests.parser.agreement import ATTRIBUTES, accepted, disagreement, excused
-from tests.parser.programs import programs, texts
+from tests.parser.programs import texts
 from tests.parser.reading import parsed, reading
 
 
@@ -40,22 +39,6 @@ def test_words_of_rules_stand_in_the_grammar_alone() -> None:
     for file in (*parser.glob("*.py"), *parser.glob("special/*.py")):
         text = file.read_text(encoding="utf-8")
         assert [words for words in takes | said if words in text] == [], file
-
-
-@pytest.mark.parametrize("share", first(1, range(8)))
-def test_every_text_of_the_repository(share: int) -> None:
-    some = dict(list(texts().items())[share::8])
-    found = {where: disagreement(text) for where, text in some.items()}
-    assert len(found) > 50
-    assert {where: rules for where, rules in found.items() if rules} == {}
-    assert sum(accepted(text) for text in some.values()) > 35
-
-
-@examples(150, suppress_health_check=[HealthCheck.too_slow])
-@given(programs())
-def test_programs_made_by_the_grammar(text: str) -> None:
-    assert accepted(text)
-    assert disagreement(text) == set()
 
 
 @pytest.mark.parametrize("batch", first(1, range(6)))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import HealthCheck, given
+from hypothesis import given
 from hypothesis import strategies as st
 
 from rapc.base.source import SourceFile
@@ -17,10 +17,8 @@ from rapc.parser.special.formulas import formula
 from rapc.parser.special.table import readers
 from rapc.parser.syntax import Datum
 from rapc.parser.terms import goal, term
-from tests.effort import examples, first
-from tests.parser.programs import programs, texts
+from tests.effort import examples
 from tests.parser.reading import parsed
-from tests.parser.round_trip import changed
 
 NAMES = st.sampled_from(["p", "arm-at", "#1", "x2", "..."])
 NUMBERS = st.one_of(
@@ -129,21 +127,6 @@ def test_what_is_bound_is_put_in(
 
 
 # --- whole definitions ---------------------------------------------------------------
-
-
-@pytest.mark.parametrize("share", first(1, range(16)))
-def test_every_definition_of_the_repository_reads_back(share: int) -> None:
-    some = dict(list(texts().items())[share::16])
-    found = {where: changed(text) for where, text in some.items()}
-    assert {where: printed for where, printed in found.items() if printed} == {}
-    assert sum(len(parsed(text).forms) for text in some.values()) > 60
-
-
-@examples(80, suppress_health_check=[HealthCheck.too_slow])
-@given(programs())
-def test_generated_definitions_read_back(text: str) -> None:
-    """`python -m tests.parser.round_trip 2000` holds more of them."""
-    assert changed(text) == []
 
 
 def test_methods_are_written_as_rap_text() -> None:

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from rapc.language import heads as names
 from rapc.parser.lexicon import MAX_FINDINGS
-from rapc.parser.unit import SourceUnit
 from tests.effort import examples, first
-from tests.parser.reading import FILE, parsed, rules
+from tests.parser.reading import hold_places, parsed, rules
 
 WORDS = [
     *names.FORMS,
@@ -44,36 +41,22 @@ FORMS = st.builds(
 )
 
 
-def _sane(text: str, made: SourceUnit) -> None:
-    """Everything said lies in the text, and fixes can be carried out."""
-    for found in made.diagnostics:
-        spans = [found.span, *(label.span for label in found.labels)]
-        edits = sorted(found.fix.edits, key=lambda e: e.span.start) if found.fix else []
-        for span in (*spans, *(edit.span for edit in edits)):
-            assert span.file == FILE
-            assert 0 <= span.start <= span.end <= len(text) + 1
-        for one, other in pairwise(edits):
-            assert one.span.end <= other.span.start
-    for form in made.forms:
-        assert 0 <= form.span.start < form.span.end <= len(text)
-
-
 @examples(500)
 @given(st.text())
 def test_random_text(text: str) -> None:
-    _sane(text, parsed(text))
+    hold_places(text)
 
 
 @examples(1000)
 @given(LOOSE)
 def test_random_words_and_marks(text: str) -> None:
-    _sane(text, parsed(text))
+    hold_places(text)
 
 
 @examples(1500, share=15)
 @given(FORMS)
 def test_random_forms(text: str) -> None:
-    _sane(text, parsed(text))
+    hold_places(text)
 
 
 ABSURD = [
