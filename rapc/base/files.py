@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import BinaryIO
 
+from rapc.base.limits import MAX_BYTES
 from rapc.errors import LoadError, reason
 
 SUFFIX = ".rap"
@@ -21,9 +22,6 @@ TEST_SUFFIX = ".test.rap"
 
 COMPILED = b"rapc-library "
 """How a file begins that holds a compiled library (`rapc.library.saved`)."""
-
-LARGEST = 200_000_000
-"""How many bytes a file may have; the largest library known has a thousandth of it."""
 
 STANDARD = "rapc:"
 """How the name of a file of a standard library begins: `rapc:truck/fuel.rap`.
@@ -275,7 +273,7 @@ def all_there(name: str, file: BinaryIO) -> bytes:
     Raises:
         LoadError: if it has no end, but more may come later, or is beyond measure.
     """
-    data: bytes | None = file.read(LARGEST + 1)
+    data: bytes | None = file.read(MAX_BYTES + 1)
     rest: bytes | None = b"" if data is None else file.read(1)
     if data is None or rest is None:
         raise LoadError(f"cannot read `{name}`: it has no end, and waits for more")
@@ -284,14 +282,14 @@ def all_there(name: str, file: BinaryIO) -> bytes:
 
 
 def _all_of(name: str, file: BinaryIO) -> bytes:
-    data = file.read(LARGEST + 1)
+    data = file.read(MAX_BYTES + 1)
     _measure(name, len(data))
     return data
 
 
 def _measure(name: str, size: int) -> None:
-    if size > LARGEST:
-        raise LoadError(f"`{name}` is too large: more than {LARGEST // 10**6} MB")
+    if size > MAX_BYTES:
+        raise LoadError(f"`{name}` is too large: more than {MAX_BYTES // 10**6} MB")
 
 
 def _unreadable(path: Path, error: OSError) -> str:

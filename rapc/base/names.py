@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator
 
+from rapc.base.limits import MAX_COMPARED, MAX_SUGGESTIONS
+
 _CUTOFF = 0.72
 
 
@@ -35,17 +37,13 @@ def nearest(name: str, names: Iterable[str]) -> str | None:
     return best[1] if best else None
 
 
-_LONGEST = 60
-"""The longest names that are compared by letters: no person compares longer ones."""
-
-
 def is_slip(name: str, other: str) -> bool:
     """Return whether few letters are wrong: one, or a quarter of the shorter name.
 
     A letter is wrong if it is missing, added or another one, or if two letters are
     swapped. `nearest` also returns names that share no more than a long end.
     """
-    if max(len(name), len(other)) > _LONGEST:
+    if max(len(name), len(other)) > MAX_COMPARED:
         return False
     return _wrong_letters(name, other) <= max(1, min(len(name), len(other)) // 4)
 
@@ -103,7 +101,7 @@ class Close:
 
     def is_long(self, name: str) -> bool:
         """Whether a name is long enough for a slip to show, and not absurdly long."""
-        return self._least <= len(name) <= _LONGEST
+        return self._least <= len(name) <= MAX_COMPARED
 
     def _shortened(self, name: str) -> Iterator[str]:
         """Yield `name`; if it is long enough, also `name` without each letter."""
@@ -139,10 +137,6 @@ def hint(name: str, names: Iterable[str]) -> str:
     return f"; {said}" if said else ""
 
 
-_MOST = 50
-"""How many different names get a suggestion: looking for one costs milliseconds."""
-
-
 class Suggestions:
     """Names that may be meant by an unknown one.
 
@@ -160,7 +154,7 @@ class Suggestions:
     def near(self, name: str) -> str | None:
         """Return the known name nearest to `name`, or None."""
         if name not in self._near:
-            if len(self._near) >= _MOST:
+            if len(self._near) >= MAX_SUGGESTIONS:
                 return None
             self._near[name] = nearest(name, self._names)
         return self._near[name]

@@ -6,11 +6,9 @@ import re
 from functools import lru_cache
 from math import isfinite
 
+from rapc.base.limits import MAX_NAME
 from rapc.base.values import Text
 from rapc.language.grammar import TERMINALS
-
-MAX_NAME = 1000
-"""How many characters a symbol, variable or keyword may have."""
 
 _SYMBOL = re.compile(f"(?:{TERMINALS['SYMBOL']}|{TERMINALS['KEYWORD']})")
 

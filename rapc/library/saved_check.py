@@ -13,19 +13,13 @@ from functools import cache
 from operator import attrgetter
 from typing import Any
 
+from rapc.base.limits import LARGEST_NUMBER, MAX_NODE_DEPTH, MAX_PARTS
 from rapc.base.names import plural
 from rapc.base.source import Span
 from rapc.ir import nodes, walk
 from rapc.language.heads import CALLS
 from rapc.library.signatures import Fault, Signatures, Use
 
-MAX_DEPTH = 150
-"""How deep nodes may lie in each other; lists in a text lie 100 deep at most."""
-
-MAX_PARTS = 1000
-"""How many parts a formula may have; one from text has 200 at most."""
-
-_LARGEST = 10**100
 _FORBIDDEN = frozenset(' ()";')
 _RESOURCES = ("#counter(", "#set(")
 _LOOKED_AT = frozenset({nodes.Var, nodes.Call, nodes.SetTest, nodes.HistoryTest})
@@ -65,7 +59,7 @@ class Verifier:
     def node(self, node: nodes.Node) -> None:
         """Check the words, numbers, nesting and computed terms of any node."""
         level: list[Any] = [node]
-        for _ in range(MAX_DEPTH):
+        for _ in range(MAX_NODE_DEPTH):
             level = self._below(level)
             if not level:
                 return
@@ -231,5 +225,5 @@ def _word(word: str) -> str:
 def _number(value: float) -> None:
     """See that a number is in its one form and within measure."""
     whole = isinstance(value, float) and value.is_integer()
-    if whole or abs(value) > _LARGEST:
+    if whole or abs(value) > LARGEST_NUMBER:
         raise UnsoundError("a number cannot be written")

@@ -15,9 +15,9 @@ from functools import cache
 from typing import Any
 
 from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix
+from rapc.base.limits import LARGEST_NUMBER, MAX_FINDINGS, MAX_NAME, MAX_NUMBER
 from rapc.base.source import SourceFile
 from rapc.base.values import Number, format_atom, number
-from rapc.language.atoms import MAX_NAME
 from rapc.language.grammar import TERMINALS
 from rapc.language.heads import ARROW
 from rapc.parser.syntax import (
@@ -32,15 +32,6 @@ from rapc.parser.syntax import (
     TopLevel,
     Variable,
 )
-
-MAX_DEPTH = 100
-"""How deep lists may nest."""
-
-MAX_NUMBER = 100
-"""How many characters a number may have: well within the range of floats."""
-
-MAX_FINDINGS = 1000
-"""How many findings a file's text may give; more would help nobody."""
 
 OPEN, CLOSE, QUOTE, ATOM, STRING, COMMENT, BLOCK, OTHER = range(1, 9)
 CUT, UNCLOSED = 9, 10
@@ -246,7 +237,7 @@ class ReadLog:
 
     def _number_like(self, raw: str, start: int, end: int) -> Datum:
         value = float(raw) if len(raw) <= MAX_NUMBER else math.inf
-        fits = abs(value) < 10.0**MAX_NUMBER
+        fits = abs(value) < LARGEST_NUMBER
         content = format_atom(number(value)) if fits else "0"
         span = self.source.span(start, end)
         fix = Fix(Applicability.SAFE, f"write `{content}`", (Edit(span, content),))

@@ -10,6 +10,7 @@ from typing import Any, cast
 
 import msgspec
 
+from rapc.base.limits import MAX_FINDINGS
 from rapc.base.names import nearest
 from rapc.base.source import SourceFile
 from rapc.base.values import Atom, Fact
@@ -19,7 +20,6 @@ from rapc.ir.nodes import DefineTest
 from rapc.ir.walk import subformulas
 from rapc.parser import reader
 from rapc.parser.context import Context, Read, head_of, kind_of
-from rapc.parser.lexicon import MAX_FINDINGS
 from rapc.parser.special.formulas import formula
 from rapc.parser.special.table import readers
 from rapc.parser.syntax import Comment, Datum, Keyword, List, Numeral, Symbol

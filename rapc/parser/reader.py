@@ -16,6 +16,7 @@ from functools import cache
 import msgspec
 
 from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix, Label
+from rapc.base.limits import MAX_DEPTH
 from rapc.base.source import SourceFile, Span
 from rapc.language.comments import BLOCK_MARK
 from rapc.parser.lexicon import (
@@ -25,7 +26,6 @@ from rapc.parser.lexicon import (
     COMMENT,
     CUT,
     FORM,
-    MAX_DEPTH,
     OPEN,
     STRING,
     UNCLOSED,

@@ -17,9 +17,10 @@ from typing import cast
 import msgspec
 
 from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix, Label
+from rapc.base.limits import MAX_DEPTH
 from rapc.base.source import SourceFile
 from rapc.language.heads import FORMS, METHOD_CLAUSES, RAP_CLAUSES
-from rapc.parser.lexicon import ATOM, CLOSE, MAX_DEPTH, OPEN, ReadLog, Token
+from rapc.parser.lexicon import ATOM, CLOSE, OPEN, ReadLog, Token
 from rapc.parser.syntax import Datum, List, Symbol
 
 

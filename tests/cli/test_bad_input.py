@@ -220,7 +220,7 @@ def test_a_file_beyond_measure_is_not_read(tmp_path: Path) -> None:
 def test_standard_input_beyond_measure_is_not_read(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("rapc.base.files.LARGEST", 10)
+    monkeypatch.setattr("rapc.base.files.MAX_BYTES", 10)
     monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(b";" * 11)))
     with pytest.raises(LoadError, match="`<stdin>` is too large"):
         load(["-"])

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rapc.base.limits import MAX_FINDINGS
 from rapc.language import heads as names
-from rapc.parser.lexicon import MAX_FINDINGS
 from tests.effort import examples, first
 from tests.parser.reading import hold_places, parsed, rules
 

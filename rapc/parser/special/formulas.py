@@ -6,15 +6,13 @@ whether it is declared.
 
 from __future__ import annotations
 
+from rapc.base.limits import MAX_LEAVES
 from rapc.base.source import Span
 from rapc.ir import nodes
 from rapc.language.heads import ALONE, CALLS, METHOD_CLAUSES, RAP_CLAUSES, TRUTHS
 from rapc.parser.context import Context, Read, head_of, kind_of
 from rapc.parser.syntax import Datum, List, Symbol
 from rapc.parser.terms import constant, terms
-
-MAX_LEAVES = 200
-"""How many propositions and tests a formula may have: queries become nested code."""
 
 
 def formula(ctx: Context, datum: Datum) -> nodes.Formula | None:
