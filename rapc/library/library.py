@@ -8,7 +8,7 @@ for itself. What a reference means, and whether it means anything, is for
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import msgspec
@@ -65,6 +65,10 @@ RULES = (DUPLICATE, BUILTIN)
 """The rules that linking can break."""
 
 
+Named = nodes.TopForm | DefineTest
+"""What may have a name in a library."""
+
+
 class Library(msgspec.Struct, frozen=True):
     """All definitions by name, in the order of the text; nothing changes afterwards.
 
@@ -93,7 +97,7 @@ class Library(msgspec.Struct, frozen=True):
     tests: tuple[DefineTest, ...] = ()
 
 
-_KINDS: Mapping[type, tuple[str, str, str]] = {
+KINDS: Mapping[type, tuple[str, str, str]] = {
     nodes.DefineRap: ("raps", "RAP", "RAP"),
     nodes.DeclareProposition: ("propositions", "predicate", "proposition"),
     nodes.DeclareProperty: ("properties", "predicate", "property"),
@@ -124,31 +128,25 @@ def link(units: Sequence[SourceUnit]) -> tuple[Library, tuple[Diagnostic, ...]]:
     """
     files = {unit.file.name: unit.file for unit in units}
     forms = tuple(form for unit in units for form in unit.forms)
-    tables: dict[str, dict[str, nodes.TopForm]] = {f: {} for f, _, _ in _KINDS.values()}
-    sequences: dict[str, list[nodes.TopForm]] = {f: [] for f in _SEQUENCES.values()}
-    taken: dict[tuple[str, ...], nodes.TopForm] = {}
+    tests = tuple(test for unit in units for test in unit.tests)
+    fields: dict[str, Any] = {field: {} for field, _, _ in KINDS.values()}
+    sequences: dict[str, list[Named]] = {field: [] for field in _SEQUENCES.values()}
+    taken: dict[tuple[str, ...], Named] = {}
     found: list[Diagnostic] = []
-    for form in forms:
-        kind = _KINDS.get(type(form))
-        if kind is None:
-            key = _key(form)
-            first = form if key is None else taken.setdefault(key, form)
-            if first is form and (field := _SEQUENCES.get(type(form))) is not None:
-                sequences[field].append(form)
-        else:
-            table, space, _ = kind
-            name = _name(form)
-            first = taken.setdefault((space, name), form)
-            if first is form:
-                tables[table][name] = form
-                if name in _RESERVED.get(space, ()):
-                    found.append(_builtin(files, form))
+    for form in (*forms, *tests):
+        key = _key(form)
+        first = form if key is None else taken.setdefault(key, form)
         if first is not form:
             found.append(_duplicate(files, first, form))
-    fields: dict[str, Any] = {**tables}
-    fields.update((name, tuple(rows)) for name, rows in sequences.items())
-    tests = tuple(test for unit in units for test in unit.tests)
-    found.extend(_duplicate_tests(tests))
+        elif (kind := KINDS.get(type(form))) is not None:
+            field, space, _ = kind
+            name = _name(form)
+            fields[field][name] = form
+            if name in _RESERVED.get(space, ()):
+                found.append(_builtin(files, form))
+        elif (field_ := _SEQUENCES.get(type(form))) is not None:
+            sequences[field_].append(form)
+    fields.update((field, tuple(rows)) for field, rows in sequences.items())
     return Library(**fields, files=files, forms=forms, tests=tests), tuple(found)
 
 
@@ -166,11 +164,10 @@ def digest(library: Library) -> str:
     return found.hexdigest()
 
 
-def name_span(files: Mapping[str, SourceFile], form: nodes.TopForm) -> Span:
+def name_span(files: Mapping[str, SourceFile], form: Named) -> Span:
     """Return where a definition states its name; the whole form if that is unknown."""
-    if isinstance(form, nodes.DefineRap | nodes.DefineQuery | nodes.DefineAgenda):
-        return form.name_span
-    return word_span(files, form.span, 1)
+    found: Span | None = getattr(form, "name_span", None)
+    return found or word_span(files, form.span, 1)
 
 
 def word_span(files: Mapping[str, SourceFile], span: Span, position: int) -> Span:
@@ -179,61 +176,49 @@ def word_span(files: Mapping[str, SourceFile], span: Span, position: int) -> Spa
     return span if source is None else source.word(span, position)
 
 
-def _key(form: nodes.TopForm) -> tuple[str, ...] | None:
-    """Return what no other form without a name may share with it; None if all may."""
+def _key(form: Named) -> tuple[str, ...] | None:
+    """Return what no other form may share with a form; None if all may."""
     if isinstance(form, nodes.DeclareComparator):
         return ("comparator", form.class_name, form.place or "")
-    return None
+    if isinstance(form, DefineTest):
+        return ("test", form.span.file, form.name)
+    kind = KINDS.get(type(form))
+    return None if kind is None else (kind[1], _name(form))
 
 
-def _name(form: nodes.TopForm) -> str:
+def _name(form: Named) -> str:
     name = getattr(form, "name", "")
     assert isinstance(name, str)
     return name
 
 
 def _duplicate(
-    files: Mapping[str, SourceFile], first: nodes.TopForm, second: nodes.TopForm
+    files: Mapping[str, SourceFile], first: Named, second: Named
 ) -> Diagnostic:
-    if isinstance(second, nodes.DeclareComparator):
+    help = "rename one of the two, or remove it"
+    if isinstance(second, DefineTest):
+        what = f"test `{second.name}`"
+    elif isinstance(second, nodes.DeclareComparator):
         what = f"a comparator for class `{second.class_name}`"
         what += f" at `{second.place}`" if second.place else ""
     else:
-        what = f"{_KINDS[type(second)][2]} `{_name(second)}`"
-    help_ = "rename one of the two, or remove it"
-    if first == second:
-        help_ = "the two say the same: keep one, and `require` its file from the other"
+        what = f"{KINDS[type(second)][2]} `{_name(second)}`"
+    if first == second and not isinstance(second, DefineTest):
+        help = "the two say the same: keep one, and `require` its file from the other"
     elif type(first) is not type(second):
-        help_ = "propositions, properties, functions and queries share their names: "
-        help_ += "rename one"
-    return Diagnostic(
-        rule=DUPLICATE.name,
-        message=f"{what} is defined already",
-        span=name_span(files, second),
+        help = "propositions, properties, functions and queries share their names: "
+        help += "rename one"
+    return DUPLICATE.at(
+        name_span(files, second),
+        f"{what} is defined already",
         labels=(Label(name_span(files, first), "first defined here"),),
-        help=help_,
+        help=help,
     )
 
 
-def _duplicate_tests(tests: Iterable[DefineTest]) -> Iterator[Diagnostic]:
-    """Tests of one name in one file."""
-    taken: dict[tuple[str, str], DefineTest] = {}
-    for test in tests:
-        first = taken.setdefault((test.span.file, test.name), test)
-        if first is not test:
-            yield Diagnostic(
-                rule=DUPLICATE.name,
-                message=f"test `{test.name}` is defined already",
-                span=test.name_span,
-                labels=(Label(first.name_span, "first defined here"),),
-                help="rename one of the two, or remove it",
-            )
-
-
-def _builtin(files: Mapping[str, SourceFile], form: nodes.TopForm) -> Diagnostic:
-    return Diagnostic(
-        rule=BUILTIN.name,
-        message=f"`{_name(form)}` is a name of the language and cannot be declared",
-        span=name_span(files, form),
+def _builtin(files: Mapping[str, SourceFile], form: Named) -> Diagnostic:
+    return BUILTIN.at(
+        name_span(files, form),
+        f"`{_name(form)}` is a name of the language and cannot be declared",
         help="choose another name",
     )

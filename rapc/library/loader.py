@@ -435,10 +435,9 @@ def unresolved(form: nodes.Require, requiring: Path) -> Diagnostic:
     without = form.name.removesuffix(SUFFIX)
     close = without if without in known else nearest(form.name, known)
     name = form.name if len(form.name) <= _LONG else f"{form.name[:_LONG]}..."
-    return Diagnostic(
-        rule=UNRESOLVED.name,
-        message=f"nothing is found for `{name}`",
-        span=form.span,
+    return UNRESOLVED.at(
+        form.span,
+        f"nothing is found for `{name}`",
         notes=(
             f"neither `{name}{SUFFIX}` nor a folder `{name}` with RAP files "
             "stands beside this file, and no standard library is called so",

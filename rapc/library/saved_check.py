@@ -17,21 +17,14 @@ from rapc.base.limits import LARGEST_NUMBER, MAX_NODE_DEPTH, MAX_PARTS
 from rapc.base.names import plural
 from rapc.base.source import Span
 from rapc.ir import nodes, walk
+from rapc.ir.schema import CHILDREN, rule_of
+from rapc.language.grammar import RULES
 from rapc.language.heads import CALLS
 from rapc.library.signatures import Fault, Signatures, Use
 
 _FORBIDDEN = frozenset(' ()";')
 _RESOURCES = ("#counter(", "#set(")
 _LOOKED_AT = frozenset({nodes.Var, nodes.Call, nodes.SetTest, nodes.HistoryTest})
-
-_TAKES: Mapping[str, int] = {
-    "member": 2,
-    "empty": 1,
-    "method-tried": 1,
-    "last-result": 1,
-    "result-with-method": 2,
-}
-"""How many arguments questions about sets and the task take."""
 
 
 class UnsoundError(Exception):
@@ -66,7 +59,7 @@ class Verifier:
         raise UnsoundError("something is nested too deeply")
 
     def _below(self, level: list[Any]) -> list[Any]:
-        """Yield what nodes hold, after a check; `level` grows by what is in tuples."""
+        """Return what nodes hold, after a check; `level` grows by what is in tuples."""
         below: list[Any] = []
         words, files, contents = self._words, self._files, _contents()
         for value in level:
@@ -90,16 +83,16 @@ class Verifier:
     def _own(
         self, node: nodes.Var | nodes.Call | nodes.SetTest | nodes.HistoryTest
     ) -> None:
-        """Return what is to be checked of each node of a kind."""
+        """Check what only nodes of some kinds have."""
         if isinstance(node, nodes.Var):
             if node.name[:1] != "?":
                 raise UnsoundError(f"`{node.name}` is no name of a variable")
         elif isinstance(node, nodes.Call):
             self._call(node)
-        elif isinstance(node, nodes.SetTest):
-            _agree(node.test, len(node.args), _TAKES[node.test])
-        elif isinstance(node, nodes.HistoryTest):
-            _agree(node.query, len(node.args), _TAKES[node.query])
+        elif len(node.args) != (takes := len(RULES[rule_of(node)]) - 2):
+            word = node.test if isinstance(node, nodes.SetTest) else node.query
+            wanted = plural(takes, "argument")
+            raise UnsoundError(f"`{word}` takes {wanted}, not {len(node.args)}")
 
     def declaration(self, form: nodes.TopForm) -> None:
         """Look at a form that is no RAP."""
@@ -179,12 +172,6 @@ def _raise(fault: Fault | None) -> None:
         raise UnsoundError(fault.message)
 
 
-def _agree(name: str, given: int, takes: int) -> None:
-    if given != takes:
-        takes_ = plural(takes, "argument")
-        raise UnsoundError(f"`{name}` takes {takes_}, not {given}")
-
-
 def _tags(step: nodes.Step) -> Iterator[str]:
     """The steps that a step's annotations name."""
     for annotation in step.annotations:
@@ -197,17 +184,10 @@ def _tags(step: nodes.Step) -> Iterator[str]:
 @cache
 def _contents() -> Mapping[type, Callable[[Any], Iterable[Any]]]:
     """Return for each kind of node what takes all from it that is to be looked at."""
-    found: dict[type, Callable[[Any], Iterable[Any]]] = {}
-    kinds = [nodes.Node]
-    while kinds:
-        kind = kinds.pop()
-        kinds.extend(kind.__subclasses__())
-        found[kind] = _content(kind)
-    return found
+    return {kind: _content(kind) for kind in CHILDREN}
 
 
 def _content(kind: type[nodes.Node]) -> Callable[[Any], Iterable[Any]]:
-    """Return what takes from a node of a kind all that is to be looked at."""
     if kind is nodes.Require:
         return lambda node: (node.span,)
     names = [name for name in kind.__struct_fields__ if name != "doc"]

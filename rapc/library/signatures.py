@@ -13,7 +13,7 @@ share a table, for a formula does not say which it means.
 from __future__ import annotations
 
 from collections.abc import Container, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, cast
 
 import msgspec
 
@@ -22,7 +22,7 @@ from rapc.base.values import Atom
 from rapc.language.heads import CALLS, QUERIES
 from rapc.library.kinds import Kinds, misfits, said_of
 from rapc.library.lazy import Lazy
-from rapc.library.library import Library
+from rapc.library.library import KINDS, Library
 from rapc.library.signature import (
     Declared,
     Kind,
@@ -51,6 +51,9 @@ Use = Literal[
 """How a name is used: to ask for a RAP; as a proposition in a formula, in a `believe`,
 put into memory or taken out of it; as the function of a computed term; as what is sent
 to a world or comes from there."""
+
+SPACES = ("RAP", "predicate", "primitive", "datum", "skill", "event")
+"""The spaces that names with arguments share."""
 
 _IN_MEMORY: Sequence[Kind] = ("proposition", "property")
 """The kinds of predicates of which memory holds facts."""
@@ -88,44 +91,27 @@ class Signatures:
     found to be near to an unknown one.
 
     Args:
-        raps: the RAPs.
-        predicates: the propositions, properties, functions and queries.
-        primitives: the primitives.
-        data: the sensor data.
-        skills: the skills, their names with the colon.
-        events: the events, their names with the colon.
+        tables: the signatures by the space that their names share, and by name; the
+            names of skills and events have their colon.
         kinds: the kinds of values.
     """
 
     def __init__(
-        self,
-        raps: Mapping[str, Signature],
-        predicates: Mapping[str, Signature],
-        primitives: Mapping[str, Signature],
-        data: Mapping[str, Signature],
-        skills: Mapping[str, Signature],
-        events: Mapping[str, Signature],
-        kinds: Kinds,
+        self, tables: Mapping[str, Mapping[str, Signature]], kinds: Kinds
     ) -> None:
         self.kinds = kinds
-        self.raps = raps
-        self.predicates = predicates
+        self._tables = {space: tables.get(space, {}) for space in SPACES}
+        self.raps = self._tables["RAP"]
+        #: The propositions, properties, functions and queries.
+        self.predicates = predicates = self._tables["predicate"]
         #: The propositions and properties: what may stand in memory.
         self.relations = {n: s for n, s in predicates.items() if s.kind in _IN_MEMORY}
         #: The functions that are declared.
         self.functions = {n: s for n, s in predicates.items() if s.kind == "function"}
-        self.primitives = primitives
-        self.data = data
-        self.skills = skills
-        self.events = events
-        self._tables: Mapping[Use, Mapping[str, Signature]] = {
-            **dict.fromkeys(_OF_PREDICATES, predicates),
-            "goal": raps,
-            "primitive": primitives,
-            "datum": data,
-            "skill": skills,
-            "event": events,
-        }
+        self.primitives = self._tables["primitive"]
+        self.data = self._tables["datum"]
+        self.skills = self._tables["skill"]
+        self.events = self._tables["event"]
         self._near: dict[str, Suggestions] = {}
 
     @classmethod
@@ -136,27 +122,15 @@ class Signatures:
 
         A RAP is looked at when its signature is asked for, unless `raps` has them.
         """
-
-        def declared(kind: Kind, forms: Mapping[str, Declared]) -> dict[str, Signature]:
-            return {name: of_declaration(kind, form) for name, form in forms.items()}
-
-        predicates = {
-            **declared("proposition", library.propositions),
-            **declared("property", library.properties),
-            **declared("function", library.functions),
-            **declared("query", library.queries),
-        }
-        return cls(
-            Lazy(library.raps, lambda name: of_rap(library.raps[name]))
-            if raps is None
-            else raps,
-            predicates,
-            declared("primitive", library.primitives),
-            declared("sensor datum", library.data),
-            declared("skill", library.skills),
-            declared("event", library.events),
-            Kinds(library.kinds),
-        )
+        tables: dict[str, dict[str, Signature]] = {}
+        for field, space, word in KINDS.values():
+            if space in SPACES and space != "RAP":
+                forms: Mapping[str, Declared] = getattr(library, field)
+                found = {n: of_declaration(cast(Kind, word), forms[n]) for n in forms}
+                tables.setdefault(space, {}).update(found)
+        if raps is None:
+            raps = Lazy(library.raps, lambda name: of_rap(library.raps[name]))
+        return cls({**tables, "RAP": raps}, Kinds(library.kinds))
 
     @classmethod
     def offered(cls, offer: Offer) -> Signatures:
@@ -165,15 +139,13 @@ class Signatures:
             name: Signature("primitive", name, count, count, results=tuple(results))
             for name, (count, results) in offer.primitives.items()
         }
-        return cls(
-            {},
-            {},
-            primitives,
-            of_counts("sensor datum", offer.data),
-            of_counts("skill", offer.skills),
-            of_counts("event", offer.events),
-            Kinds({}),
-        )
+        tables = {
+            "primitive": primitives,
+            "datum": of_counts("sensor datum", offer.data),
+            "skill": of_counts("skill", offer.skills),
+            "event": of_counts("event", offer.events),
+        }
+        return cls(tables, Kinds({}))
 
     def fault(
         self,
@@ -248,7 +220,7 @@ class Signatures:
 
     def table(self, use: Use) -> Mapping[str, Signature]:
         """Return the signatures among which a name used so is looked up."""
-        return self._tables[use]
+        return self._tables[_SPACE_OF.get(use, use)]
 
     def unknown(self, use: Use, name: str, within: str = "") -> Fault:
         """Return what to say about a name that is not declared, used so.
@@ -256,24 +228,24 @@ class Signatures:
         The RAP `within` which the name stands is meant only if the name is a slip: few
         RAPs ask for themselves.
         """
-        space = _SPACES.get(use, "predicate")
+        word = _word(use)
         near = self._near.get(use)
         if near is None:
             built_in = QUERIES if use in _OF_PREDICATES else ()
             built_in = CALLS if use == "computed" else built_in
             near = Suggestions((*self._meant(use), *built_in))
             self._near[use] = near
-        message = f"no {space} is called `{name}`"
-        if space == "predicate":
+        message = f"no {word} is called `{name}`"
+        if word == "predicate":
             message = f"`{name}` is not declared"
         advice = self._meant_elsewhere(use, name)
         if advice:
             return Fault("unknown", message, advice)
         meant = near.near(name)
         if meant == within and not is_slip(name, within):
-            return Fault("unknown", message, _advice(space))
+            return Fault("unknown", message, _advice(word))
         declared = self.table(use).get(meant or "")
-        help_ = near.did_you_mean(name, _advice(space))
+        help_ = near.did_you_mean(name, _advice(word))
         return Fault("unknown", message, help_, near=declared, name=name, meant=meant)
 
     def _meant_elsewhere(self, use: Use, name: str) -> str:
@@ -303,31 +275,27 @@ _QUESTION = "did you mean"
 _OF_PREDICATES: Sequence[Use] = ("test", "believed", "asserted", "erased", "computed")
 """The uses of propositions, properties, functions and queries."""
 
-_SPACES: Mapping[Use, str] = {
+_SPACE_OF: Mapping[Use, str] = {
+    **dict.fromkeys(_OF_PREDICATES, "predicate"),
     "goal": "RAP",
-    "computed": "function",
-    "primitive": "primitive",
-    "datum": "sensor datum",
-    "skill": "skill",
-    "event": "event",
 }
-"""For each use the word for what is unknown; all others ask for a predicate."""
-
-_FORMS: Mapping[str, str] = {
-    "RAP": "define it",
-    "predicate": "declare it",
-    "primitive": "declare it with `declare-primitive`",
-    "sensor datum": "declare it with `declare-sensor-datum`",
-    "skill": "declare it with `declare-skill`",
-    "event": "declare it with `declare-event`",
-}
-"""What to do about an unknown name, besides requiring its file."""
+"""The space in which a name used so is looked up; that of its own name for others."""
 
 
-def _advice(space: str) -> str:
-    if space == "function":
+def _word(use: Use) -> str:
+    """Return the word for what is unknown if a name used so is."""
+    if use == "computed":
+        return "function"
+    return "sensor datum" if use == "datum" else _SPACE_OF.get(use, use)
+
+
+def _advice(word: str) -> str:
+    """Return what to do about an unknown name."""
+    if word == "function":
         return "declare it with `declare-memory-function`"
-    return f"{_FORMS[space]}, or `require` the file that does"
+    forms = {"RAP": "define it", "predicate": "declare it"}
+    form = forms.get(word, f"declare it with `declare-{word.replace(' ', '-')}`")
+    return f"{form}, or `require` the file that does"
 
 
 _OPERATORS: Mapping[str, str] = {"!=": "n=", "<>": "n=", "/=": "n=", "==": "="}
