@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Iterable, Iterator, Mapping
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from typing import Generic, TypeVar
 
 import msgspec
@@ -91,6 +91,13 @@ def components(
                 enter(following)
             elif following in low:
                 low[name] = min(low[name], low[following])
+
+
+def circles(successors: Mapping[str, Sequence[str]]) -> Iterator[list[str]]:
+    """Yield the vertices that lead back to themselves, one list for each component."""
+    for members in components(successors, lambda name: successors.get(name, ())):
+        if len(members) > 1 or members[0] in successors.get(members[0], ()):
+            yield members
 
 
 def reachable(

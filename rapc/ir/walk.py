@@ -45,6 +45,23 @@ def steps(method: nodes.Method) -> tuple[nodes.Step, ...]:
     return body.steps if isinstance(body, nodes.TaskNet) else ()
 
 
+def given_names(rap: nodes.DefineRap) -> set[str]:
+    """The names of the inputs and resources of a RAP."""
+    return {v.name for v in (*rap.inputs, *(r.variable for r in rap.resources))}
+
+
+def input_terms(rap: nodes.DefineRap, goal: nodes.Goal) -> dict[str, nodes.Term]:
+    """The terms that the inputs of the RAP of a goal have, by their names."""
+    return {v.name: t for v, t in zip(rap.inputs, goal.args, strict=False)}
+
+
+def ways(formula: nodes.Formula | None) -> tuple[nodes.Formula, ...]:
+    """The parts of an `or`, or another formula alone: ways to make it hold."""
+    if isinstance(formula, nodes.Or):
+        return formula.parts
+    return () if formula is None else (formula,)
+
+
 def subformulas(formula: nodes.Formula) -> Iterator[nodes.Formula]:
     """A formula and all formulas in it, each before its parts.
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from rapc.analysis.check import Pass, check
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
-from rapc.base.graph import components
+from rapc.base.graph import circles
 from rapc.ir import nodes, walk
 
 CIRCLE = Rule(
@@ -37,9 +37,8 @@ def query_circles(run: Pass) -> Iterator[Diagnostic]:
     """Find named queries that stand for a formula without end."""
     queries = run.library.queries
     asked = {name: _asked(query, queries) for name, query in queries.items()}
-    for members in components(queries, lambda name: asked[name]):
-        if len(members) > 1 or members[0] in asked[members[0]]:
-            yield _finding(queries, members)
+    for members in circles(asked):
+        yield _finding(queries, members)
 
 
 def _asked(

@@ -7,19 +7,17 @@ from itertools import combinations
 
 from rapc.analysis.check import Pass, check
 from rapc.analysis.checks.crossed_claims import things
-from rapc.analysis.facts.effects import done_by_method
+from rapc.analysis.facts.effects import done_by_method, reached
 from rapc.analysis.facts.logic import (
     Literal,
-    apart,
     asked_through,
-    follows,
-    literals,
+    entails,
     through,
 )
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
-from rapc.ir.walk import steps, substitute, variable_names
+from rapc.ir.walk import input_terms, substitute
 from rapc.library.library import Library
 
 _CART = """\
@@ -140,17 +138,11 @@ def _between(
             )
 
 
-def _inputs(library: Library, goal: nodes.Goal) -> dict[str, nodes.Term]:
-    """The terms that the inputs of the RAP of a goal have."""
-    pairs = zip(library.raps[goal.name].inputs, goal.args, strict=False)
-    return {variable.name: term for variable, term in pairs}
-
-
 def _monitor(library: Library, goal: nodes.Goal) -> nodes.Formula:
     """The monitor of the RAP of a goal, with the arguments of the goal in it."""
-    monitor = library.raps[goal.name].monitor_state
-    assert monitor is not None
-    return substitute(monitor, _inputs(library, goal))
+    rap = library.raps[goal.name]
+    assert rap.monitor_state is not None
+    return substitute(rap.monitor_state, input_terms(rap, goal))
 
 
 def _shared_facts(
@@ -188,36 +180,24 @@ def _may_be_one(one: nodes.Proposition, other: nodes.Proposition) -> bool:
 
 def _needed(library: Library, rap: nodes.DefineRap) -> frozenset[nodes.Thing]:
     """The things that methods of a RAP, or of those it asks for, take."""
-    found: set[nodes.Thing] = set()
-    waiting, seen = [rap], {rap.name}
-    while waiting:
-        for method in waiting.pop().methods:
-            found.update(things(library, method))
-            for step in steps(method):
-                below = library.raps.get(step.goal.name)
-                if below is not None and below.name not in seen:
-                    seen.add(below.name)
-                    waiting.append(below)
-    return frozenset(found)
+    methods = [m for rap in reached(library, [rap.name]).values() for m in rap.methods]
+    return frozenset(thing for method in methods for thing in things(library, method))
 
 
 def _wakes(run: Pass, one: nodes.Goal, other: nodes.Goal) -> bool:
     """Whether what a task does surely brings about what another one waits for."""
-    library = run.library
-    monitor = apart(_monitor(library, other), (), "@other")
-    wanted = list(literals(monitor))
-    given = _inputs(library, one)
-    done = [
-        [Literal(substitute(fact.formula, given), fact.holds) for fact in facts]
-        for method in library.raps[one.name].methods
-        for facts in [_plain(done_by_method(library, method))]
-    ]
-    relations = run.signatures.relations
-    return bool(done) and all(
-        follows(wanted, there, set(variable_names(monitor)), relations)
-        for there in done
+    library, relations = run.library, run.signatures.relations
+    monitor, rap = _monitor(library, other), library.raps[one.name]
+    given = input_terms(rap, one)
+    return bool(rap.methods) and all(
+        entails(
+            [
+                Literal(substitute(fact.formula, given), fact.holds)
+                for fact in done_by_method(library, method)
+            ],
+            monitor,
+            (),
+            relations,
+        )
+        for method in rap.methods
     )
-
-
-def _plain(found: Sequence[Literal]) -> list[Literal]:
-    return [one for one in found if isinstance(one.formula, nodes.Proposition)]

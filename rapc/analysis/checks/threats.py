@@ -17,6 +17,7 @@ from rapc.analysis.facts.logic import Literal, contradict, fact_name, literals
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import clauses, nodes
 from rapc.ir.printer import format_formula, format_goal
+from rapc.ir.walk import input_terms
 
 WORLD = """\
 (declare-memory-proposition bay-open ())
@@ -167,8 +168,7 @@ def _needed(run: Pass, goal: nodes.Goal) -> Iterator[Literal]:
         for one in literals(formula)
         if fact_name(one)
     ]
-    pairs = zip(rap.inputs, goal.args, strict=False)
-    yield from put_in(facts, {variable.name: term for variable, term in pairs})
+    yield from put_in(facts, input_terms(rap, goal))
 
 
 def _race(needed: Literal, step: nodes.Step, by: nodes.Step) -> Diagnostic:

@@ -6,7 +6,7 @@ there is. It is not where a primitive does not say what its `okay` does, where s
 are enabled or signals awaited, where a method is empty or a step has no RAP. Rules over
 memory add to the RAPs that they are about; with rules over events nothing is certain.
 It holds failures and events, too; the failures that the interpreter itself gives a task
-are in `rapc.analysis.checks.unknown_result`.
+are in `rapc.analysis.checks.results`.
 
 `done` returns guaranteed effects: facts that hold, or do not, once a goal has been
 reached. That is what its RAP declares as `effects`, asks for in `succeed` or, without
@@ -26,7 +26,7 @@ from rapc.analysis.facts.logic import Literal, fact_name, is_never, literals
 from rapc.base.graph import Reachable, components, reachable
 from rapc.base.source import Span
 from rapc.ir import nodes
-from rapc.ir.walk import steps, substitute, variables
+from rapc.ir.walk import input_terms, steps, substitute, variables
 from rapc.library.library import Library
 
 # --- what a RAP calls ---------------------------------------------------------------
@@ -395,9 +395,7 @@ def done(library: Library, goal: nodes.Goal) -> list[Literal]:
     found += [one for one in literals(rap.succeed) if fact_name(one)]
     if rap.succeed is None:
         found += _of_methods(library, rap)
-    return put_in(
-        found, {v.name: t for v, t in zip(rap.inputs, goal.args, strict=False)}
-    )
+    return put_in(found, input_terms(rap, goal))
 
 
 def _of_methods(library: Library, rap: nodes.DefineRap) -> list[Literal]:

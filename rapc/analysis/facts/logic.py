@@ -84,6 +84,21 @@ def apart(formula: nodes.Formula, kept: Container[str], mark: str) -> nodes.Form
     return substitute(formula, new) if new else formula
 
 
+def entails(
+    held: Sequence[Literal],
+    formula: nodes.Formula,
+    given: Container[str],
+    relations: Relations,
+) -> bool:
+    """Whether a formula surely holds where literals do.
+
+    Its variables that are not given may have any value.
+    """
+    wanted = apart(formula, given, "@wanted")
+    free = {name for name in variable_names(wanted) if name not in given}
+    return bool(follows(list(literals(wanted)), held, free, relations))
+
+
 def number_of(term: nodes.Term | None) -> Number | None:
     """Return the number that a term is; None for other terms."""
     value = term.value if isinstance(term, nodes.Const) else None

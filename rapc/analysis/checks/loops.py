@@ -4,23 +4,28 @@ A RAP is asked for `succeed`, then for `repeat-while`, before each method [L 3].
 goes round as long as the one does not hold and the other does. Two rounds in which a
 method is chosen with equal bindings are all that a task has: the third is futile [L
 3.38].
+
+RAP123: a RAP that needs itself, with the inputs that it was given [L 3.42].
+
+Steps whose inputs are inputs of their RAP or constants hand them on unchanged. A walk
+along these leads back to the RAP with the inputs that it began with, or does not.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections import deque
+from collections.abc import Iterator, Mapping, Sequence
 
 from rapc.analysis.check import Pass, check
 from rapc.analysis.facts.effects import EFFECTS, Effect, done_by_method
 from rapc.analysis.facts.logic import (
-    apart,
     asked_by,
-    follows,
+    entails,
     is_known,
     is_never,
-    literals,
     through,
 )
+from rapc.analysis.facts.statistics import LIMITS
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,
@@ -30,10 +35,20 @@ from rapc.base.diagnostics import (
     Rule,
     Severity,
 )
+from rapc.base.graph import circles
 from rapc.base.source import Span
 from rapc.ir import nodes
-from rapc.ir.printer import format_formula
-from rapc.ir.walk import formulas, steps, subformulas, variable_names, variables
+from rapc.ir.printer import format_formula, format_goal
+from rapc.ir.walk import (
+    formulas,
+    given_names,
+    steps,
+    subformulas,
+    substitute,
+    variable_names,
+    ways,
+)
+from rapc.library.library import Library
 
 _SWEEP = """\
 (declare-memory-proposition dirty (?room))
@@ -76,7 +91,7 @@ def idle_loops(run: Pass) -> Iterator[Diagnostic]:
     for rap in run.library.raps.values():
         if rap.repeat_while is None or not rap.methods:
             continue
-        taken = _taken(run, rap.repeat_while) - _given(rap)
+        taken = _taken(run, rap.repeat_while) - given_names(rap)
         if not taken:
             continue
         if rap.succeed is None and rap.monitor_state is None:
@@ -135,21 +150,13 @@ def _taken(run: Pass, loop: nodes.Formula) -> set[str]:
     return found - {"?"}
 
 
-def _given(rap: nodes.DefineRap) -> set[str]:
-    return {variable.name for variable in rap.inputs} | {
-        resource.variable.name for resource in rap.resources
-    }
-
-
 def _counts(rap: nodes.DefineRap) -> bool:
     """Whether methods change resources, or hand them on: no choice equals another.
 
     A set that nothing asks for is the same again when it is given the same again.
     """
     own = {resource.variable.name for resource in rap.resources}
-    asked = {
-        variable.name for one in formulas(rap) for variable in variables(one.formula)
-    }
+    asked = variable_names(*[one.formula for one in formulas(rap)])
     for method in rap.methods:
         for step in steps(method):
             for note in step.annotations:
@@ -175,15 +182,9 @@ def _asks_sets(run: Pass, formula: nodes.Formula) -> bool:
 
 def _is_enough(run: Pass, rap: nodes.DefineRap, method: nodes.Method) -> bool:
     """Whether `succeed` surely holds when a method has ended well."""
-    assert rap.succeed is not None
-    done = done_by_method(run.library, method)
-    parts = rap.succeed.parts if isinstance(rap.succeed, nodes.Or) else (rap.succeed,)
-    for part in parts:
-        wanted = list(literals(apart(part, _given(rap), "@goal")))
-        free = set(variable_names(*[one.formula for one in wanted])) - _given(rap)
-        if follows(wanted, done, free, run.signatures.relations):
-            return True
-    return False
+    done, given = done_by_method(run.library, method), given_names(rap)
+    relations = run.signatures.relations
+    return any(entails(done, way, given, relations) for way in ways(rap.succeed))
 
 
 def _said(done: Sequence[Effect]) -> str:
@@ -191,3 +192,89 @@ def _said(done: Sequence[Effect]) -> str:
     if not changed:
         return "remember in a set what was dealt with"
     return f"they change {', '.join(changed)}: ask for that, or remember it in a set"
+
+
+ITSELF = Rule(
+    code="RAP123",
+    name="needs-itself",
+    severity=Severity.WARNING,
+    summary="a RAP needs itself, with the inputs that it was given",
+    why="""A task that has an equal one among those above it can never be done: the
+method that asks for it fails before it starts, `futile-loop` (T 3.2.5). A step may ask
+for its own RAP with other inputs: to clear what lies below by clearing what lies on
+top.""",
+    ignore="never: the step fails as futile each time",
+    source="T 3.2.5",
+    example="""\
+(define-rap (find ?thing)
+  (method (task-net (t1 (find ?thing)))))
+""",
+    better="""\
+(define-rap (look-for ?thing))
+(define-rap (find ?thing)
+  (method (task-net (t1 (look-for ?thing)))))
+""",
+)
+
+
+@check(ITSELF, needs_whole="method")
+def needs_itself(run: Pass) -> Iterator[Diagnostic]:
+    """Find RAPs that need themselves, with the inputs that they were given."""
+    raps = run.library.raps
+    calls = {name: list(_handing_on(rap)) for name, rap in raps.items()}
+    names = {name: [s.goal.name for s in made] for name, made in calls.items()}
+    circling = {name for circle in circles(names) for name in circle}
+    told: set[int] = set()
+    for rap in raps.values() if circling else ():
+        path = _way_back(run.library, rap, calls) if rap.name in circling else None
+        if path and not any(id(step) in told for step in path):
+            told.update(id(step) for step in path)
+            yield _needing(rap, path)
+
+
+def _handing_on(rap: nodes.DefineRap) -> Iterator[nodes.Step]:
+    """Yield the steps that hand on inputs and constants alone."""
+    for method in rap.methods:
+        for step in steps(method):
+            if all(
+                isinstance(t, nodes.Const) or t in rap.inputs for t in step.goal.args
+            ):
+                yield step
+
+
+def _way_back(
+    library: Library, rap: nodes.DefineRap, calls: Mapping[str, Sequence[nodes.Step]]
+) -> list[nodes.Step] | None:
+    """Return the steps along which a RAP needs itself, or None."""
+    start: tuple[nodes.Term, ...] = rap.inputs
+    waiting = deque([(rap, start, list[nodes.Step]())])
+    seen = {(rap.name, start)}
+    for _ in range(LIMITS.walk_steps):
+        if not waiting:
+            return None
+        here, args, path = waiting.popleft()
+        terms = {v.name: term for v, term in zip(here.inputs, args, strict=False)}
+        for step in calls[here.name] if len(path) < LIMITS.walk_depth else ():
+            if not terms.keys() >= {*variable_names(*step.goal.args)}:
+                continue
+            goal = substitute(step.goal, terms)
+            if goal.name == rap.name and goal.args == start:
+                return [*path, step]
+            if goal.name in calls and (goal.name, goal.args) not in seen:
+                seen.add((goal.name, goal.args))
+                waiting.append((library.raps[goal.name], goal.args, [*path, step]))
+    return None
+
+
+def _needing(rap: nodes.DefineRap, path: Sequence[nodes.Step]) -> Diagnostic:
+    through = [f"`{step.goal.name}`" for step in path[:-1]]
+    said = f", through {', '.join(through)}" if through else ""
+    return ITSELF.at(
+        path[0].goal.span,
+        f"`{rap.name}` needs itself, with the inputs it was given{said}",
+        labels=tuple(
+            Label(step.goal.span, f"which needs `{format_goal(step.goal)}`")
+            for step in path[1:]
+        ),
+        help="ask for another RAP, or for the same with other inputs",
+    )

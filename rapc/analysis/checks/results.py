@@ -1,0 +1,424 @@
+"""RAP022, RAP152, RAP154, RAP156: results and events of tasks [T 4.1.2] [L 3.54].
+
+A task sees `okay`, the reasons of the interpreter, the results of declared primitives
+and, where an event fails a primitive or a step, the event's name without its colon. It
+remembers the results of its own methods.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from rapc.analysis.check import Pass, check
+from rapc.analysis.facts.effects import EFFECTS, Effects
+from rapc.analysis.facts.index import INDEX, Form, Index
+from rapc.analysis.facts.names import UnknownNames, declared_at
+from rapc.analysis.facts.statistics import THRESHOLDS
+from rapc.analysis.renaming import renaming
+from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.base.names import Suggestions
+from rapc.base.source import Span
+from rapc.ir import nodes
+from rapc.library.library import Library
+from rapc.library.signatures import Fault
+
+UNKNOWN = Rule(
+    code="RAP022",
+    name="unknown-result",
+    severity=Severity.ERROR,
+    summary="a result is asked for, given or described that nothing can return",
+    why="""Results come from primitives, which declare theirs, from events that fail a
+step, and from the interpreter: `okay`, `no-method`, `interference`, `futile-loop` and
+`signal`. A test for any other symbol never holds. In the script of a test a row answers
+a request with one of the results of its primitive; an `:on` of that says what one of
+them changes.""",
+    fix="unsafe: writes the name that is spelled almost so, where there is one",
+    source="T 4.1.2",
+    example="""\
+(declare-primitive arm-grasp (?thing) (okay arm-dropped))
+(define-rap (grasp ?thing)
+  (method
+    (context (not (last-result arm-droped)))
+    (primitive (arm-grasp ?thing))))
+""",
+    better="""\
+(declare-primitive arm-grasp (?thing) (okay arm-dropped))
+(define-rap (grasp ?thing)
+  (method
+    (context (not (last-result arm-dropped)))
+    (primitive (arm-grasp ?thing))))
+""",
+)
+
+REASONS = ("okay", "no-method", "interference", "futile-loop", "signal")
+"""The results that come from the interpreter itself."""
+
+
+@check(UNKNOWN)
+def unknown_result(run: Pass) -> Iterator[Diagnostic]:
+    """Find questions about results that nothing can return."""
+    known = {*REASONS, *(name.removeprefix(":") for name in run.library.events)}
+    known.update(*map(_results, run.library.primitives.values()))
+    names = Suggestions(known)
+    unknown = UnknownNames(UNKNOWN)
+    for constant, owner in _results_asked(run.result(INDEX)):
+        value = constant.value
+        if not isinstance(value, str) or value not in known:
+            message = f"nothing returns the result `{value}`"
+            word = str(value)
+            help_, meant = names.did_you_mean(word), names.near(word)
+            fault = Fault("unknown", message, help_, name=word, meant=meant)
+            unknown.add(fault, constant.span, owner)
+    yield from unknown.findings(run)
+    for row in run.result(INDEX).of(nodes.ScriptRow):
+        answered = row.node.kind == "request" and not row.node.refused
+        result = row.node.result or "okay"
+        wrong = run.signatures.no_result(row.node.request.name, result)
+        if wrong is not None and answered:
+            yield _no_result(run, row.node, wrong)
+    for primitive in run.library.primitives.values():
+        for on in primitive.on:
+            wrong = run.signatures.no_result(primitive.name, on.result)
+            if wrong is not None:
+                yield _no_result(run, on, wrong)
+
+
+def _results_asked(index: Index) -> Iterator[tuple[nodes.Const, Form]]:
+    """Every constant that stands for a result, with its top-level form."""
+    bound: set[tuple[int, str]] = set()
+    for use in index.of(nodes.HistoryTest):
+        if use.node.query != "method-tried":
+            result = use.node.args[-1]
+            if type(result) is nodes.Const:
+                yield result, use.owner
+            elif type(result) is nodes.Var:
+                bound.add((id(use.owner), result.name))
+    for test in index.of(nodes.Compare) if bound else ():
+        sides = (test.node.left, test.node.right)
+        for one, other in (sides, sides[::-1]):
+            asked = type(one) is nodes.Var and (id(test.owner), one.name) in bound
+            if asked and type(other) is nodes.Const:
+                yield other, test.owner
+    for case in index.of(nodes.ResultCase):
+        expected = case.node.result
+        if isinstance(expected, nodes.Const) and expected.value != "succeed":
+            yield expected, case.owner
+    for fails in index.of(nodes.Fails):
+        if isinstance(fails.node.result, nodes.Const):
+            yield fails.node.result, fails.owner
+
+
+def _no_result(
+    run: Pass, place: nodes.ScriptRow | nodes.ResultEffects, wrong: Fault
+) -> Diagnostic:
+    assert wrong.declared is not None
+    declared = declared_at(run, wrong.declared)
+    return UNKNOWN.at(
+        place.span,
+        wrong.message,
+        labels=(Label(declared, "its results are declared here"),),
+        help=wrong.help,
+        fix=renaming(run.library.files, wrong.name, wrong.meant, [place.span]),
+    )
+
+
+OTHERS = Rule(
+    code="RAP154",
+    name="impossible-result",
+    severity=Severity.WARNING,
+    summary="a RAP asks for a result that none of its own methods can have",
+    why="""`last-result` and `result-with-method` speak of what the methods of the same
+RAP ended with (T 4.1.2). A primitive ends with a result that it declares; one of
+another primitive never comes up here, so the test never holds. The result of another
+primitive was meant, or the test stands in the wrong RAP.""",
+    ignore="where a problem solver brings a method that ends so",
+    source="T 4.1.2",
+    example="""\
+(declare-primitive grasp (?thing) (okay slipped))
+(declare-primitive drive (?place) (okay blocked))
+(define-rap (go ?place) (method (primitive (drive ?place))))
+(define-rap (take ?thing)
+  (preconditions (not (last-result blocked)))
+  (method (primitive (grasp ?thing))))
+""",
+    better="""\
+(declare-primitive grasp (?thing) (okay slipped))
+(declare-primitive drive (?place) (okay blocked))
+(define-rap (go ?place) (method (primitive (drive ?place))))
+(define-rap (take ?thing)
+  (preconditions (not (last-result slipped)))
+  (method (primitive (grasp ?thing))))
+""",
+)
+
+
+@check(OTHERS, needs_whole="form")
+def own_results(run: Pass) -> Iterator[Diagnostic]:
+    """Find questions about results that the RAP's own methods cannot have."""
+    known = {r for form in run.library.primitives.values() for r in _results(form)}
+    wrong: dict[int, list[tuple[nodes.Const, Sequence[_Request]]]] = {}
+    for asked in run.result(INDEX).of(nodes.HistoryTest):
+        rap, test = asked.owner, asked.node
+        if not isinstance(rap, nodes.DefineRap) or test.query == "method-tried":
+            continue
+        result = test.args[-1] if test.args else None
+        if not isinstance(result, nodes.Const) or result.value not in known:
+            continue
+        name = _method_meant(test)
+        meant = [method for method in rap.methods if name in (None, method.name)]
+        answers = [one for method in meant for one in _requests(run.library, method)]
+        own = {result for _, form in answers for result in _results(form)}
+        is_known = meant and len(answers) == len(meant)
+        if is_known and result.value not in {*own, *REASONS}:
+            wrong.setdefault(id(rap), []).append((result, answers))
+    for found in wrong.values():
+        yield _impossible_result(found)
+
+
+_Request = tuple[nodes.Request, nodes.DeclarePrimitive]
+"""A request of a method, and the declaration of its primitive."""
+
+
+def _requests(library: Library, method: nodes.Method) -> Iterator[_Request]:
+    """Yield the request of a method, if it is one for a declared primitive."""
+    if isinstance(method.body, nodes.Primitive):
+        form = library.primitives.get(method.body.request.name)
+        if form is not None:
+            yield method.body.request, form
+
+
+def _results(form: nodes.DeclarePrimitive) -> set[str]:
+    """Return the results that the declaration of a primitive speaks of."""
+    return {*form.results, *(on.result for on in form.on)}
+
+
+def _method_meant(test: nodes.HistoryTest) -> object:
+    """The name of the method that a question is about; None for any."""
+    if test.query == "last-result" or len(test.args) == 1:
+        return None
+    first = test.args[0]
+    return first.value if isinstance(first, nodes.Const) else None
+
+
+def _impossible_result(
+    wrong: Sequence[tuple[nodes.Const, Sequence[_Request]]],
+) -> Diagnostic:
+    result, answers = wrong[0]
+    names = ", ".join(dict.fromkeys(f"`{form.name}`" for _, form in answers))
+    own = sorted({name for _, form in answers for name in _results(form)})
+    others = ", ".join(f"`{name}`" for name in own)
+    further = [Label(other.span, "nor with this") for other, _ in wrong[1:]]
+    asked = Label(answers[0][0].span, "this is asked for")
+    return OTHERS.at(
+        result.span,
+        f"{names} never ends with `{result.value}`",
+        labels=(asked, *further),
+        help=Suggestions(own).did_you_mean(str(result.value)) or f"it has {others}",
+    )
+
+
+_DOOR = """\
+(declare-primitive turn-handle (?door) (okay locked stuck))
+(declare-primitive kick (?door) (okay))
+(declare-primitive unlock (?door) (okay))
+(define-rap (open ?door)
+  (method by-hand (primitive (turn-handle ?door)))
+  (method with-force{} (primitive (kick ?door)))
+  (method with-a-key{} (primitive (unlock ?door))))
+"""
+
+ALIKE = Rule(
+    code="RAP156",
+    name="failures-alike",
+    severity=Severity.INFO,
+    opt_in=True,
+    summary="a RAP has other methods, and never asks how its primitive has failed",
+    why="""A primitive that declares several failures says that there are several things
+to do about them. Where they leave memory alike, only `last-result` and
+`result-with-method` tell them apart (T 4.1.2); a RAP whose other methods do not ask
+tries these in turn, whatever went wrong: a door that is locked is kicked. Methods that
+serve against any failure need not ask; the rule is opt-in for that reason.""",
+    ignore="where each method serves against any failure",
+    source="T 4.1.2",
+    example=_DOOR.format("", ""),
+    better=_DOOR.format(
+        "\n    (context (last-result stuck))\n   ",
+        "\n    (context (last-result locked))\n   ",
+    ),
+)
+
+
+@check(ALIKE, needs_whole="form")
+def failures(run: Pass) -> Iterator[Diagnostic]:
+    """Find failures that a RAP with several methods does not tell apart."""
+    least = THRESHOLDS.failures_alike
+    asked, asks_any = _failures_asked(run.result(INDEX))
+    for rap in run.library.raps.values():
+        if len(rap.methods) < least or id(rap) in asks_any or not run.complete:
+            continue
+        for method in rap.methods:
+            for request, form in _requests(run.library, method):
+                alike = [f"`{name}`" for name in _alike(form, asked)]
+                if len(alike) >= least:
+                    yield ALIKE.at(
+                        request.span,
+                        f"no method of `{rap.name}` asks whether `{form.name}` has "
+                        f"failed with {', '.join(alike[:-1])} and {alike[-1]}",
+                        labels=(Label(form.span, "declared here"),),
+                        help="ask `last-result` in the contexts of the other methods",
+                    )
+
+
+def _failures_asked(index: Index) -> tuple[set[object], set[int]]:
+    """Return the results asked for by name, and the RAPs that ask for any result.
+
+    A query that asks for any result serves whatever RAP names it.
+    """
+    named: set[object] = set()
+    by: set[int] = set()
+    for one in index.of(nodes.HistoryTest):
+        result = one.node.args[-1] if one.node.args else None
+        if one.node.query == "method-tried" or isinstance(result, nodes.Var):
+            by.add(id(one.owner))
+        elif isinstance(result, nodes.Const):
+            named.add(result.value)
+    queries = {
+        one.owner.name
+        for one in index.of(nodes.HistoryTest)
+        if isinstance(one.owner, nodes.DefineQuery)
+    }
+    for fact in index.of(nodes.Proposition) if queries else ():
+        if fact.node.name in queries:
+            by.add(id(fact.owner))
+    return named, by
+
+
+def _alike(form: nodes.DeclarePrimitive, asked: set[object]) -> Sequence[str]:
+    """Return the failures that nobody asks for and that leave memory alike."""
+    told = {on.result: on.effects for on in form.on}
+    failures = [name for name in form.results if name not in ("okay", *asked)]
+    groups: dict[object, list[str]] = {}
+    for name in failures:
+        groups.setdefault(told.get(name, ()), []).append(name)
+    return max(groups.values(), key=len, default=())
+
+
+DEAD = Rule(
+    code="RAP152",
+    name="dead-case",
+    severity=Severity.WARNING,
+    summary="a case of a memory rule can never be taken",
+    why="""Of the cases of a `match-result` the first that matches is taken alone, so
+what stands behind a case that matches everything, or behind the same case, is never
+reached. A task ends with a result, not with a signal; an event is a signal, and has no
+result. A task that ends well has the result `succeed`; one that fails has a result of a
+primitive of its RAP or of one below it, the name of an event that fails one of them, or
+a reason of the interpreter. An event that skills tell is heard by the rules of a RAP
+only if such skills are on for it or for one below it. Methods that a problem solver
+adds are not looked at.""",
+    ignore="where a problem solver brings methods that end so",
+    source="S 4.2",
+    example="""\
+(declare-memory-proposition at (?place))
+(declare-primitive drive (?place) (okay stuck))
+(define-rap (go ?place) (method (primitive (drive ?place))))
+(define-memory-rule (go ?place) :finish
+  (match-result
+    (?result (rule (true (mem-del (at)))))
+    (succeed (rule (true (mem-add (at ?place)))))))
+""",
+    better="""\
+(declare-memory-proposition at (?place))
+(declare-primitive drive (?place) (okay stuck))
+(define-rap (go ?place) (method (primitive (drive ?place))))
+(define-memory-rule (go ?place) :finish
+  (match-result
+    (succeed (rule (true (mem-add (at ?place)))))
+    (?result (rule (true (mem-del (at)))))))
+""",
+)
+
+
+@check(DEAD, needs_whole="form")
+def dead_case(run: Pass) -> Iterator[Diagnostic]:
+    """Find cases of memory rules that are never taken."""
+    results = {r for form in run.library.primitives.values() for r in form.results}
+    results |= {name.removeprefix(":") for name in run.library.events}
+    results -= {*REASONS}
+    told = {e for form in run.library.skills.values() for e in form.events or ()}
+    for rule in run.result(INDEX).of(nodes.MemoryRule):
+        dead = set[Span]()
+        for found in _dead(rule.node):
+            dead.add(found.span)
+            yield found
+        if not run.complete or rule.node.index.name not in run.library.raps:
+            continue
+        for found in _impossible(rule.node, run.result(EFFECTS), results, told):
+            if found.span not in dead:
+                yield found
+
+
+def _impossible(
+    rule: nodes.MemoryRule, effects: Effects, results: set[str], told: set[str]
+) -> Iterator[Diagnostic]:
+    """Tell of the cases for what never comes of a RAP, though of others it may."""
+    name = rule.index.name
+    for case in rule.cases:
+        result = case.result
+        if rule.when == "event":
+            if not isinstance(result, nodes.Signal) or result.name not in told:
+                continue
+            if not effects.tells(name, result.name):
+                yield DEAD.at(
+                    result.span,
+                    f"no skill that `{name}` has on, or what is below it, tells "
+                    f"`{result.name}`",
+                    help="move it to the RAP with that skill, or make it an event rule",
+                )
+        elif isinstance(result, nodes.Const) and isinstance(result.value, str):
+            failure = result.value
+            if failure == "okay":
+                yield DEAD.at(
+                    result.span,
+                    "a task that ends well has the result `succeed`",
+                    help="write `succeed` for `okay`",
+                )
+            elif failure in results and not effects.fails_with(name, failure):
+                yield DEAD.at(
+                    result.span,
+                    f"`{name}` never fails with `{failure}`",
+                    help="name a result of what it does, or remove the case",
+                )
+
+
+def _dead(rule: nodes.MemoryRule) -> Iterator[Diagnostic]:
+    terms = (*rule.index.args, *rule.index.outputs)
+    names = {term.name for term in terms if isinstance(term, nodes.Var)}
+    every: nodes.ResultCase | None = None
+    seen: dict[object, nodes.ResultCase] = {}
+    for case in rule.cases:
+        result = case.result
+        first = every
+        if isinstance(result, nodes.Const):
+            first = first or seen.setdefault(result.value, case)
+        if first is not None and first is not case:
+            yield DEAD.at(
+                result.span,
+                "this case is never reached",
+                labels=(Label(first.result.span, "this one matches before it"),),
+                help="put it before that one, or remove it",
+            )
+        elif rule.when == "event" and isinstance(result, nodes.Const):
+            yield DEAD.at(
+                result.span,
+                f"`{result.value}` is a result, and this rule hears events",
+                help="name the event: `((:event ?what) (rule ...))`",
+            )
+        elif rule.when == "finish" and isinstance(result, nodes.Signal):
+            yield DEAD.at(
+                result.span,
+                f"`{result.name}` is an event, and this rule runs when a task ends",
+                help="make it an `:event` rule, or name a result",
+            )
+        if isinstance(result, nodes.Var) and result.name not in names:
+            every = every or case
