@@ -64,3 +64,12 @@ def test_words_that_may_follow_are_those_of_the_help() -> None:
     assert ("TASK", "") in next_words(why.takes, ["failed"])
     ways = list(next_words("CYCLE | at TIME | end", []))
     assert ways == [("CYCLE", ""), ("at", "TIME"), ("end", "")]
+
+
+def test_clauses_are_asked_in_parts_by_one_function() -> None:
+    calling = [
+        path.name
+        for path in Path(rapc.__path__[0]).rglob("*.py")
+        if ".go_on()" in path.read_text(encoding="utf-8")
+    ]
+    assert calling == ["causes.py"]

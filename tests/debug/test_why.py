@@ -171,6 +171,7 @@ def test_a_query_is_asked_conjunct_by_conjunct() -> None:
     assert asked.missing[0] == ("produces", "quarry-1", "green")
     assert asked.near[0][:2] == ("produces", "quarry-1")
     assert why_not_query(session, "(place ?p quarry)").holds
+    assert why_not_query(session, "(and)").holds
 
 
 def test_why_failed_names_the_clause_down_to_the_first_cause() -> None:

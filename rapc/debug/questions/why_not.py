@@ -9,7 +9,6 @@ stood before its last cycle. Asking leaves no mark on the run.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from itertools import islice
 
 import msgspec
 
@@ -31,7 +30,7 @@ from rapc.runtime.machine import Machine
 from rapc.runtime.memory.memory import EXTERNAL
 from rapc.runtime.memory.store import NEVER
 from rapc.runtime.state.task import Env, Task
-from rapc.runtime.tasks.causes import conditions
+from rapc.runtime.tasks.causes import ask_in_parts, conditions
 from rapc.runtime.tasks.hold_things import asks_of
 from rapc.runtime.tasks.start import read_inputs
 from rapc.world import Time
@@ -368,30 +367,24 @@ def ask(
         asker: the task whose clause it is; None for a question of the user.
         env: what is bound beforehand.
     """
-    context = machine.noting
-    context.begin(asker)
-    parts: list[tuple[str, int]] = []
-    solutions: list[dict[str, Value]] = [{}]
-    beginnings = query.beginnings()
-    for part, up_to_it, text in beginnings:
-        context.go_on()
-        found = list(islice(up_to_it.solutions(context, env), MOST))
-        parts.append((text, len(found)))
-        if not found:
-            known = [{**env, **one} for one in solutions]
-            missing, unwanted, near = _facts_about(machine, part, known)
-            return ClauseAsked(
-                clause=clause,
-                parts=tuple(parts),
-                count=len(beginnings),
-                bindings={n: v for n, v in known[0].items() if n in Query.names(part)},
-                note=context.noted,
-                missing=missing,
-                unwanted=unwanted,
-                near=near,
-            )
-        solutions = found
-    return ClauseAsked(clause, tuple(parts), len(beginnings), solutions[0])
+    asked = list(ask_in_parts(machine, query, asker, env, MOST))
+    parts = tuple([(one.text, len(one.solutions)) for one in asked])
+    count, last = len(query.beginnings()), asked[-1] if asked else None
+    if last is None or last.solutions:  # `(and)` has no conjuncts, and holds
+        return ClauseAsked(clause, parts, count, last.solutions[0] if last else {})
+    before = asked[-2].solutions if asked[1:] else [{}]
+    known = [{**env, **one} for one in before]
+    missing, unwanted, near = _facts_about(machine, last.part, known)
+    return ClauseAsked(
+        clause=clause,
+        parts=parts,
+        count=count,
+        bindings={n: v for n, v in known[0].items() if n in Query.names(last.part)},
+        note=machine.noting.noted,
+        missing=missing,
+        unwanted=unwanted,
+        near=near,
+    )
 
 
 _Facts = tuple[Fact, ...]

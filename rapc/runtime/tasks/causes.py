@@ -13,10 +13,12 @@ and the words in which a cause is printed (`rapc.runtime.events.report`).
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from itertools import islice
+from typing import NamedTuple
 
 import msgspec
 
-from rapc.base.resources import Counter, SetResource
+from rapc.base.resources import Counter, SetResource, Value
 from rapc.base.source import Span
 from rapc.base.values import format_atom
 from rapc.compiler.query.query import Query
@@ -308,23 +310,57 @@ def _of_query(
     machine: Machine, clause: str, query: Query, asker: Task, env: Env
 ) -> Cause | None:
     """Return which part of a query has no solution; None if all of it has one."""
-    context = context_of(machine, asker)
     bound: Mapping[str, object] = env
-    for part, up_to_it, text in query.beginnings():
-        context.go_on()
-        found = up_to_it.first(context, env)
-        if found is None:
+    for part, text, found in ask_in_parts(machine, query, asker, env, most=1):
+        if not found:
             names = [n for n in Query.names(part) if n in bound]
+            given_up = machine.context.told_if_given_up(query.where)
             return Cause(
                 clause=clause,
                 place=file_and_line(machine, part.span)
                 or file_and_line(machine, query.formula.span),
                 part=text,
-                note=machine.context.told_if_given_up(query.where) or context.noted,
+                note=given_up or machine.noting.noted,
                 bindings=told_of(bound, names),
             )
-        bound = {**env, **found}
+        bound = {**env, **found[0]}
     return None
+
+
+class PartAsked(NamedTuple):
+    """A conjunct of a query, and solutions of all conjuncts up to it."""
+
+    part: nodes.Formula
+    text: str
+    solutions: list[dict[str, Value]]
+
+
+def ask_in_parts(
+    machine: Machine, query: Query, asker: Task | None, env: Env, most: int
+) -> Iterator[PartAsked]:
+    """Ask a query conjunct by conjunct, to the first without a solution.
+
+    It leaves no mark on the run. What is wrong with a conjunct that fails, where there
+    is more to say, is in `machine.noting.noted`.
+
+    Args:
+        machine: the run's.
+        query: what is asked.
+        asker: the task that would ask; None for a user.
+        env: what is bound beforehand.
+        most: how many solutions are looked for.
+    """
+    context = context_of(machine, asker)
+    for part, up_to_it, text in query.beginnings():
+        context.go_on()
+        if most == 1:
+            first = up_to_it.first(context, env)
+            found = [] if first is None else [first]
+        else:
+            found = list(islice(up_to_it.solutions(context, env), most))
+        yield PartAsked(part, text, found)
+        if not found:
+            return
 
 
 def context_of(machine: Machine, asker: Task | None) -> NotingContext:
