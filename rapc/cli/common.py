@@ -10,9 +10,9 @@ be tried. Findings and results go to standard output, everything else to standar
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import TextIO
+from typing import Any, TextIO
 
 import click
 
@@ -26,6 +26,17 @@ from rapc.errors import LoadError, WriteError
 from rapc.library.loader import Loaded, load
 from rapc.parser.rewriting import write_back
 
+_STYLES: Mapping[str, Mapping[str, Any]] = {
+    "passed": {"fg": "green"},
+    "failed": {"fg": "red", "bold": True},
+    "error": {"fg": "red", "bold": True},
+    "title": {"bold": True},
+    "head": {"underline": True},
+    "mark": {"fg": "red"},
+    "trace": {"dim": True},
+}
+"""The styles of lines on standard output, by kind."""
+
 PIPED_WIDTH = 120
 """How wide output is that goes to no terminal."""
 
@@ -37,6 +48,12 @@ def width_of(stream: TextIO) -> int:
     import shutil
 
     return shutil.get_terminal_size().columns
+
+
+def print_line(kind: str, text: str) -> None:
+    """Print a line on standard output in the style of its kind."""
+    styled = click.style(visible(text), **_STYLES.get(kind, {}))
+    click.echo(styled, color=settings().colored())
 
 
 def read_paths(paths: Iterable[str]) -> Loaded:

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
-from typing import Any
 
 import click
 
@@ -14,7 +13,7 @@ from rapc.base.interrupts import INTERRUPTED
 from rapc.base.outputs import PNG, RUN_COMMANDS, SVG, TABLES, check_output
 from rapc.base.visible import visible
 from rapc.cli.checked import load_checked
-from rapc.cli.common import width_of
+from rapc.cli.common import print_line, width_of
 from rapc.cli.options import WholeNumber, command, fail, say, settings
 from rapc.console.experiments import output
 from rapc.console.experiments.tables import show
@@ -32,11 +31,6 @@ Examples:
   rapc experiment my-experiment.toml --jobs 4 --out results
   rapc experiment my-experiment.toml --cluster tcp://10.0.0.5:8786
 """
-
-_STYLES: Mapping[str, Mapping[str, Any]] = {
-    "title": {"bold": True},
-    "head": {"underline": True},
-}
 
 _MOST_PROCESSES = 1000
 
@@ -267,8 +261,5 @@ def _draw(summaries: Sequence[PartSummary], folder: Path) -> list[str]:
 
 def _print(summary: PartSummary) -> None:
     for line in output.part_as_text(summary, width_of(sys.stdout)):
-        shown = visible(line.text)
-        if line.kind in _STYLES:
-            shown = click.style(shown, **_STYLES[line.kind])
-        click.echo(shown, color=settings().colored())
+        print_line(line.kind, line.text)
     click.echo()

@@ -5,7 +5,6 @@ from __future__ import annotations
 import shutil
 import sys
 from collections.abc import Iterable, Sequence
-from typing import Any
 
 import click
 
@@ -13,7 +12,12 @@ from rapc.base.files import same_file
 from rapc.base.outputs import COVERAGE, JUNIT
 from rapc.base.visible import visible
 from rapc.cli.check_options import nearest_config
-from rapc.cli.common import refuse_faulty, refuse_output, write_output
+from rapc.cli.common import (
+    print_line,
+    refuse_faulty,
+    refuse_output,
+    write_output,
+)
 from rapc.cli.options import Amount, WholeNumber, command, fail, settings
 from rapc.cli.run_options import read_option
 from rapc.console.lines import wrapped
@@ -31,16 +35,6 @@ Examples:
   rapc test arms.test.rap --seeds 20
   rapc test tests/ --fault '(arm-grasp ?arm ?x) arm-dropped p=0.3 until=200'
 """
-
-_STYLES: dict[str, dict[str, Any]] = {
-    "passed": {"fg": "green"},
-    "failed": {"fg": "red", "bold": True},
-    "error": {"fg": "red", "bold": True},
-    "title": {"bold": True},
-    "mark": {"fg": "red"},
-    "trace": {"dim": True},
-}
-
 
 _LEAST_WIDTH = 20
 
@@ -211,5 +205,4 @@ def _say(kind: str, text: str) -> None:
         elif len(lines[0]) > width:
             lines = [lines[0][: width - 1] + "…"]
     for line in lines:
-        shown = click.style(line, **_STYLES.get(kind, {}))
-        click.echo(shown, color=settings().colored())
+        print_line(kind, line)

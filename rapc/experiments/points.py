@@ -80,7 +80,7 @@ def _points(
         for value in part.values or (None,):
             texts = _texts(experiment, part, value, folder)
             config = _config(experiment, library, world, texts, given)
-            _try(library, world, config)
+            _try(library, config)
             digest = config.digest()
             yield Point(part.name, value, config, digest, texts, path, agenda, more)
 
@@ -222,7 +222,7 @@ def _config(
     )
 
 
-def _try(library: Program, world: type[World], config: PointConfig) -> None:
+def _try(library: Program, config: PointConfig) -> None:
     """See that a world can be made so, and that the tasks can be run in it.
 
     What is drawn is tried with each of its values, of a range with both ends.
@@ -230,8 +230,7 @@ def _try(library: Program, world: type[World], config: PointConfig) -> None:
     for values in extremes(config.draws):
         settled = resolved(config, values)
         _uncounted(settled, _tasks(settled.spec.tasks))
-        options = registry.check_options(world, settled.spec.options)
-        made = registry.build_world(world, 0, options)
+        made = registry.world_of(settled.spec)
         prepare(library, made, settled.spec)
         _figures(made, config.figures)
 

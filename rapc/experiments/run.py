@@ -175,8 +175,7 @@ def measure(config: PointConfig, seed: int) -> Measures:
     world_class = registry.find_world(spec.world)
     if digest_of_code(world_class) != config.code:
         raise OtherCode("the worker has another version of rapc or of the world")
-    options = registry.check_options(world_class, spec.options)
-    world = registry.build_world(world_class, seed, options)
+    world = registry.world_of(spec)
     library = _compiled(spec.library, config.sources, threading.get_ident())
     ready = prepare(library, world, spec)
     report = RunReport()

@@ -24,7 +24,7 @@ from rapc.base.former import kit_help, module_help
 from rapc.base.names import did_you_mean
 from rapc.base.values import Atom, Text, number
 from rapc.errors import ArgumentError, LoadError, WorldError
-from rapc.spec import Plain
+from rapc.spec import Plain, RunSpec
 from rapc.world import Kit, Option, World
 
 if TYPE_CHECKING:
@@ -326,6 +326,16 @@ def build_world(
         raise WorldError(said) from error
 
 
+def world_of(spec: RunSpec) -> World:
+    """Return the world of a run, made with its seed and options, without its faults.
+
+    Raises:
+        WorldError: as `find_world`, `check_options` and `build_world`.
+    """
+    world = find_world(spec.world_class or spec.world)
+    return build_world(world, spec.seed, check_options(world, spec.options))
+
+
 def open_world(name: str, seed: int = 0, **options: Atom | bool) -> World:
     """A world by its name, for programs; `fuel_capacity=20` sets `fuel-capacity`.
 
@@ -339,13 +349,14 @@ def open_world(name: str, seed: int = 0, **options: Atom | bool) -> World:
     return build_world(world, seed, check_options(world, options))
 
 
-_TYPES: Mapping[str, tuple[type, ...]] = {
+TYPES: Mapping[str, tuple[type, ...]] = {
     "flag": (bool,),
     "integer": (int,),
     "number": (int, float),
     "symbol": (str,),
     "text": (Text, str),
 }
+"""The types of the values of options, by kind."""
 
 
 def check_options(
@@ -361,7 +372,7 @@ def check_options(
     for given, value in options.items():
         name = given.replace("_", "-")
         option = _known(world, known, name)
-        if type(value) not in _TYPES[option.kind]:
+        if type(value) not in TYPES[option.kind]:
             raise _wrong_kind(world, option, repr(value))
         is_text = option.kind == "text" and isinstance(value, str)
         found[name] = Text(str(value)) if is_text else value

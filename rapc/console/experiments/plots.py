@@ -7,7 +7,7 @@ results give the same bytes.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,7 @@ from matplotlib.ticker import MaxNLocator
 from rapc.console.experiments.tables import heading, show
 from rapc.console.lines import wrapped
 from rapc.experiments.definition import Reference
-from rapc.experiments.summary import PartSummary
+from rapc.experiments.summary import PartSummary, PointSummary
 
 _STYLE: Any = {
     "svg.hashsalt": "rapc",
@@ -95,7 +95,7 @@ def _series(
     """
     known = [
         (place, row.figures[measure])
-        for place, row in zip(_places(summary), summary.rows, strict=True)
+        for place, row in _placed(summary)
         if measure in row.figures
     ]
     numbers = all(_numeric(row.value) for row in summary.rows)
@@ -129,7 +129,7 @@ def _label(summary: PartSummary, measure: str) -> str:
 def _theirs(axes: Axes, summary: PartSummary, number: int, measure: str) -> None:
     told = [
         (place, figures[measure])
-        for place, row in zip(_places(summary), summary.rows, strict=True)
+        for place, row in _placed(summary)
         if measure in (figures := summary.reference(row.value))
     ]
     reference = summary.part.reference
@@ -161,10 +161,7 @@ def _bounds(axes: Axes, summary: PartSummary, measure: str) -> None:
     if reference is None:
         return
     bounds = reference.bounds.get(measure, ())
-    places = {
-        row.value: place
-        for place, row in zip(_places(summary), summary.rows, strict=True)
-    }
+    places = {row.value: place for place, row in _placed(summary)}
     for number, (value, low, high) in enumerate(bounds):
         axes.vlines(
             places[value],
@@ -183,6 +180,10 @@ def _places(summary: PartSummary) -> list[float]:
     if all(_numeric(value) for value in values):
         return [float(value) for value in values if value is not None]
     return [float(place) for place in range(len(values))]
+
+
+def _placed(summary: PartSummary) -> Iterator[tuple[float, PointSummary]]:
+    return zip(_places(summary), summary.rows, strict=True)
 
 
 def _numeric(value: object) -> bool:

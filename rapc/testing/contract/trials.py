@@ -19,22 +19,14 @@ from rapc.runtime.held_world import HeldWorld
 from rapc.testing.contract.declarations import declaring
 from rapc.testing.contract.driver import Driver
 from rapc.testing.contract.skills import try_skills
-from rapc.world import NOT_KNOWN, Drawable, Savable, Text, Timed, World
+from rapc.world import NOT_KNOWN, Drawable, Savable, Timed, World
+from rapc.worlds.registry import TYPES
 
 REQUESTS = 150
 """How many requests a world is tried with under one seed, if nobody says."""
 
 SEEDS = (0, 1, 2)
 """The seeds under which a world is tried."""
-
-_TYPES: Mapping[str, tuple[type, ...]] = {
-    "flag": (bool,),
-    "integer": (int,),
-    "number": (int, float),
-    "symbol": (str,),
-    "text": (Text, str),
-}
-"""The types of the values of options, by kind."""
 
 Make = Callable[[int], World]
 """Makes a new world from a seed, the same each time."""
@@ -128,9 +120,10 @@ def try_world(
 def _try(tried: _Tried, part: str, check: Callable[[_Tried], Iterator[str]]) -> Trial:
     """Try one part; what the world's own code raises is one of its faults."""
     world = tried.make(0)
-    left_out = _left_out(part, world, tried.library is not None)
-    if left_out:
-        return Trial(part, left_out=left_out)
+    if part in _NEEDS:
+        needs, otherwise = _NEEDS[part]
+        if not needs(tried, world):
+            return Trial(part, left_out=otherwise)
     try:
         return Trial(part, tuple(dict.fromkeys(check(tried))))
     except (PortError, FactError) as error:
@@ -144,21 +137,6 @@ def _try(tried: _Tried, part: str, check: Callable[[_Tried], Iterator[str]]) -> 
             return Trial(part, (told.message,))
 
 
-def _left_out(part: str, world: World, handled: bool) -> str:
-    """Return why a part cannot be tried on a world, or nothing."""
-    if part == SAVING and not isinstance(world, Savable):
-        return "it cannot be saved"
-    if part == PICTURE and not isinstance(world, Drawable):
-        return "it has no picture"
-    if part == TIMES and not isinstance(world, Timed):
-        return "it does not say how long requests take"
-    if part == SKILLS and not world.kit.offer.skills:
-        return "it has none"
-    if part == HANDLERS and not handled:
-        return "they need a library that declares their words: `--test LIBRARY`"
-    return ""
-
-
 # --- the parts ------------------------------------------------------------------------
 
 
@@ -169,7 +147,7 @@ def _offer(tried: _Tried) -> Iterator[str]:
     for name in dict.fromkeys(n for n in names if names.count(n) > 1):
         yield f"there are several options `{name}`"
     for option in kit.options:
-        if type(option.default) not in _TYPES[option.kind]:
+        if type(option.default) not in TYPES[option.kind]:
             what = f"the default of the option `{option.name}`"
             yield f"{what}, {option.default!a}, is no {option.kind}"
     for name, (count, results) in kit.offer.primitives.items():
@@ -371,3 +349,18 @@ _PARTS: Mapping[str, Callable[[_Tried], Iterator[str]]] = {
     SKILLS: _skills,
     HANDLERS: _handlers,
 }
+
+_NEEDS: Mapping[str, tuple[Callable[[_Tried, World], bool], str]] = {
+    SAVING: (lambda _, world: isinstance(world, Savable), "it cannot be saved"),
+    PICTURE: (lambda _, world: isinstance(world, Drawable), "it has no picture"),
+    TIMES: (
+        lambda _, world: isinstance(world, Timed),
+        "it does not say how long requests take",
+    ),
+    SKILLS: (lambda _, world: bool(world.kit.offer.skills), "it has none"),
+    HANDLERS: (
+        lambda tried, _: tried.library is not None,
+        "they need a library that declares their words: `--test LIBRARY`",
+    ),
+}
+"""What some parts need to be tried, and why they are left out without."""
