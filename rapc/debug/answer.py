@@ -15,7 +15,6 @@ import msgspec
 
 from rapc.base.values import format_atom, number
 from rapc.debug.arguments import Arguments
-from rapc.debug.history import History
 
 Cell = str | int | float | None
 """What a cell of a table holds; None is shown as nothing."""
@@ -103,10 +102,14 @@ def numbers(tasks: Iterable[int]) -> str:
     return " ".join(f"[{number}]" for number in tasks)
 
 
+def in_pairs(bindings: Mapping[str, Any]) -> str:
+    """Return variables and their values as text."""
+    return " ".join(f"{name} {format_atom(v)}" for name, v in bindings.items())
+
+
 def bound_to(bindings: Mapping[str, Any]) -> str:
     """Return bindings as text that follows other text; nothing if there are none."""
-    pairs = " ".join(f"{name} {format_atom(v)}" for name, v in bindings.items())
-    return f" with {pairs}" if pairs else ""
+    return f" with {in_pairs(bindings)}" if bindings else ""
 
 
 # --- commands -----------------------------------------------------------------------
@@ -133,20 +136,20 @@ class Command(msgspec.Struct, frozen=True):
     #: Whether a recording can be asked that is only played.
     of_recordings: bool = True
 
-    def __call__(self, history: History, text: str | Arguments = "") -> Answer:
-        """Answer a question.
+    def __call__(self, subject: Any, text: str = "") -> Answer:
+        """Carry out the command, and return its answer.
 
         Args:
-            history: what is asked.
+            subject: the history that is asked; a shell for what is no question.
             text: what stands behind the name of the command.
 
         Raises:
-            Error: if there is no answer.
+            Error: if it cannot be carried out.
         """
-        args = Arguments(text) if isinstance(text, str) else text
+        args = Arguments(text)
         if not self.of_recordings:
-            history.check_is_run()
-        found = self.does(history, args)
+            subject.check_is_run()
+        found = self.does(subject, args)
         args.end()
         return found
 
@@ -154,21 +157,31 @@ class Command(msgspec.Struct, frozen=True):
 Does = Callable[[Any, Arguments], Answer]
 
 
-def command(takes: str = "", *examples: str, **more: Any) -> Callable[[Does], Command]:
+def command(
+    takes: str = "",
+    *examples: str,
+    more: str = "",
+    asks: bool = False,
+    of_recordings: bool = True,
+) -> Callable[[Does], Command]:
     """Return what makes a command of a function, by its name and its docstring.
 
     Args:
         takes: what the command is given.
         examples: inputs that use it; its name alone if there are none.
-        more: other fields of the command.
+        more: what else there is to know, after the further paragraphs of the docstring.
+        asks: whether it is a question.
+        of_recordings: whether a recording can be asked that is only played.
     """
 
     def made(does: Does) -> Command:
         name = does.__name__.strip("_").replace("_", "-")
         doc, _, rest = inspect.cleandoc(does.__doc__ or "").partition("\n\n")
-        known = " ".join([*rest.split(), *more.pop("more", "").split()])
+        known = " ".join([*rest.split(), *more.split()])
         uses = examples or (f":{name}",)
-        return Command(name, takes, doc, does, uses, known, **more)
+        return Command(
+            name, takes, doc, does, uses, known, asks=asks, of_recordings=of_recordings
+        )
 
     return made
 

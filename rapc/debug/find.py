@@ -2,87 +2,81 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-
-import msgspec
+from collections.abc import Iterable
 
 from rapc import events
 from rapc.base.names import hint
 from rapc.debug.history import History
-from rapc.debug.log import ToldEvent
+from rapc.debug.log import ToldEvent, Want
 from rapc.errors import TextError
 from rapc.events import Event
 from rapc.runtime.events.trace import record
 
 
-class Finder(msgspec.Struct, frozen=True):
-    """What an event is to be like."""
+def find_event(
+    history: History, kind: str, said: Iterable[str] = (), *, back: bool = False
+) -> ToldEvent | None:
+    """Go to the cycle of the next event that fits, or of the last one before.
 
-    kind: type[Event]
-    #: Keys of the trace with the values that they must have, as text.
-    keys: tuple[tuple[str, str], ...]
-    #: Words that must occur in its values.
-    words: tuple[str, ...]
+    Where none is found the run stands where it stood, or at its end if it cannot be
+    taken back. Breakpoints do not matter meanwhile.
 
-    @classmethod
-    def of(cls, kind: str, said: Iterable[str]) -> Finder:
-        """Return what a search is made of.
+    Args:
+        history: the run.
+        kind: the kind of the event, as a trace has it.
+        said: keys of the trace with the values that they must have, `key=value`, and
+            words that must occur in the values.
+        back: whether the last one before is wanted.
 
-        Raises:
-            TextError: for a kind of events that there is not, or a key of it.
-        """
-        known = events.kinds()
-        if kind not in known:
-            raise TextError(f"there are no events `{kind}`{hint(kind, known)}")
-        keys, words = [], []
-        has = known[kind].__struct_encode_fields__
-        for one in said:
-            key, equals, value = one.partition("=")
-            if equals and not one.startswith("("):
-                if key not in has:
-                    listed = ", ".join(name for name in has)
-                    raise TextError(f"`{kind}` has no `{key}`; it has {listed}")
-                keys.append((key, value))
-            else:
-                words.append(one)
-        return cls(known[kind], tuple(keys), tuple(words))
-
-    def fits(self, told: ToldEvent) -> bool:
-        """Whether an event is one that is looked for."""
-        if told.kind is not self.kind:
-            return False
-        if not (self.keys or self.words):
-            return True
-        values = record(told.event())
-        if any(str(values.get(key)) != value for key, value in self.keys):
-            return False
-        text = " ".join(str(value) for value in values.values())
-        return all(word in text for word in self.words)
+    Raises:
+        StateError: if the run cannot be taken back in time and has to be.
+        TextError: for a kind of events that there is not, or a key of it.
+    """
+    event_type, want = _wanted(kind, said)
+    if not back:
+        return history.seek(event_type, want=want)
+    found = history.last(event_type, want=_before(history, want))
+    if found is not None:
+        history.goto(found.cycle)
+    return found
 
 
-def is_before(history: History, finder: Finder) -> Callable[[ToldEvent], bool]:
-    """Return whether an event is one that a search backwards finds from here.
+def count_before(history: History, kind: str, said: Iterable[str]) -> int:
+    """Return how many events a search backwards might find; see `find_event`."""
+    event_type, want = _wanted(kind, said)
+    return sum(1 for _ in history.scan(event_type, want=_before(history, want)))
+
+
+def _before(history: History, want: Want) -> Want:
+    """Return what says whether an event is wanted and before the present moment.
 
     At the end of a run the last cycle is a moment before it.
     """
     end = history.cycle + history.over
-    return lambda told: told.cycle < end and finder.fits(told)
+    return lambda told: told.cycle < end and want(told)
 
 
-def find_event(
-    history: History, finder: Finder, *, back: bool = False
-) -> ToldEvent | None:
-    """Go to the cycle of the next event that fits, or of the last one before.
+def _wanted(kind: str, said: Iterable[str]) -> tuple[type[Event], Want]:
+    """Return the kind of events that are looked for, and which of them."""
+    known = events.kinds()
+    if kind not in known:
+        raise TextError(f"there are no events `{kind}`{hint(kind, known)}")
+    keys: dict[str, str] = {}
+    words: list[str] = []
+    has = known[kind].__struct_encode_fields__
+    for one in said:
+        key, equals, value = one.partition("=")
+        if not equals or one.startswith("("):
+            words.append(one)
+        elif key in has:
+            keys[key] = value
+        else:
+            raise TextError(f"`{kind}` has no `{key}`; it has {', '.join(has)}")
 
-    Where none is found the history stands where it stood, or at the end of the run if
-    it cannot be taken back. Breakpoints do not matter meanwhile.
+    def want(told: ToldEvent) -> bool:
+        values = {k: str(v) for k, v in record(told.event()).items()}
+        text = " ".join(values.values())
+        fits = all(values.get(key) == value for key, value in keys.items())
+        return fits and all(word in text for word in words)
 
-    Raises:
-        StateError: if the run cannot be taken back in time and has to be.
-    """
-    if back:
-        found = history.last(finder.kind, want=is_before(history, finder))
-        if found is not None:
-            history.goto(found.cycle)
-        return found
-    return history.seek(finder.kind, want=finder.fits)
+    return known[kind], want

@@ -14,11 +14,10 @@ from pathlib import Path
 from rapc.base.names import did_you_mean
 from rapc.base.outputs import Output, check_output
 from rapc.base.resources import Value
-from rapc.base.values import format_atom
 from rapc.console.findings import concise
 from rapc.debug.acts import SubmitTask
-from rapc.debug.answer import Answer, Command, failure, say, table
-from rapc.debug.arguments import Arguments, is_balanced, split
+from rapc.debug.answer import Answer, Command, failure, in_pairs, say, table
+from rapc.debug.arguments import is_balanced, split
 from rapc.debug.breakpoints import Breakpoints
 from rapc.debug.history import Branch, History
 from rapc.debug.log import ToldEvent
@@ -119,12 +118,7 @@ class Shell:
             listed = "`:help` lists all commands"
             said = did_you_mean(name, self.commands, listed, "`:{}`")
             return failure(f"there is no command `:{name}`; {said}")
-        if command.asks:
-            return command(self.history, rest)
-        arguments = Arguments(rest)
-        found = command.does(self, arguments)
-        arguments.end()
-        return found
+        return command(self.history if command.asks else self, rest)
 
     # --- what commands share ---------------------------------------------------------
 
@@ -176,11 +170,11 @@ class Shell:
 
     def _watched_answers(self, text: str) -> str:
         try:
-            answers = [_in_words(one) for one in self.history.question(text).all()]
+            found = self.history.question(text).all()
         except ValueError as error:  # its declaration has gone with a text
             return str(error)
-        said = "; ".join(answers[:_WATCHED]) or "no"
-        more = len(answers) - _WATCHED
+        said = "; ".join(in_pairs(one) or "yes" for one in found[:_WATCHED]) or "no"
+        more = len(found) - _WATCHED
         return f"{said}; and {more} more" if more > 0 else said
 
     # --- RAP text -----------------------------------------------------------------
@@ -284,8 +278,3 @@ def _refusal(error: Error | ValueError) -> Sequence[str]:
     if isinstance(error, Error):
         return (error.message, error.help) if error.help else (error.message,)
     return (str(error),)  # a question that names what there is not
-
-
-def _in_words(answer: dict[str, Value]) -> str:
-    pairs = " ".join(f"{name} {format_atom(v)}" for name, v in answer.items())
-    return pairs or "yes"

@@ -143,7 +143,7 @@ def _what_if(one: Asker) -> None:
 
 def _find_before(one: Asker) -> None:
     here, kind = one.session.cycle, one.dice.choice(sorted(events.kinds()))
-    find.find_event(one.session, find.Finder.of(kind, ()), back=True)
+    find.find_event(one.session, kind, back=True)
     one.session.goto(here)
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from rapc import events
 from rapc.debug.breakpoints import Breakpoint, Breakpoints
-from rapc.debug.find import Finder, find_event
+from rapc.debug.find import find_event
 from rapc.debug.history import History
 from rapc.debug.questions.differences import diff
 from rapc.errors import ArgumentError, TextError
@@ -207,19 +207,17 @@ def test_watches_are_marked_where_they_change() -> None:
 
 def test_events_are_found_back_and_forth() -> None:
     session = truck()
-    grasp = find_event(session, Finder.of("primitive-ended", ["arm-grasp"]))
+    grasp = find_event(session, "primitive-ended", ["arm-grasp"])
     assert grasp is not None
     assert session.cycle == grasp.cycle
-    back = find_event(
-        session, Finder.of("method-chosen", ["rap=travel-road"]), back=True
-    )
+    back = find_event(session, "method-chosen", ["rap=travel-road"], back=True)
     assert back is not None
     assert session.cycle == back.cycle < grasp.cycle
     here = session.cycle
-    assert find_event(session, Finder.of("task-failed", [])) is None
+    assert find_event(session, "task-failed") is None
     assert session.cycle == here
     with pytest.raises(TextError, match="did you mean `task-failed`"):
-        Finder.of("task-faild", [])
+        find_event(session, "task-faild")
 
 
 FAILS = """

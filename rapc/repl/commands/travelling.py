@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 from rapc.base.names import plural
 from rapc.base.outputs import TRACE
 from rapc.debug.answer import Answer, command, say, table
 from rapc.debug.arguments import Arguments
-from rapc.debug.find import Finder, find_event, is_before
+from rapc.debug.find import count_before, find_event
 from rapc.debug.history import History, Stop
 from rapc.debug.recorded import write_trace
 from rapc.repl.shell import Shell
@@ -94,26 +94,18 @@ def _find(shell: Shell, args: Arguments) -> Answer:
     """
     back = args.takes("back")
     kind = args.word("a kind of event")
-    said = args.rest()
-    finder = Finder.of(kind, said)
-    found = find_event(shell.history, finder, back=back)
+    history, words = shell.history, args.rest()
+    found = find_event(history, kind, words, back=back)
     shell.forget_trace()
-    if found is None:
-        lines = _not_found(shell.history, finder, " ".join([kind, *said]), back=back)
-        return say(*lines, shell.history.stand())
-    return say(*shell.trace([found]), f"in cycle {found.cycle}", shell.history.stand())
-
-
-def _not_found(
-    history: History, finder: Finder, said: str, *, back: bool
-) -> Iterator[str]:
-    """Yield what to say of a search in vain, with what lies the other way."""
-    yield f"no {said} is found {'before' if back else 'after'} this cycle"
+    if found is not None:
+        return say(*shell.trace([found]), f"in cycle {found.cycle}", history.stand())
+    said = " ".join([kind, *words])
+    lines = [f"no {said} is found {'before' if back else 'after'} this cycle"]
     if not (back or history.no_way_back):
-        found = history.scan(finder.kind, want=is_before(history, finder))
-        count = sum(1 for _ in found)
+        count = count_before(history, kind, words)
         if count:
-            yield f"{plural(count, 'event')} before it: `:find back {said}`"
+            lines.append(f"{plural(count, 'event')} before it: `:find back {said}`")
+    return say(*lines, history.stand())
 
 
 @command("FILE", ":record run.jsonl")
