@@ -156,6 +156,7 @@ primitive was meant, or the test stands in the wrong RAP.""",
 def own_results(run: Pass) -> Iterator[Diagnostic]:
     """Find questions about results that the RAP's own methods cannot have."""
     known = {r for form in run.library.primitives.values() for r in _results(form)}
+    answers: dict[tuple[int, object], Sequence[_Request]] = {}
     wrong: dict[int, list[tuple[nodes.Const, Sequence[_Request]]]] = {}
     for asked in run.result(INDEX).of(nodes.HistoryTest):
         rap, test = asked.owner, asked.node
@@ -164,19 +165,27 @@ def own_results(run: Pass) -> Iterator[Diagnostic]:
         result = test.args[-1] if test.args else None
         if not isinstance(result, nodes.Const) or result.value not in known:
             continue
-        name = _method_meant(test)
-        meant = [method for method in rap.methods if name in (None, method.name)]
-        answers = [one for method in meant for one in _requests(run.library, method)]
-        own = {result for _, form in answers for result in _results(form)}
-        is_known = meant and len(answers) == len(meant)
-        if is_known and result.value not in {*own, *REASONS}:
-            wrong.setdefault(id(rap), []).append((result, answers))
+        key = (id(rap), _method_meant(test))
+        if key not in answers:
+            answers[key] = _answers(run.library, rap, key[1])
+        own = {result for _, form in answers[key] for result in _results(form)}
+        if answers[key] and result.value not in {*own, *REASONS}:
+            wrong.setdefault(id(rap), []).append((result, answers[key]))
     for found in wrong.values():
         yield _impossible_result(found)
 
 
 _Request = tuple[nodes.Request, nodes.DeclarePrimitive]
 """A request of a method, and the declaration of its primitive."""
+
+
+def _answers(
+    library: Library, rap: nodes.DefineRap, name: object
+) -> Sequence[_Request]:
+    """Return the requests of the methods of a name; none if one has another body."""
+    meant = [method for method in rap.methods if name in (None, method.name)]
+    found = [one for method in meant for one in _requests(library, method)]
+    return found if len(found) == len(meant) else ()
 
 
 def _requests(library: Library, method: nodes.Method) -> Iterator[_Request]:
