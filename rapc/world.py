@@ -460,56 +460,45 @@ class Wrapper(World):
         """Put another world behind this one."""
         self.name = world.name
         self.kit, self.made_with = world.kit, world.made_with
-        #: The world behind; of any type, for it has the protocols that it has.
+        #: The world behind; in `behind` of any type, for it has what it has.
+        self.__wrapped__ = world
         self.behind: Any = world
         for protocol in OPTIONAL:
             for name in methods_of(protocol) if isinstance(world, protocol) else ():
                 passed_on = getattr(self, f"_{name}", None) or getattr(world, name)
                 setattr(self, name, passed_on)
 
-    @property
-    def __wrapped__(self) -> World:
-        """The world behind, as Python's own wrappers have it."""
-        behind: World = self.behind
-        return behind
-
     def facts(self) -> Iterable[Fact]:
         """Return what the robot knows at first."""
-        facts: Iterable[Fact] = self.behind.facts()
-        return facts
+        return self.__wrapped__.facts()
 
     def now(self) -> Time:
         """Return the time of the clock."""
-        now: Time = self.behind.now()
-        return now
+        return self.__wrapped__.now()
 
     def perform(self, ticket: int, request: Fact) -> Reply | Refused | None:
         """Carry out a request."""
-        answer: Reply | Refused | None = self.behind.perform(ticket, request)
-        return answer
+        return self.__wrapped__.perform(ticket, request)
 
     def cancel(self, ticket: int) -> None:
         """Stop what was asked under `ticket`."""
-        self.behind.cancel(ticket)
+        self.__wrapped__.cancel(ticket)
 
     def next_time(self) -> Time | None:
         """Return when the world will next send something."""
-        due: Time | None = self.behind.next_time()
-        return due
+        return self.__wrapped__.next_time()
 
     def advance(self, to: Time) -> None:
         """Move the clock on."""
-        self.behind.advance(to)
+        self.__wrapped__.advance(to)
 
     def messages(self) -> Sequence[Message]:
         """Return what the world has sent."""
-        sent: Sequence[Message] = self.behind.messages()
-        return sent
+        return self.__wrapped__.messages()
 
     def ended(self) -> str | None:
         """Return why the world has ended the run, or None."""
-        reason: str | None = self.behind.ended()
-        return reason
+        return self.__wrapped__.ended()
 
 
 def innermost(world: World) -> World:

@@ -116,14 +116,15 @@ def refuse_incomplete(world: type[World], place: str) -> None:
         WorldError: with the names; `place` is what the class is called.
     """
     missing = sorted(getattr(world, "__abstractmethods__", ()))
-    parts: tuple[tuple[str, type], ...] = (("name", str), ("kit", Kit))
-    for part, kind in parts:
-        if not isinstance(getattr(world, part, None), kind):
-            missing.append(part)
+    if not isinstance(getattr(world, "name", None), str):
+        missing.append("name")
+    help_ = ""
+    if not isinstance(getattr(world, "kit", None), Kit):
+        missing.append("kit")
+        help_ = kit_help(world)
     if missing:
-        listed = ", ".join(missing)
-        said = f"the world `{place}` does not define {listed}"
-        raise WorldError(said, kit_help(world) if "kit" in missing else "")
+        said = f"the world `{place}` does not define {', '.join(missing)}"
+        raise WorldError(said, help_)
 
 
 def _entry_points() -> metadata.EntryPoints:
@@ -137,12 +138,10 @@ def _installed(name: str) -> str:
     places = {point.value for point in _entry_points().select(name=name)}
     if len(places) == 1:
         return places.pop()
+    listed = ", ".join(f"`{place}`" for place in sorted(places or available()))
     if places:
-        listed = ", ".join(f"`{place}`" for place in sorted(places))
-        raise WorldError(
-            f"several packages offer a world `{name}`", f"name one of {listed}"
-        )
-    listed = ", ".join(f"`{known}`" for known in available())
+        said = f"several packages offer a world `{name}`"
+        raise WorldError(said, f"name one of {listed}")
     known = f"known are {listed}; one of a module is named `module:Class`"
     raise WorldError(f"unknown world `{name}`", did_you_mean(name, available(), known))
 
@@ -263,23 +262,17 @@ def _known(world: type[World], options: Mapping[str, Option], name: str) -> Opti
 
 
 def _value(world: type[World], option: Option, text: str) -> Atom | bool:
-    wrong = _wrong_kind(world, option, text)
     if option.kind == "text":
         return Text(_file(text[1:]) if text.startswith("@") else text)
-    if option.kind == "flag":
-        if text.lower() not in ("true", "false"):
-            raise wrong
+    if option.kind == "flag" and text.lower() in ("true", "false"):
         return text.lower() == "true"
-    if option.kind == "symbol":
-        if not _SYMBOL.fullmatch(text):
-            raise wrong
+    if option.kind == "symbol" and _SYMBOL.fullmatch(text):
         return text.lower()
-    if not _NUMBER.fullmatch(text) or len(text) > 300:
-        raise wrong
-    value = number(float(text)) if "." in text else int(text)
-    if option.kind == "integer" and not isinstance(value, int):
-        raise wrong
-    return value
+    if _NUMBER.fullmatch(text) and len(text) <= 300:
+        value = number(float(text)) if "." in text else int(text)
+        if option.kind == "number" or (option.kind == "integer" and value % 1 == 0):
+            return value
+    raise _wrong_kind(world, option, text)
 
 
 def _wrong_kind(world: type[World], option: Option, value: str) -> WorldError:
@@ -306,11 +299,8 @@ def build_world(
         WorldError: for option values that the world refuses, and if it breaks.
     """
     make: Callable[..., World] = world
-    values = {option.name: option.default for option in world.kit.options}
-    given = {
-        name: value.value if isinstance(value, Text) else value
-        for name, value in (values | dict(options)).items()
-    }
+    defaults = {option.name: option.default for option in world.kit.options}
+    given = plain_values({**defaults, **options})
     try:
         made = make(random.Random(f"{seed}:world"), given)
         made.made_with = dict(given)

@@ -53,9 +53,7 @@ def move_robot(
 def people_around(state: HallwayState) -> list[Circle]:
     """Return the people on the robot's floor."""
     floor = state.robot.floor
-    return [
-        (walker.x, walker.y, GIRTH) for walker in state.walkers if walker.floor == floor
-    ]
+    return [(one.x, one.y, GIRTH) for one in state.walkers if one.floor == floor]
 
 
 def space_under(state: HallwayState, spaces: Sequence[Space]) -> str:
@@ -63,11 +61,8 @@ def space_under(state: HallwayState, spaces: Sequence[Space]) -> str:
     body, found = state.robot, state.space
     for space in spaces:
         left, bottom, right, top = space.box
-        if (
-            left <= body.x <= right
-            and bottom <= body.y <= top
-            and body.floor in space.floors
-        ):
+        inside = left <= body.x <= right and bottom <= body.y <= top
+        if inside and body.floor in space.floors:
             found = space.name
     return found
 
@@ -76,10 +71,9 @@ def _velocity(
     state: HallwayState, heading: float, now: float
 ) -> tuple[float, float, bool]:
     """Return the body's speeds to the right and up, and whether it is pushed."""
-    if state.push is not None and now > state.push.until:
-        state.push = None
-    if state.push is not None:
+    if state.push is not None and now <= state.push.until:
         return state.push.x, state.push.y, True
+    state.push = None
     speed = state.robot.speed
     return speed * math.cos(heading), speed * math.sin(heading), False
 

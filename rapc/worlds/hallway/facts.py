@@ -69,10 +69,5 @@ def _relations(space: str, hung: Sequence[Sign]) -> Iterator[Fact]:
     for one in hung:
         for other in hung:
             if one is not other and one.floor == other.floor:
-                yield (
-                    "relative-loc",
-                    space,
-                    one.landmark,
-                    other.landmark,
-                    *relation(one, other),
-                )
+                marks = one.landmark, other.landmark
+                yield ("relative-loc", space, *marks, *relation(one, other))

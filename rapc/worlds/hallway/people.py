@@ -95,10 +95,8 @@ def walk(
     away = math.hypot(x - walker.x, y - walker.y)
     step = min(away, walker.speed * seconds)
     if away > 0:
-        x, y = (
-            walker.x + (x - walker.x) / away * step,
-            walker.y + (y - walker.y) / away * step,
-        )
+        x = walker.x + (x - walker.x) / away * step
+        y = walker.y + (y - walker.y) / away * step
     if _held_up(walker, around, robot, x, y):
         walker.held += seconds
         if walker.held >= PATIENCE:
@@ -125,9 +123,8 @@ def _held_up(
     if robot is not None:
         rx, ry, radius = robot
         near = math.hypot(rx - x, ry - y)
-        if near < radius + GIRTH + ROOM and near < math.hypot(
-            rx - walker.x, ry - walker.y
-        ):
+        nearer = near < math.hypot(rx - walker.x, ry - walker.y)
+        if nearer and near < radius + GIRTH + ROOM:
             return True
     return around.plans[walker.floor].nearest(x, y, 0.1)[0] < 0.1
 
@@ -149,11 +146,8 @@ def _turn_elsewhere(walker: Walker, around: Surroundings) -> None:
 
 def _doors(walker: Walker, around: Surroundings) -> list[Opening]:
     """Return the doorways of the space that somebody is in."""
-    return [
-        gap
-        for gap in around.openings
-        if walker.space in gap.doorway.joins and gap.floor == walker.floor
-    ]
+    here = [gap for gap in around.openings if gap.floor == walker.floor]
+    return [gap for gap in here if walker.space in gap.doorway.joins]
 
 
 def _choose(walker: Walker, around: Surroundings, rng: Random) -> None:
@@ -171,9 +165,8 @@ def _choose(walker: Walker, around: Surroundings, rng: Random) -> None:
         if any(_near(gap, x, y) for gap in doors):
             walker.pause = 0.5
             return
-    points = [(walker.x, walker.y), *way]
     plan, kind = around.plans[walker.floor], around.map.named_space(towards).kind
-    legs = pairwise(points)
+    legs = pairwise([(walker.x, walker.y), *way])
     if kind != "lift" and all(_free(plan, *leg) for leg in legs):
         walker.way, walker.towards = way, towards
     else:
@@ -187,13 +180,11 @@ def _through(
     first, second = gap.doorway.joins
     x, y = middle(gap.box)
     across = gap.side in {"east", "west"}
-    sign = 1 if gap.side in {"east", "north"} else -1
-    if space.name == second:
-        sign = -sign
-    dx, dy = (sign * STEP_ASIDE, 0.0) if across else (0.0, sign * STEP_ASIDE)
-    return [(x - dx, y - dy), (x + dx, y + dy)], (
-        second if space.name == first else first
-    )
+    onwards = (gap.side in {"east", "north"}) != (space.name == second)
+    step = STEP_ASIDE if onwards else -STEP_ASIDE
+    dx, dy = (step, 0.0) if across else (0.0, step)
+    towards = second if space.name == first else first
+    return [(x - dx, y - dy), (x + dx, y + dy)], towards
 
 
 def _free(

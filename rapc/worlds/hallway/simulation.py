@@ -76,6 +76,7 @@ class Simulation:
         self.map = map
         self.settings = settings
         self.signs: Sequence[Sign] = signs(map)
+        self._signs = {(sign.landmark, sign.space): sign for sign in self.signs}
         self.plans = floor_plans(map)
         self.openings: Mapping[str, Opening] = {
             gap.doorway.name: gap for gap in openings(map)
@@ -114,7 +115,8 @@ class Simulation:
         self._move_people()
         told = self.runtime.tick(self.now, self._sensors)
         state.called = self.runtime.value(CALL)
-        self._speak()
+        if text := self.runtime.value(VOICE):
+            state.said.append((self.now, text))
         self._charge()
         drive, plan = self.runtime.value(DRIVE), self.plans[state.robot.floor]
         bumped = move_robot(state, drive, plan, self.now, self._chance["motion"])
@@ -133,10 +135,7 @@ class Simulation:
 
     def sign_of(self, landmark: str, space: str) -> Sign:
         """Return a landmark as it hangs in a space. Raises KeyError."""
-        for sign in self.signs:
-            if (sign.landmark, sign.space) == (landmark, space):
-                return sign
-        raise KeyError(landmark)
+        return self._signs[landmark, space]
 
     def save(self) -> bytes:
         """Return the complete state, as JSON."""
@@ -202,23 +201,14 @@ class Simulation:
         )
 
     def _sonar(self) -> tuple[float, ...]:
-        body = self.state.robot
-        return robot.sonar(
-            body,
-            self.plans[body.floor],
-            people_around(self.state),
-            self._chance["sonar"],
-        )
+        body, around = self.state.robot, people_around(self.state)
+        plan, rng = self.plans[body.floor], self._chance["sonar"]
+        return robot.sonar(body, plan, around, rng)
 
     def _tags(self) -> tuple[Tag, ...]:
-        body = self.state.robot
-        return robot.laser(
-            body,
-            self.plans[body.floor],
-            self.signs,
-            people_around(self.state),
-            self._chance["laser"],
-        )
+        body, around = self.state.robot, people_around(self.state)
+        plan, rng = self.plans[body.floor], self._chance["laser"]
+        return robot.laser(body, plan, self.signs, around, rng)
 
     def _pose(self) -> Pose:
         return robot.pose(self.state.robot)
@@ -243,18 +233,13 @@ class Simulation:
         """Return the doorways whose doors are closed now, the lift's among them."""
         return self._entrances.shut(self.state)
 
-    def _speak(self) -> None:
-        text = self.runtime.value(VOICE)
-        if text:
-            self.state.said.append((self.now, text))
-
     def _charge(self) -> None:
-        state, body = self.state, self.state.robot
+        body = self.state.robot
+        chargers = [mark for mark in self.map.landmark if mark.charger]
         body.charging = bool(self.runtime.value(CHARGE)) and any(
-            mark.charger and self._docked(self.sign_of(mark.name, mark.space))
-            for mark in self.map.landmark
+            self._docked(self.sign_of(mark.name, mark.space)) for mark in chargers
         )
-        robot.drain(state.robot, self.settings.usage)
+        robot.drain(body, self.settings.usage)
 
     def _docked(self, sign: Sign) -> bool:
         body = self.state.robot
