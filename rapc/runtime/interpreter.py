@@ -39,7 +39,7 @@ from rapc.runtime.events.recorder import Listener, Recording
 from rapc.runtime.host_query import HostQuery
 from rapc.runtime.loop import Loop
 from rapc.runtime.machine import ContextListener, Machine
-from rapc.runtime.memory.view import MemoryView
+from rapc.runtime.memory.gate import MemoryView
 from rapc.runtime.put_together import put_together
 from rapc.runtime.saving.save import restore, save
 from rapc.runtime.settings import Settings

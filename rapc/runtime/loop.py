@@ -30,9 +30,6 @@ class Loop:
     def __init__(self, machine: Machine) -> None:
         self._machine = machine
         self._cost = machine.settings.cycle_cost
-        # A world that may end the run by itself is asked in each turn.
-        may_end = machine.world.may_end
-        self._patience = -1 if may_end else machine.settings.idle_cycles
         #: What stays the same object for the life of the machine; see where they are.
         self._parts = (
             machine.recorder,
@@ -51,10 +48,13 @@ class Loop:
         about to be chosen. Each of these returns None.
         """
         machine = self._machine
-        state, world, patience = machine.state, machine.world, self._patience
+        state, world = machine.state, machine.world
+        patience = machine.settings.idle_cycles
         recorder, agenda, monitors, to_test, timers, unsettled, changed = self._parts
         gone, cycle, cost = state.activations.off, recorder.cycle, self._cost
         clock, receive = world.clock, world.receive
+        # A world that may end the run by itself is asked in each turn.
+        ended, may_end = world.ended, world.may_end
         last = -1 if most is None else cycle + most
         # The last cycle that the clock may stand still; it moved `patience` before.
         limit = cycle - state.idle + patience
@@ -74,7 +74,11 @@ class Loop:
             look = monitors.next_look
             if to_test or changed or (look is not None and recorder.time >= look):
                 self._wake()
-            if cycle > limit or not state.foreground:
+            if (
+                cycle > limit
+                or not state.foreground
+                or (may_end and ended() is not None)
+            ):
                 state.idle = cycle - limit + patience
                 reason = self.reason()
                 if reason is not None:

@@ -17,7 +17,7 @@ from rapc.base.values import Atom, number
 from rapc.compiler.program import Program
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.held_world import HeldWorld
-from rapc.runtime.memory.build import assemble
+from rapc.runtime.memory.gate import Gate
 from rapc.runtime.monitors.monitors import Monitors
 from rapc.runtime.query_context import NotingContext, QueryContext
 from rapc.runtime.settings import Settings
@@ -61,17 +61,15 @@ class Machine:
         self.state = RunState()  # `Interpreter.restore` puts another in its place
         self.recorder = Recorder()
         self.recorder.time = number(world.now())
-        parts = assemble(
+        #: Memory as handlers change it; the two below are parts of it.
+        self.access = Gate(
             library.library,
             library.signatures,
             self.recorder,
             comparators,
             settings.max_layers,
         )
-        #: Memory with all that belongs to it; the three below are parts of it.
-        self.parts = parts
-        self.memory, self.access = parts.memory, parts.access
-        self.recognizer = parts.recognizer
+        self.memory, self.recognizer = self.access.memory, self.access.recognizer
         asked = self.memory, self.recorder, functions, settings.query_steps
         self.context = QueryContext(*asked)
         #: Asks what kept a task from going on, without leaving a mark on the run.
@@ -80,7 +78,7 @@ class Machine:
         self.things = Things()
         self.held, self.waits = self.things.held, self.things.waits  # parts of them
         self.monitors = Monitors(self.context, self.recorder, self.agenda, self.things)
-        parts.observe(self.monitors.listeners)
+        self.access.observe(self.monitors.listeners)
         #: What the host wants done at a time: a heap by time, then by order.
         self.host_timers: list[tuple[Time, int, Callable[[], None]]] = []
         #: What the host wants done when the run is over, and each time that it waits.

@@ -10,8 +10,8 @@ from rapc.compiler.query.query import BoundQueries
 from rapc.compiler.query.term_value import TermValue
 from rapc.events import QueryFaulted
 from rapc.runtime.events.recorder import Recorder
+from rapc.runtime.memory.gate import MemoryView
 from rapc.runtime.memory.memory import EXTERNAL, Memory
-from rapc.runtime.memory.view import MemoryView
 from rapc.runtime.settings import Settings
 from rapc.runtime.state.task import Env, Task
 from rapc.world import Time

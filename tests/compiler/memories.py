@@ -52,7 +52,8 @@ _DECLARATIONS = "\n".join(
     ]
 )
 
-SIGNATURES = Signatures.of(load_text(_DECLARATIONS).library)
+LIBRARY = load_text(_DECLARATIONS).library
+SIGNATURES = Signatures.of(LIBRARY)
 
 FUNCTIONS: Mapping[str, Callable[..., Any]] = {
     "odd": lambda view, number: isinstance(number, int) and number % 2 == 1,
@@ -79,7 +80,8 @@ Change = tuple[str, Any]
 def memories(changes: list[Change]) -> Memories:
     """Both memories after some changes."""
     recorder = Recorder()
-    memory = Memory(SIGNATURES, recorder)
+    access = Gate(LIBRARY, SIGNATURES, recorder, {})
+    memory = access.memory
     context = QueryContext(memory, recorder, FUNCTIONS)
     context.task = _task()
     mind = Mind(
@@ -89,7 +91,6 @@ def memories(changes: list[Change]) -> Memories:
         results={"one": "okay", 2: "dropped"},
         last_result="dropped",
     )
-    access = Gate(memory, recorder)
     both = Memories(memory, access, recorder, context, mind)
     for change in changes:
         apply(both, change)

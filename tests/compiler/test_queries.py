@@ -16,7 +16,7 @@ from rapc.ir import nodes
 from rapc.library.library import link
 from rapc.library.signatures import Signatures
 from rapc.parser.parse import parse
-from rapc.runtime.memory.store import FactStore, FactTable
+from rapc.runtime.memory.facts import FactStore, FactTable
 
 from .memories import Faults, Memories, apply, erase, memories, query
 

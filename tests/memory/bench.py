@@ -25,13 +25,12 @@ from rapc.events import Event
 from rapc.library.library import Library
 from rapc.library.signatures import Signatures
 from rapc.runtime.events.recorder import Recorder
-from rapc.runtime.memory.build import assemble
+from rapc.runtime.memory.facts import NEVER
+from rapc.runtime.memory.gate import Gate, MemoryView
 from rapc.runtime.memory.memory import Memory
 from rapc.runtime.memory.recognition.recognizer import MAX_LAYERS
 from rapc.runtime.memory.recognition.scoring import Comparator
 from rapc.runtime.memory.recognition.sets import Description, ExpectationSet
-from rapc.runtime.memory.store import NEVER
-from rapc.runtime.memory.view import MemoryView
 from rapc.world import Time
 
 
@@ -84,18 +83,18 @@ class MemoryBench:
         self.recorder = Recorder()
         if record:
             self.recorder.listen(self.events.append)
-        self.parts = parts = assemble(
+        self.gate = gate = Gate(
             library,
             Signatures.of(library),
             self.recorder,
             comparators or {},
             max_layers,
         )
-        parts.observe()
-        self._memory: Memory = parts.memory
-        self._recognizer = parts.recognizer
-        self._access = parts.access
-        self.memory: MemoryView = parts.access
+        gate.observe()
+        self._memory: Memory = gate.memory
+        self._recognizer = gate.recognizer
+        self._access = gate
+        self.memory: MemoryView = gate
 
     @property
     def time(self) -> Time:

@@ -9,8 +9,8 @@ import pytest
 
 from rapc.base.values import Fact, Text
 from rapc.events import Event
+from rapc.runtime.memory.facts import NEVER
 from rapc.runtime.memory.saving import MemoryState, capture_memory, restore_memory
-from rapc.runtime.memory.store import NEVER
 from tests.effort import first
 
 from .bench import MemoryBench
@@ -19,11 +19,11 @@ from .walking import Step, Walk
 
 
 def _bytes(memory: MemoryBench) -> bytes:
-    return msgspec.msgpack.encode(capture_memory(memory.parts))
+    return msgspec.msgpack.encode(capture_memory(memory.gate))
 
 
 def _restore(memory: MemoryBench, saved: bytes) -> None:
-    restore_memory(memory.parts, msgspec.msgpack.decode(saved, type=MemoryState))
+    restore_memory(memory.gate, msgspec.msgpack.decode(saved, type=MemoryState))
 
 
 def _steps(seed: int, count: int) -> list[Step]:
@@ -42,7 +42,7 @@ def _go(walk: Walk, steps: list[Step]) -> tuple[list[Event], object, object]:
         walk.step(step)
     facts = [
         (name, list(table.stamps.items()))
-        for name, table in sorted(walk.memory.parts.memory.facts.tables.items())
+        for name, table in sorted(walk.memory.gate.memory.facts.tables.items())
         if table.stamps
     ]
     return (list(walk.memory.events), walk.memory.sets(), facts)
@@ -83,12 +83,12 @@ def test_what_became_unknown_is_still_older_than_anything() -> None:
     leave(memory)
     [name] = see(memory, "box", "bay", {})
     memory.lose(name)
-    facts = memory.parts.memory.facts
+    facts = memory.gate.memory.facts
     before = {fact: facts.stamp(fact) for fact in facts}
     assert NEVER in before.values()
     other = bench(BOXES)
     _restore(other, _bytes(memory))
-    restored = other.parts.memory.facts
+    restored = other.gate.memory.facts
     assert {fact: restored.stamp(fact) for fact in restored} == before
 
 
@@ -109,7 +109,7 @@ def test_exclusion_by_a_fact_that_has_gone_outlives_a_restore() -> None:
 
 def test_notations_are_held_by_as_many_methods() -> None:
     memory = bench(DRUMS)
-    inside = memory.parts.memory
+    inside = memory.gate.memory
     fact: Fact = ("near", "a", Text("b"))
     inside.note(fact)
     inside.note(fact)
@@ -124,7 +124,7 @@ def test_notations_are_held_by_as_many_methods() -> None:
 def test_queries_keep_their_tables() -> None:
     memory = bench(DRUMS)
     memory.assert_fact("near", "a", "b")
-    table = memory.parts.memory.facts.table("near")
+    table = memory.gate.memory.facts.table("near")
     stamps, index = table.stamps, table.index(1)
     saved = _bytes(memory)
     memory.erase("near")

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+import msgspec
+
 from rapc.base.values import Fact
 from rapc.library.library import Library
 from rapc.library.loader import load
 from rapc.library.signatures import Signatures
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.memory.gate import Gate
-from rapc.runtime.memory.memory import Memory
 from rapc.world import Datum, Reply, World
 
 TRUCK_WORDS = Path(__file__).parents[2] / "stdlib" / "truck" / "world.rap"
@@ -31,8 +32,9 @@ class Robot:
         self.world = world
         self.handlers = world.kit.handlers
         self.recorder = Recorder()
-        self.memory = Memory(Signatures.of(library), self.recorder)
-        self.access = Gate(self.memory, self.recorder)
+        plain = msgspec.structs.replace(library, indistinct={})
+        self.access = Gate(plain, Signatures.of(plain), self.recorder, {})
+        self.memory = self.access.memory
         for fact in world.facts():
             self.access.assert_fact(*fact)
         self.listen()

@@ -17,7 +17,7 @@ from rapc.base.values import Atom, Fact
 from rapc.console.show.canvas import Canvas
 from rapc.console.show.dots import DOTS, Dots
 from rapc.console.show.labels import Inside, Taken, label, numbered
-from rapc.runtime.memory.view import MemoryView
+from rapc.runtime.memory.gate import MemoryView
 
 _COARSEST = 0.9
 """How many metres a dot may stand for at most: a doorway is one wide."""

@@ -9,7 +9,7 @@ from rapc.debug.arguments import Arguments
 from rapc.debug.history import History
 from rapc.errors import ArgumentError, TextError
 from rapc.events import TaskCreated
-from rapc.runtime.memory.store import NEVER
+from rapc.runtime.memory.facts import NEVER
 from rapc.runtime.snapshot import deadlocks_in_words
 from rapc.runtime.state.things import format_thing
 from rapc.world import Drawable, Thing

@@ -27,8 +27,8 @@ from rapc.ir import clauses, nodes
 from rapc.parser.parse import parse_formula
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.machine import Machine
+from rapc.runtime.memory.facts import NEVER
 from rapc.runtime.memory.memory import EXTERNAL
-from rapc.runtime.memory.store import NEVER
 from rapc.runtime.state.task import Env, Task
 from rapc.runtime.tasks.causes import ask_in_parts, conditions
 from rapc.runtime.tasks.hold_things import asks_of

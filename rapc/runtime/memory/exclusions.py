@@ -15,8 +15,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from rapc.base.values import Atom, Fact
 from rapc.ir import nodes
 from rapc.library.signatures import Signatures
-from rapc.runtime.memory.mentions import PREFIX
-from rapc.runtime.memory.store import FactStore
+from rapc.runtime.memory.facts import PREFIX, FactStore
 from rapc.world import Time
 
 Pattern = tuple[Atom | None, ...]

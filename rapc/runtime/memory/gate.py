@@ -1,9 +1,8 @@
-"""The one way into memory for handlers and hosts [T A.3-A.5]."""
+"""Memory as handlers, hosts, functions and solvers read and change it [T A.3-A.5]."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from types import MappingProxyType
 from typing import Any
 
 from rapc.base import source
@@ -12,14 +11,23 @@ from rapc.errors import FactError
 from rapc.events import ItemEvent, ItemIntroduced, ItemLost, ItemMoved
 from rapc.ir.nodes import Formula
 from rapc.library.kinds import Test
+from rapc.library.library import Library
 from rapc.library.signatures import Signatures
+from rapc.runtime.arguments import need_atoms
 from rapc.runtime.events.recorder import Recorder
-from rapc.runtime.memory.checking import check_prefix, in_one_form
+from rapc.runtime.memory.facts import NEVER
 from rapc.runtime.memory.items import Item
-from rapc.runtime.memory.memory import EXTERNAL, Memory
-from rapc.runtime.memory.recognition.recognizer import Recognizer
-from rapc.runtime.memory.recognition.sets import UNKNOWN, Description
-from rapc.runtime.memory.view import MemoryView
+from rapc.runtime.memory.memory import (
+    EXTERNAL,
+    Memory,
+    Observer,
+    check_prefix,
+    in_one_form,
+)
+from rapc.runtime.memory.recognition.recognizer import MAX_LAYERS, Recognizer
+from rapc.runtime.memory.recognition.scoring import Comparator, Scores
+from rapc.runtime.memory.recognition.sets import UNKNOWN, Description, ExpectationSet
+from rapc.world import Time
 
 _BY_HANDLERS = ("class", "location")
 """What an introduced item has from `introduce`, `move` and `lose`."""
@@ -27,6 +35,88 @@ _BY_HANDLERS = ("class", "location")
 
 Answers = Callable[[str | Formula, Mapping[str, Atom] | None], list[dict[str, Any]]]
 """Returns all answers to a formula in which some variables have values."""
+
+
+class MemoryView:
+    """Memory to be read: what functions, default functions and solvers are given."""
+
+    def __init__(self, memory: Memory, recorder: Recorder) -> None:
+        self._memory = memory
+        self._recorder = recorder
+
+    @property
+    def now(self) -> Time:
+        """The time of the clock."""
+        return self._recorder.time
+
+    @property
+    def place(self) -> Atom | None:
+        """The robot's own place: the one last given to `arrive`."""
+        return self._memory.place
+
+    def query(self, *pattern: Atom | None) -> list[Fact]:
+        """The facts that match, oldest first; None matches anything.
+
+        Defaults are not consulted, and `external` is what is stored as such.
+        """
+        try:
+            return self._memory.facts.matching(self._memory.canonical(pattern))
+        except (IndexError, TypeError):
+            need_atoms(pattern, "the pattern")
+            raise
+
+    def value(self, *index: Atom) -> Atom | None:
+        """The asserted value of a property for an index, or None."""
+        try:
+            fact = self._memory.facts.asserted(self._memory.canonical(index))
+        except (IndexError, TypeError):
+            need_atoms(index, "the property")
+            raise
+        return None if fact is None else fact[-1]
+
+    def count(self, kind: str, place: Atom) -> int:
+        """Return how many items of a class memory expects at a place [T 2.3.3].
+
+        Of an indistinct class it is the size of its expectation set.
+        """
+        memory = self._memory
+        try:
+            here = memory.place if place == EXTERNAL else None
+            size = memory.expected_at(
+                kind, memory.items.canonical(place if here is None else here)
+            )
+            if size is not None:
+                return size
+            known = memory.items.known
+            found = [known.get(str(fact[1])) for fact in memory.facts_at(place)]
+        except TypeError:
+            need_atoms((kind, place), "the count")
+            raise
+        return sum(1 for item in found if item is not None and item.kind == kind)
+
+    def kind(self, item: Atom) -> str | None:
+        """The class under which an item was introduced; None for a plain symbol."""
+        found = self._memory.items.known.get(str(self._memory.items.canonical(item)))
+        return None if found is None else found.kind
+
+    def spread(self, name: str, *places: int) -> float:
+        """Return how many facts of a name share arguments in some places, on average.
+
+        Places count from 1; without any, how many facts of that name there are.
+        """
+        need_atoms((name, *places), "the facts")
+        facts = self._memory.facts.table(name).stamps
+        kinds = {tuple([fact[at : at + 1] for at in places]) for fact in facts}
+        return len(facts) / len(kinds) if kinds else 0
+
+    def age(self, *fact: Atom) -> Time | None:
+        """Time units since a fact was last asserted, or None."""
+        try:
+            stamp = self._memory.facts.stamp(self._memory.canonical(fact))
+        except (IndexError, TypeError):
+            need_atoms(fact, "the fact")
+            raise
+        return None if stamp is None or stamp == NEVER else self.now - stamp
 
 
 class MemoryBatch:
@@ -62,32 +152,53 @@ def _tests_of(signatures: Signatures) -> dict[Atom, tuple[tuple[int, Test], ...]
 class Gate(MemoryView):
     """What handlers do to memory: the `HandlerMemory` of `rapc.world`.
 
+    Nobody observes the memory yet.
+
     Args:
-        memory: the facts and items.
-        recorder: is told of items.
-        recognizer: keeps the items of indistinct classes; without one there are none.
-        files: the files of the library, for the positions of its declarations.
+        library: the linked library.
+        signatures: what it declares.
+        recorder: is told of facts and items.
+        comparators: every comparator in Python that the library names.
+        max_layers: how many layers an expectation set keeps.
     """
 
     def __init__(
         self,
-        memory: Memory,
+        library: Library,
+        signatures: Signatures,
         recorder: Recorder,
-        recognizer: Recognizer | None = None,
-        files: Mapping[str, source.SourceFile] = MappingProxyType({}),
+        comparators: Mapping[str, Comparator],
+        max_layers: int = MAX_LAYERS,
     ) -> None:
+        classes = library.indistinct
+        sets: dict[tuple[str, Atom], ExpectationSet] = {}
+        declared = library.properties.values()
+        memory = Memory(signatures, recorder, declared, classes, sets)
         super().__init__(memory, recorder)
-        self._files = files
-        self._recognizer = recognizer or Recognizer(memory, recorder)
+        scores = Scores(classes.values(), library.comparators, comparators)
+        self._files = library.files
+        self.memory = memory
+        self.recognizer = Recognizer(
+            memory, recorder, tuple(classes), scores, max_layers, sets
+        )
         self._counted: dict[Atom, None] = {}
         #: For the names of facts whose arguments have declared kinds, the places of
         #: these arguments, each with what tells whether a value is of its kind.
-        self._of_kinds = _tests_of(memory.signatures)
+        self._of_kinds = _tests_of(signatures)
         self._batch = MemoryBatch(self)
         #: What is to be looked at before the batch ends: `rapc.strict` does.
         self.closing: list[Callable[[], None]] = []
         #: Answers what handlers ask; the interpreter sets it.
         self.answers: Answers | None = None
+
+    def observe(self, *others: Observer) -> None:
+        """Register all that is told of changes: the recogniser, then `others`.
+
+        The one place where observers of memory are registered; without indistinct
+        classes there is nothing to recognise.
+        """
+        first = () if self.memory.mentions is None else (self.recognizer,)
+        self.memory.observe(*first, *others)
 
     def ask(
         self, formula: str | Formula, given: Mapping[str, Atom] | None = None
@@ -119,7 +230,7 @@ class Gate(MemoryView):
             del self._counted[place]
             place = self._memory.items.canonical(place)
             self._lose_others(place)
-            self._recognizer.fix(place)
+            self.recognizer.fix(place)
             self.recognise()
 
     def drop_batch(self) -> None:
@@ -129,8 +240,8 @@ class Gate(MemoryView):
 
     def recognise(self) -> None:
         """Recognise what can be recognised, if any description has changed."""
-        if self._recognizer.unsettled:
-            self._recognizer.settle()
+        if self.recognizer.unsettled:
+            self.recognizer.settle()
 
     def assert_fact(self, *fact: Atom) -> None:
         """Assert a fact now, all of its arguments stated.
@@ -160,8 +271,7 @@ class Gate(MemoryView):
             at = source.place(relation.span, self._files)
             said = f"{format_list(given)} lacks the value of `{relation.written}`"
             raise FactError(f"{said}, declared at {at}; a handler states all arguments")
-        if self._of_kinds:
-            self.check_kinds(fact)
+        self.check_kinds(fact)
         if fact[0] in _BY_HANDLERS:
             self.check_owner(fact)
         memory.store(fact, by)
@@ -174,8 +284,7 @@ class Gate(MemoryView):
                 arguments, or their kinds.
         """
         fact = self._memory.checked(fact)
-        if self._of_kinds:
-            self.check_kinds(fact)
+        self.check_kinds(fact)
         return fact
 
     def check_kinds(self, fact: Fact) -> None:
@@ -229,8 +338,8 @@ class Gate(MemoryView):
         memory = self._memory
         place = self._stored(place)
         in_one_form(sensor_name)
-        if self._recognizer.recognises(kind):
-            return self._recognizer.introduce(sensor_name, kind, place).name
+        if self.recognizer.recognises(kind):
+            return self.recognizer.introduce(sensor_name, kind, place).name
         item, news = memory.items.introduce(sensor_name, kind)
         before = self.value("location", item.name)
         self._set("class", item.name, item.kind, "true")
@@ -251,7 +360,7 @@ class Gate(MemoryView):
         known = self._introduced(item)
         place = self._stored(place)
         if isinstance(known, Description):
-            self._recognizer.move(known, place)
+            self.recognizer.move(known, place)
             return
         before = self.value("location", known.name)
         self._set("location", known.name, place)
@@ -262,7 +371,7 @@ class Gate(MemoryView):
         """Set the place of an item to `unknown`. Raises FactError as `move`."""
         known = self._introduced(item)
         if isinstance(known, Description):
-            self._recognizer.lose(known)
+            self.recognizer.lose(known)
             return
         self._memory.items.put_out_of_reach(known)
         self._memory.tell("know-sensor-name")
@@ -287,7 +396,7 @@ class Gate(MemoryView):
     def expire(self) -> None:
         """Forget all sensor names, since the robot has moved."""
         reached = bool(self._memory.items.accessible())
-        self._recognizer.expire()
+        self.recognizer.expire()
         if reached:
             self._memory.tell("know-sensor-name")
 

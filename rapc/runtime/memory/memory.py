@@ -1,6 +1,6 @@
-"""The RAP memory: the facts that the robot believes, and observers of their changes.
+"""The rules of memory: the one form of a fact, its stamp, and what goes with it.
 
-Inside the house memory has two verbs, `store` and `remove`. Whether a fact may be
+Inside the runtime memory has two verbs, `store` and `remove`. Whether a fact may be
 stored is asked before: by `rapc.runtime.memory.gate` for handlers and hosts, by
 `Memory.checked` for notations. Facts carry the time of their assertion [T 2.2, A.3].
 
@@ -10,21 +10,22 @@ Not here: queries (`rapc.compiler.query`), which facts exclude each other
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from functools import partial
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from functools import lru_cache
 from typing import Any, Final, Protocol
 
-from rapc.base.values import Atom, Fact
+from rapc.base.values import Atom, Fact, format_list, number
+from rapc.errors import FactError
 from rapc.events import FactAsserted, FactErased
 from rapc.ir import nodes
+from rapc.language.atoms import is_atom
+from rapc.library.signature import Signature
 from rapc.library.signatures import Signatures
 from rapc.runtime.events.recorder import Recorder
-from rapc.runtime.memory.checking import full_form
 from rapc.runtime.memory.exclusions import Exclusions
+from rapc.runtime.memory.facts import FactStore, Mentions
 from rapc.runtime.memory.items import Items
-from rapc.runtime.memory.mentions import Mentions
 from rapc.runtime.memory.notations import Notation, Notations
-from rapc.runtime.memory.store import FactStore
 from rapc.world import Time
 
 EXTERNAL = "external"
@@ -52,14 +53,6 @@ class Observer(Protocol):
         `word` is `external`, `know-sensor-name`, or `location` for the size of an
         expectation set.
         """
-
-
-_FactChanged = Callable[[Fact, str], None]
-
-
-def _tell_each(told: Sequence[_FactChanged], fact: Fact, how: str) -> None:
-    for changed in told:
-        changed(fact, how)
 
 
 class Sized(Protocol):
@@ -106,17 +99,16 @@ class Memory:
         )
         self._recorder = recorder
         self._observers: tuple[Observer, ...] = ()
-        #: Tells all observers of a fact: the only one's own method in most runs.
-        self._fact_changed: _FactChanged = partial(_tell_each, ())
+        self._fact_changed: tuple[Callable[[Fact, str], None], ...] = ()
         #: The notations in force: part of `notations`, and the same object for good.
         self._noted = self.notations.by_fact
         self._relations = signatures.relations
+        self._tables = self.facts.tables
 
     def observe(self, *observers: Observer) -> None:
         """Tell these observers of each change from now on, in this order."""
         self._observers = observers
-        told = [each.fact_changed for each in observers]
-        self._fact_changed = told[0] if len(told) == 1 else partial(_tell_each, told)
+        self._fact_changed = tuple([each.fact_changed for each in observers])
 
     # --- the two verbs -----------------------------------------------------------
 
@@ -127,34 +119,39 @@ class Memory:
         that it excludes go, and it is no notation any more. With one it is stored as
         it was asserted at another time, or never (`NEVER`). `by` is for the trace.
         """
-        recorder, noted = self._recorder, self._noted
+        recorder = self._recorder
         if stamp is None:
             stamp = recorder.time
-            if noted:
-                noted.pop(fact, None)
+            if self._noted:
+                self._noted.pop(fact, None)
             if self.exclusions is not None:
                 for other in self.exclusions.of(fact):
                     self.remove(other, "memory")
                 self.exclusions.asserted(fact, stamp)
-        replaced = self.facts.add(fact, stamp)
+        table = self._tables.get(fact[0])
+        if table is None:
+            table = self.facts.table(fact[0])
+        replaced = table.add(fact, stamp)
         if replaced is not None:
-            if noted:
-                noted.pop(replaced, None)
-            if recorder.on:
-                recorder.emit(FactErased, fact=replaced, by=by)
-            self._fact_changed(replaced, REPLACED)
+            self._gone(replaced, by, REPLACED)
         if recorder.on:
             recorder.emit(FactAsserted, fact=fact, by=by)
-        self._fact_changed(fact, STORED)
+        for changed in self._fact_changed:
+            changed(fact, STORED)
 
     def remove(self, fact: Fact, by: str) -> None:
         """Remove a fact that is there. `by` is for the trace."""
+        self._tables[fact[0]].remove(fact)
+        self._gone(fact, by, REMOVED)
+
+    def _gone(self, fact: Fact, by: str, how: str) -> None:
+        """End the notation of a fact that has gone, and tell of it."""
         if self._noted:
             self._noted.pop(fact, None)
-        self.facts.remove(fact)
         if self._recorder.on:
             self._recorder.emit(FactErased, fact=fact, by=by)
-        self._fact_changed(fact, REMOVED)
+        for changed in self._fact_changed:
+            changed(fact, how)
 
     def tell(self, word: str) -> None:
         """Tell the observers of a change that is no fact's: see `Observer`."""
@@ -175,13 +172,10 @@ class Memory:
     def canonical(self, fact: tuple[Any, ...]) -> tuple[Any, ...]:
         """Return a fact, prefix or pattern with the names that stand for others now."""
         aliases = self.items.aliases
-        if not aliases:
+        if not aliases or aliases.keys().isdisjoint(fact):
             return fact
-        for part in fact[1:]:
-            if type(part) is str and part in aliases:
-                name_of = self.items.canonical
-                return (fact[0], *[name_of(part) for part in fact[1:]])
-        return fact
+        name_of = self.items.canonical
+        return (fact[0], *[name_of(part) for part in fact[1:]])
 
     # --- notations ---------------------------------------------------------------
 
@@ -258,3 +252,63 @@ class Memory:
             return iter(near or there)
         either = {*near, *there}
         return iter([fact for fact in located.stamps if fact in either])
+
+
+# --- the one form of facts ---------------------------------------------------------
+
+
+def full_form(fact: Fact, relations: Mapping[str, Signature]) -> Fact:
+    """A fact as it is kept: numbers in their one form, no value left out.
+
+    Raises:
+        FactError: if the declarations do not allow it.
+    """
+    relation = relations.get(fact[0]) if fact and type(fact[0]) is str else None
+    if relation is None:
+        raise _undeclared(fact)
+    fact = _in_one_form(fact)
+    given, most = len(fact) - 1, relation.most
+    if given != most:
+        wrong = relation.miscount(given)
+        if wrong is not None:
+            raise FactError(f"{wrong}: {format_list(fact)}")
+        if most is not None:
+            fact = (*fact, "true")
+    return fact
+
+
+def check_prefix(prefix: Fact, relations: Mapping[str, Signature]) -> None:
+    """See that facts may begin so. Raises FactError."""
+    if not prefix or type(prefix[0]) is not str or prefix[0] not in relations:
+        raise _undeclared(prefix)
+    _in_one_form(prefix)
+
+
+def _undeclared(fact: Fact) -> FactError:
+    return FactError(f"`{fact[0] if fact else ''}` is not declared")
+
+
+def in_one_form(part: Atom) -> Atom:
+    """Return a value as it is kept: a whole float as an integer.
+
+    Raises:
+        FactError: for what is no symbol, number or string of the language.
+    """
+    if is_atom(part):
+        return number(part) if type(part) is float else part
+    if type(part) is str:
+        said = "is not a symbol; a text that is none is a `rapc.world.Text`"
+        raise FactError(f"`{part:.60}` {said}")
+    raise FactError(f"`{part}` is not a symbol, number or string")
+
+
+_known_form = lru_cache(maxsize=4096, typed=True)(in_one_form)
+"""`in_one_form`, with answers kept: handlers assert the same values again and again."""
+
+
+def _in_one_form(parts: Fact) -> Fact:
+    """Return `parts` as they are kept. Raises FactError as `in_one_form`."""
+    try:
+        return tuple(map(_known_form, parts))
+    except TypeError:  # a part cannot be hashed
+        return tuple(map(in_one_form, parts))

@@ -12,11 +12,11 @@ from __future__ import annotations
 import msgspec
 
 from rapc.base.values import Atom, Fact
-from rapc.runtime.memory.build import Assembled
 from rapc.runtime.memory.exclusions import Past
+from rapc.runtime.memory.facts import NEVER
+from rapc.runtime.memory.gate import Gate
 from rapc.runtime.memory.items import Item
 from rapc.runtime.memory.recognition.sets import Description, ExpectationSet, View
-from rapc.runtime.memory.store import NEVER
 from rapc.world import Time
 
 
@@ -80,9 +80,9 @@ class MemoryState(msgspec.Struct, frozen=True):
 # --- capturing ---------------------------------------------------------------------
 
 
-def capture_memory(parts: Assembled) -> MemoryState:
+def capture_memory(gate: Gate) -> MemoryState:
     """Return what a memory holds now."""
-    memory, recognizer = parts.memory, parts.recognizer
+    memory, recognizer = gate.memory, gate.recognizer
     items = memory.items
     sets = list(recognizer.sets.values())
     position = {home: at for at, home in enumerate(sets)}
@@ -153,14 +153,14 @@ def _members(view: View) -> tuple[int, ...]:
 # --- restoring ---------------------------------------------------------------------
 
 
-def restore_memory(parts: Assembled, state: MemoryState) -> None:
+def restore_memory(gate: Gate, state: MemoryState) -> None:
     """Make a memory hold what `state` says and nothing else; nobody is told of it.
 
     The memory is of the library that the state was captured with. Observers have to
     look at all anew; a `Notation` held from before means nothing from now on.
     """
-    memory = parts.memory
-    parts.access.drop_batch()
+    memory = gate.memory
+    gate.drop_batch()
     memory.place = state.place
     memory.facts.load(
         (name, [(f, NEVER if t is None else t) for f, t in facts])
@@ -175,7 +175,7 @@ def restore_memory(parts: Assembled, state: MemoryState) -> None:
     memory.items.load(known, state.aliases, state.gone, state.sensors, state.reach)
     found = (*known, *(_made(item) for item in state.empty))
     by_number = {d.number: d for d in found if isinstance(d, Description)}
-    _restore_sets(parts, state, by_number)
+    _restore_sets(gate, state, by_number)
 
 
 def _made(state: ItemState) -> Item:
@@ -191,9 +191,9 @@ def _made(state: ItemState) -> Item:
 
 
 def _restore_sets(
-    parts: Assembled, state: MemoryState, by_number: dict[int, Description]
+    gate: Gate, state: MemoryState, by_number: dict[int, Description]
 ) -> None:
-    recognizer = parts.recognizer
+    recognizer = gate.recognizer
     recognizer.number, recognizer.layers = state.number, state.layers
     recognizer.sets.clear()
     made = []

@@ -11,10 +11,10 @@ from collections.abc import Iterable, Mapping
 from rapc.base.values import Atom, Fact, format_list
 from rapc.language.atoms import is_atom
 from rapc.library.signatures import Signatures
-from rapc.runtime.memory.build import Assembled
-from rapc.runtime.memory.checking import full_form
 from rapc.runtime.memory.exclusions import items_of
-from rapc.runtime.memory.mentions import PREFIX
+from rapc.runtime.memory.facts import PREFIX
+from rapc.runtime.memory.gate import Gate
+from rapc.runtime.memory.memory import full_form
 from rapc.runtime.memory.saving import ItemState, MemoryState, SetState
 
 
@@ -34,13 +34,11 @@ def once(values: Iterable[object]) -> bool:
     return len(set(listed)) == len(listed)
 
 
-def validate_memory(
-    parts: Assembled, state: MemoryState, noted: Mapping[Fact, int]
-) -> None:
+def validate_memory(gate: Gate, state: MemoryState, noted: Mapping[Fact, int]) -> None:
     """Validate a saved memory.
 
     Args:
-        parts: the memory that is to be restored.
+        gate: the memory that is to be restored.
         state: the saved memory.
         noted: how many notations of methods under way each fact is.
 
@@ -48,16 +46,16 @@ def validate_memory(
         WrongRecordError: for a memory that no run has left.
     """
     notations = dict(state.notations)
-    stored = _facts(parts, state, notations)
+    stored = _facts(gate, state, notations)
     need(state.place is None or is_atom(state.place), "an unknown place")
     need(len(notations) == len(state.notations), "a notation twice")
     need(notations.keys() <= stored, "a notation that is no fact")
     counted = {fact: count for fact, count in noted.items() if fact in notations}
     need(notations == counted, "notations that no method notes")
     _names(state)
-    _mentions(parts, state, stored)
-    _sets(parts, state)
-    _values(state, stored, parts.memory.signatures)
+    _mentions(gate, state, stored)
+    _sets(gate, state)
+    _values(state, stored, gate.memory.signatures)
 
 
 _NONE: Mapping[Fact, int] = {}
@@ -66,17 +64,15 @@ _NONE: Mapping[Fact, int] = {}
 # --- facts --------------------------------------------------------------------------
 
 
-def _facts(
-    parts: Assembled, state: MemoryState, notations: Mapping[Fact, int]
-) -> set[Fact]:
+def _facts(gate: Gate, state: MemoryState, notations: Mapping[Fact, int]) -> set[Fact]:
     """Return all facts, each of which the declarations allow."""
     stored: set[Fact] = set()
     count = 0
     need(once(name for name, _ in state.facts), "a table twice")
     for name, facts in state.facts:
-        relation = parts.memory.signatures.relations.get(str(name))
+        relation = gate.memory.signatures.relations.get(str(name))
         for fact, _ in facts:
-            _check_fact(parts, fact, notations)
+            _check_fact(gate, fact, notations)
         need(all(f[0] == name for f, _ in facts), f"the table of `{name}`")
         stored.update(fact for fact, _ in facts)
         count += len(facts)
@@ -86,30 +82,28 @@ def _facts(
     return stored
 
 
-def _check_fact(
-    parts: Assembled, fact: Fact, notations: Mapping[Fact, int] = _NONE
-) -> None:
+def _check_fact(gate: Gate, fact: Fact, notations: Mapping[Fact, int] = _NONE) -> None:
     """See that a fact is one that may be asserted. Raises ValueError, as FactError."""
-    if full_form(fact, parts.memory.signatures.relations) != fact:
+    if full_form(fact, gate.memory.signatures.relations) != fact:
         raise ValueError(f"{format_list(fact)} is incomplete")
     if fact not in notations:
-        parts.access.check_kinds(fact)
+        gate.check_kinds(fact)
 
 
-def _mentions(parts: Assembled, state: MemoryState, stored: set[Fact]) -> None:
+def _mentions(gate: Gate, state: MemoryState, stored: set[Fact]) -> None:
     expected: dict[str, set[Fact]] = {}
-    for fact in stored if parts.memory.mentions is not None else ():
+    for fact in stored if gate.memory.mentions is not None else ():
         for part in fact[1:]:
             if type(part) is str and part.startswith(PREFIX):
                 expected.setdefault(part, set()).add(fact)
     found = {name: set(facts) for name, facts in state.mentions}
     need(found == expected, "facts that mention an item")
     need(all(once(facts) for _, facts in state.mentions), "a fact twice")
-    exclusions = parts.memory.exclusions
+    exclusions = gate.memory.exclusions
     need(exclusions is not None or not state.past, "assertions that exclude nothing")
     for item, past in state.past:
         for fact, _ in past:
-            _check_fact(parts, fact)
+            _check_fact(gate, fact)
             excluded = () if exclusions is None else exclusions.excluded(fact)
             need(item in items_of(excluded), f"`{item}` is not excluded")
 
@@ -171,7 +165,7 @@ def _values(state: MemoryState, stored: set[Fact], signatures: Signatures) -> No
 # --- sets ---------------------------------------------------------------------------
 
 
-def _sets(parts: Assembled, state: MemoryState) -> None:
+def _sets(gate: Gate, state: MemoryState) -> None:
     """Each description stands in the views of one set, or its place is unknown."""
     described = {i.number: i for i in (*state.items, *state.empty) if i.number}
     need(once((home.kind, home.place) for home in state.sets), "a set twice")
@@ -180,7 +174,7 @@ def _sets(parts: Assembled, state: MemoryState) -> None:
     need(all(0 < n <= state.layers for n in serials), "an unknown layer")
     homes: dict[int, SetState] = {}
     for home in state.sets:
-        need(parts.recognizer.recognises(home.kind), f"a set of `{home.kind}`")
+        need(gate.recognizer.recognises(home.kind), f"a set of `{home.kind}`")
         _check_set(home, described)
         for number in {*home.local, *(n for _, row in home.layers for n in row)}:
             need(number not in homes, f"item {number} is in two sets")

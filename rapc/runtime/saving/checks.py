@@ -47,7 +47,7 @@ def check(restored: RestoredRun) -> None:
         _check_waiting(restored)
         _check_scheduled(restored)
         noted = Tally(chain(*restored.noted.values()))
-        validate_memory(restored.machine.parts, restored.record.memory, noted)
+        validate_memory(restored.machine.access, restored.record.memory, noted)
     except (LookupError, TypeError, ValueError, RefusedError) as error:
         raise WrongRecordError(str(error)) from error
 

@@ -71,7 +71,7 @@ def capture(machine: Machine, seed: int, world: bytes) -> RunRecord:
         ),
         tested_at=monitors.tested_at,
         notations=tuple(noted),
-        memory=capture_memory(machine.parts),
+        memory=capture_memory(machine.access),
         world=world,
         resources=tuple(writer.resources),
         environments=tuple(writer.environments),

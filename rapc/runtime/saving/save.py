@@ -65,10 +65,10 @@ def restore(machine: Machine, saved: bytes) -> int:
         check(restored)
     except WrongRecordError as error:
         raise not_a_run(error) from error
-    before, noted = memory_saving.capture_memory(machine.parts), _noted(machine)
+    before, noted = memory_saving.capture_memory(machine.access), _noted(machine)
     world_before = world.save()
     try:
-        memory_saving.restore_memory(machine.parts, record.memory)
+        memory_saving.restore_memory(machine.access, record.memory)
         world.restore(record.world)
         early = machine.world.now() < record.time
     except BaseException as error:
@@ -87,7 +87,7 @@ def restore(machine: Machine, saved: bytes) -> int:
 
 def _put_back(machine: Machine, before: MemoryState, noted: _Noted) -> None:
     """Restore memory as it was, with the notations of methods."""
-    memory_saving.restore_memory(machine.parts, before)
+    memory_saving.restore_memory(machine.access, before)
     for run, facts in noted:
         run.notations = machine.memory.notations.of(facts)
 

@@ -57,28 +57,25 @@ class Agenda:
     def add(self, task: Task) -> None:
         """Add a task that has become eligible."""
         only = self._only
+        if only is None and not self._tasks:
+            self._only = task
+            return
         if only is not None:
             self._only = None
             self._insert(only)
-        elif not self._tasks:
-            self._only = task
-            return
         self._insert(task)
 
     def _insert(self, task: Task) -> None:
+        """Sort a task in by its latest start and its history as they are now."""
         wait, history = task.wait, task.history
         latest = task.limit if wait is None else task.limit - wait.duration
-        self._place(task, latest, history is not None and bool(history.failures))
+        failed = history is not None and bool(history.failures)
+        self._place(task, (-task.priority, latest, failed, task.number))
 
-    def _place(self, task: Task, latest: float, failed: bool) -> None:
-        entry = (-task.priority, latest, failed, task.number)
-        self._tasks[task.number] = task, entry
+    def _place(self, task: Task, entry: _Entry) -> None:
+        self._tasks[entry[3]] = task, entry
         insort(self._order, entry)
-        family = self._families.get(task.family)
-        if family is None:
-            self._families[task.family] = [entry]
-        else:
-            insort(family, entry)
+        insort(self._families.setdefault(task.family, []), entry)
 
     def entries(self) -> tuple[int | None, list[tuple[int, float, bool]]]:
         """Return the number of the sole task, and the others as they are sorted in.
@@ -94,7 +91,7 @@ class Agenda:
         self._only = other._only
         self._tasks, self._order, self._families = {}, [], {}
         for task, (_, latest, failed, _) in other._tasks.values():
-            self._place(task, latest, failed)
+            self._place(task, (-task.priority, latest, failed, task.number))
 
     def discard(self, task: Task) -> None:
         """Remove a task that was eligible; others are left alone."""
@@ -105,9 +102,9 @@ class Agenda:
 
     def _take_out(self, number: int) -> Task:
         task, entry = self._tasks.pop(number)
-        family = self._families[task.family]
-        for entries in (self._order, family):
-            del entries[bisect_left(entries, entry)]
+        order, family = self._order, self._families[task.family]
+        del order[bisect_left(order, entry)]
+        del family[bisect_left(family, entry)]
         if not family:
             del self._families[task.family]
         return task

@@ -49,7 +49,10 @@ def choose(machine: Machine, task: Task, asked: bool = False) -> Choice | None:
     if repeat is not None and not (asked or repeat.holds(context, env)):
         return None
     holding: list[Held] = []
-    for method in machine.state.methods(plan):
+    methods = plan.methods
+    if machine.state.added_methods:
+        methods = machine.state.methods(plan)
+    for method in methods:
         found: Env | None
         if method.otherwise and holding:
             found = None

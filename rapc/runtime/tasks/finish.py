@@ -42,8 +42,6 @@ from rapc.world import OKAY
 _Received = tuple[Env, Sequence[Change]]
 """What the success of a step binds in its method, and what it changes."""
 
-_NOTHING: _Received = ({}, ())
-
 # --- good endings ----------------------------------------------------------------
 
 
@@ -55,16 +53,16 @@ def succeed(machine: Machine, task: Task, found: Env) -> None:
     """
     plan, step, run = task.plan, task.step, task.within
     outputs = _outputs(task, found) if plan.outputs else {}
+    received: _Received | None = None
     if step is None or run is None:
         given = machine.state.live_top[task.number]
         given.outcome, given.outputs = OKAY, outputs
-        received: _Received | None = _NOTHING
-    else:
-        brings = step.has_results
-        received = _received(machine, run, step, outputs) if brings else _NOTHING
-    if received is None:
-        fail(machine, task, INTERFERENCE, causes.of_step_end(machine, task, outputs))
-        return
+    elif step.has_results:
+        received = _received(machine, run, step, outputs)
+        if received is None:
+            because = causes.of_step_end(machine, task, outputs)
+            fail(machine, task, INTERFERENCE, because)
+            return
     task.state = ENDED
     if step is None or task.wait is not None or machine.waits:
         unregister(machine, task)
@@ -78,12 +76,20 @@ def succeed(machine: Machine, task: Task, found: Env) -> None:
         )
     if plan.finish_rules:
         run_finish_rules(machine, task, OKAY, outputs)
-    if step is None or run is None:
-        return
-    bound, changes = received
-    run.env.update(bound)
-    for change in changes:
-        carry_out(machine, task, change)
+    if run is not None and step is not None:
+        _finish_step(machine, run, step, received)
+
+
+def _finish_step(
+    machine: Machine, run: MethodRun, step: StepPlan, received: _Received | None
+) -> None:
+    """Bring a method what it has `received`; release what follows, or end it."""
+    bound: Env = {}
+    if received is not None:
+        bound, changes = received
+        run.env.update(bound)
+        for change in changes:
+            carry_out(machine, run.steps[step.position], change)
     run.steps_left -= 1
     following = step.after
     if run.ends is not None:

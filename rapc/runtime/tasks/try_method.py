@@ -18,7 +18,6 @@ from rapc.runtime.tasks import causes, method_causes
 from rapc.runtime.tasks.choose import Key, choice_key, choose
 from rapc.runtime.tasks.finish import end_method, fail
 from rapc.runtime.tasks.hold_things import (
-    HOLDS,
     UNFILLED,
     WAITS,
     can_claim,
@@ -60,9 +59,13 @@ def try_method(machine: Machine, task: Task) -> None:
         if repeating is not None:
             fail(machine, task, FUTILE_LOOP, causes.of_recursion(machine, repeating))
             return
-    come = hold_or_wait(machine, run, others) if method.things else HOLDS
-    if come is not WAITS:
-        start_method(machine, run, come is UNFILLED)
+    unfilled = False
+    if method.things:
+        come = hold_or_wait(machine, run, others)
+        if come is WAITS:
+            return
+        unfilled = come is UNFILLED
+    start_method(machine, run, unfilled)
 
 
 def _note_choice(machine: Machine, task: Task, key: Key) -> bool:

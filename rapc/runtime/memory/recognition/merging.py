@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rapc.base.values import Atom, Fact
+from rapc.runtime.memory.facts import NEVER
 from rapc.runtime.memory.memory import Memory
 from rapc.runtime.memory.recognition.sets import UNKNOWN, Description
-from rapc.runtime.memory.store import NEVER
 from rapc.world import Time
 
 

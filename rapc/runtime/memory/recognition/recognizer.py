@@ -58,8 +58,8 @@ from collections.abc import Callable, Collection
 from rapc.base.values import Atom, Fact
 from rapc.events import ItemIntroduced, ItemLost, ItemMoved
 from rapc.runtime.events.recorder import Recorder
+from rapc.runtime.memory.facts import PREFIX
 from rapc.runtime.memory.memory import REPLACED, STORED, Memory
-from rapc.runtime.memory.mentions import PREFIX
 from rapc.runtime.memory.recognition import departure, merging
 from rapc.runtime.memory.recognition.item_events import ItemEvents
 from rapc.runtime.memory.recognition.matching import Match, best_match
@@ -120,16 +120,15 @@ class Recognizer:
 
     def fact_changed(self, fact: Fact, how: str) -> None:
         """Learn what a fact says of a description; its set then is to be settled."""
-        mentions = self._memory.mentions
-        if mentions is not None:
-            if how == STORED:
-                mentions.added(fact)
-            else:
-                mentions.removed(fact)
-        if how == REPLACED:
+        there, mentions = how == STORED, self._memory.mentions
+        assert mentions is not None
+        if there:
+            mentions.added(fact)
+        else:
+            mentions.removed(fact)
+        if how == REPLACED or len(fact) < 3:
             return
-        there = how == STORED
-        item = self._memory.items.known.get(str(fact[1])) if len(fact) > 2 else None
+        item = self._memory.items.known.get(str(fact[1]))
         if not isinstance(item, Description) or fact[0] == "location":
             return
         if fact[0] == "class" and fact[2] == item.kind:

@@ -8,8 +8,7 @@ from hypothesis import strategies as st
 from rapc.base.values import Atom, Fact
 from rapc.library.loader import load_text
 from rapc.library.signatures import Signatures
-from rapc.runtime.memory.mentions import Mentions
-from rapc.runtime.memory.store import FactStore
+from rapc.runtime.memory.facts import FactStore, Mentions
 from tests.effort import examples
 
 RELATIONS = Signatures.of(
@@ -65,11 +64,11 @@ def test_the_store_says_what_a_list_says(data: st.DataObject) -> None:
     for time in range(data.draw(st.integers(1, 25))):
         fact = data.draw(facts())
         if fact in plain.stamps and data.draw(st.booleans()):
-            store.remove(fact)
+            store.table(fact[0]).remove(fact)
             del plain.stamps[fact]
             mentions.removed(fact)
         else:
-            replaced = store.add(fact, time)
+            replaced = store.table(fact[0]).add(fact, time)
             assert replaced == plain.add(fact, time)
             if replaced is not None:
                 mentions.removed(replaced)

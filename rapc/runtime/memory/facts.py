@@ -3,11 +3,15 @@
 Every index keeps its facts in the order of their last assertion, so whichever index
 a query takes, answers come in one order [L 2.11, 2.13]. Whether a fact may be
 asserted is for `rapc.runtime.memory.memory` to say.
+
+`Mentions` finds the facts that speak of an item. What becomes of these facts when items
+turn out to be one, or are forgotten, is for `rapc.runtime.memory.recognition.merging`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from functools import lru_cache
 from typing import Any
 
 from rapc.base.values import Atom, Fact
@@ -16,6 +20,9 @@ from rapc.world import Time
 
 NEVER: Time = float("-inf")
 """The stamp of what was never asserted: older than any (docs/memory.md)."""
+
+PREFIX = "item-"
+"""How the memory names of items of indistinct classes begin."""
 
 Bucket = dict[Fact, None]
 """The facts that have one value in one place, oldest assertion first."""
@@ -68,6 +75,45 @@ class FactTable:
         found = [self.index(at).get(value, {}) for at, value in built or known[:1]]
         return min(found, key=len)
 
+    def add(self, fact: Fact, time: Time) -> Fact | None:
+        """Store or refresh a fact; the fact it replaces is removed and returned."""
+        stamps, replaced = self.stamps, None
+        if fact in stamps:
+            del stamps[fact]
+            self._leave(fact)
+        elif self.is_property:
+            index = fact[1] if len(fact) == 3 else fact[1:-1]
+            replaced = self.values.get(index)
+            if replaced is not None:
+                del stamps[replaced]
+                self._leave(replaced)
+            self.values[index] = fact
+        stamps[fact] = time
+        for at, buckets in self.spread:
+            if at < len(fact):
+                bucket = buckets.get(fact[at])
+                if bucket is None:
+                    buckets[fact[at]] = {fact: None}
+                else:
+                    bucket[fact] = None
+        return replaced
+
+    def remove(self, fact: Fact) -> None:
+        """Remove a fact that is there."""
+        del self.stamps[fact]
+        if self.is_property:
+            del self.values[fact[1] if len(fact) == 3 else fact[1:-1]]
+        self._leave(fact)
+
+    def _leave(self, fact: Fact) -> None:
+        for at, buckets in self.spread:
+            if at < len(fact):
+                bucket = buckets[fact[at]]
+                if len(bucket) == 1:
+                    del buckets[fact[at]]
+                else:
+                    del bucket[fact]
+
     def load(self, facts: Iterable[tuple[Fact, Time]]) -> None:
         """Hold these facts and no others, oldest assertion first.
 
@@ -78,12 +124,7 @@ class FactTable:
         for buckets in self._indexes.values():
             buckets.clear()
         for fact, time in facts:
-            self.stamps[fact] = time
-            if self.is_property:
-                self.values[fact[1] if len(fact) == 3 else fact[1:-1]] = fact
-            for at, buckets in self.spread:
-                if at < len(fact):
-                    buckets.setdefault(fact[at], {})[fact] = None
+            self.add(fact, time)
 
 
 class FactStore:
@@ -133,51 +174,6 @@ class FactStore:
             return None
         return table.values.get(index[1] if len(index) == 2 else index[1:])
 
-    def add(self, fact: Fact, time: Time) -> Fact | None:
-        """Store or refresh a fact; the fact it replaces is removed and returned."""
-        table = self.tables.get(fact[0])
-        if table is None:
-            table = self.table(fact[0])
-        stamps = table.stamps
-        replaced = None
-        if fact in stamps:
-            del stamps[fact]
-            self._leave(table, fact)
-        elif table.is_property:
-            index = fact[1] if len(fact) == 3 else fact[1:-1]
-            replaced = table.values.get(index)
-            if replaced is not None:
-                del stamps[replaced]
-                self._leave(table, replaced)
-            table.values[index] = fact
-        stamps[fact] = time
-        for at, buckets in table.spread:
-            if at < len(fact):
-                bucket = buckets.get(fact[at])
-                if bucket is None:
-                    buckets[fact[at]] = {fact: None}
-                else:
-                    bucket[fact] = None
-        return replaced
-
-    def remove(self, fact: Fact) -> None:
-        """Remove a fact that is there."""
-        table = self.tables[fact[0]]
-        del table.stamps[fact]
-        if table.is_property:
-            del table.values[fact[1] if len(fact) == 3 else fact[1:-1]]
-        if table.spread:
-            self._leave(table, fact)
-
-    def _leave(self, table: FactTable, fact: Fact) -> None:
-        for at, buckets in table.spread:
-            if at < len(fact):
-                bucket = buckets[fact[at]]
-                if len(bucket) == 1:
-                    del buckets[fact[at]]
-                else:
-                    del bucket[fact]
-
     def starting(self, prefix: Fact) -> list[Fact]:
         """The facts that start with a prefix, oldest first."""
         table = self.tables.get(prefix[0])
@@ -206,3 +202,48 @@ class FactStore:
             for fact in table.bucket(known)
             if len(fact) == size and all(fact[at] == v for at, v in known)
         ]
+
+
+@lru_cache(maxsize=4096)
+def _is_item(part: Atom) -> bool:
+    """Return whether a value is the name of an item of an indistinct class."""
+    return isinstance(part, str) and part.startswith(PREFIX)
+
+
+class Mentions:
+    """The facts in memory by the items that stand in their arguments.
+
+    Facts of all names stand in one order, that of their last assertion.
+    """
+
+    __slots__ = ("_facts",)
+
+    def __init__(self) -> None:
+        self._facts: dict[Atom, dict[Fact, None]] = {}
+
+    def added(self, fact: Fact) -> None:
+        """Enter a fact that was asserted, perhaps again: now it is the youngest."""
+        for part in filter(_is_item, fact[1:]):
+            known = self._facts.setdefault(part, {})
+            known.pop(fact, None)
+            known[fact] = None
+
+    def removed(self, fact: Fact) -> None:
+        """Strike a fact out that is no longer there."""
+        for part in filter(_is_item, fact[1:]):
+            known = self._facts.get(part, {})
+            known.pop(fact, None)
+            if not known:
+                self._facts.pop(part, None)
+
+    def state(self) -> tuple[tuple[str, tuple[Fact, ...]], ...]:
+        """Return the facts by item, as `load` takes them."""
+        return tuple((str(name), tuple(facts)) for name, facts in self._facts.items())
+
+    def load(self, state: Iterable[tuple[str, Iterable[Fact]]]) -> None:
+        """Hold the facts that `state` returned, and no others."""
+        self._facts = {name: dict.fromkeys(facts) for name, facts in state}
+
+    def of(self, name: str) -> list[Fact]:
+        """Return the facts that mention an item, oldest first, each once."""
+        return list(self._facts.get(name, ()))
