@@ -20,8 +20,6 @@ class RequestPlan:
     `bare` is all of it where there are no arguments.
     """
 
-    __slots__ = ("args", "bare", "name", "node", "where")
-
     def __init__(
         self, node: nodes.Pattern, args: Sequence[nodes.Term], where: str
     ) -> None:

@@ -17,24 +17,6 @@ from rapc.ir.walk import variable_names
 class StepPlan:
     """A step of a task-net: what its task asks for, and how it is ordered."""
 
-    __slots__ = (
-        "after",
-        "args",
-        "before",
-        "computes",
-        "conditions",
-        "effects",
-        "has_results",
-        "has_timing",
-        "node",
-        "outputs",
-        "position",
-        "priority",
-        "until",
-        "waits",
-        "windows",
-    )
-
     def __init__(self, compiler: Compiler, node: nodes.Step, position: int) -> None:
         self.node = node
         self.position = position
@@ -63,8 +45,6 @@ class StepPlan:
 class OutputTarget:
     """What a value that arrives meets: it binds a variable or is compared."""
 
-    __slots__ = ("anonymous", "term", "variable")
-
     def __init__(self, term: nodes.Term, where: str) -> None:
         self.term = TermValue(term, where)
         self.variable = term.name if isinstance(term, nodes.Var) else None
@@ -73,8 +53,6 @@ class OutputTarget:
 
 class WaitPlan:
     """A `wait-for` of a step: the signal, what it brings, and what it does."""
-
-    __slots__ = ("args", "mode", "pattern", "signal")
 
     def __init__(self, node: nodes.WaitFor, where: str) -> None:
         self.signal = node.signal
@@ -89,8 +67,6 @@ class WindowPlan:
     `uses` are the variables in its times.
     """
 
-    __slots__ = ("reference", "start", "stop", "uses")
-
     def __init__(self, reference: str | int, start: TermValue, stop: TermValue) -> None:
         self.reference = reference
         self.start = start
@@ -100,8 +76,6 @@ class WindowPlan:
 
 class EffectPlan:
     """An effect of a step on a resource."""
-
-    __slots__ = ("amount", "node", "resource")
 
     def __init__(self, compiler: Compiler, node: nodes.ResourceChange) -> None:
         where = compiler.place(f"effect `{node.op}`", node.span)

@@ -24,8 +24,6 @@ from rapc.ir.walk import substitute, variable_names
 class ThingPlan:
     """A thing to be filled in; `used` by the request itself, or else claimed."""
 
-    __slots__ = ("plan", "used")
-
     def __init__(self, plan: RequestPlan, used: bool) -> None:
         self.plan = plan
         self.used = used
@@ -74,8 +72,6 @@ def _requests(method: nodes.Method) -> tuple[nodes.Pattern, ...]:
 class UsesPlan:
     """What a skill uses, over the arguments of its declaration."""
 
-    __slots__ = ("args", "things")
-
     def __init__(self, compiler: Compiler, name: str) -> None:
         declared = compiler.library.skills.get(name)
         #: The names of the declared arguments.
@@ -90,8 +86,6 @@ class UsesPlan:
 
 class ActivationPlan:
     """A set of skills that are to be on together."""
-
-    __slots__ = ("background", "events", "skills", "uses", "waits")
 
     def __init__(
         self,
@@ -139,33 +133,6 @@ def activation_of(compiler: Compiler, method: nodes.Method) -> ActivationPlan | 
 
 class MethodPlan:
     """A method of a RAP, ready to be chosen and carried out."""
-
-    __slots__ = (
-        "activation",
-        "binds",
-        "choice",
-        "computes",
-        "conditions",
-        "constrains",
-        "constraints",
-        "first_steps",
-        "gives_back",
-        "index",
-        "key",
-        "makes",
-        "name",
-        "node",
-        "notations",
-        "otherwise",
-        "raps",
-        "request",
-        "size",
-        "steps",
-        "steps_by_variable",
-        "things",
-        "tracks_step_ends",
-        "windows",
-    )
 
     def __init__(
         self, compiler: Compiler, rap: nodes.DefineRap, node: nodes.Method, index: int
@@ -245,38 +212,6 @@ class MethodPlan:
 
 class RapPlan:
     """A RAP ready to be instantiated."""
-
-    __slots__ = (
-        "ages",
-        "clauses",
-        "conditional",
-        "constraints",
-        "duration",
-        "event_rules",
-        "finish_rules",
-        "identity",
-        "inputs",
-        "methods",
-        "monitor_state",
-        "monitor_time",
-        "monitored",
-        "name",
-        "needs_setup",
-        "needs_wait_state",
-        "never_succeeds",
-        "node",
-        "outputs",
-        "preconditions",
-        "prepared_from",
-        "recursive",
-        "repeat_while",
-        "resources",
-        "static_identity",
-        "steady",
-        "succeed",
-        "tells_end",
-        "watches",
-    )
 
     def __init__(self, compiler: Compiler, node: nodes.DefineRap) -> None:
         self.node = node

@@ -13,8 +13,6 @@ from rapc.ir import nodes
 class ActionPlan:
     """`(mem-add p)` or `(mem-del prefix)`, to be filled in."""
 
-    __slots__ = ("adds", "plan")
-
     def __init__(self, compiler: Compiler, node: nodes.RuleAction) -> None:
         self.adds = node.op == "mem-add"
         self.plan: RequestPlan = compiler.assertion(node.pattern, node.op)
@@ -22,8 +20,6 @@ class ActionPlan:
 
 class AlternativePlan:
     """A query of a rule, None where it is always true, with its actions."""
-
-    __slots__ = ("actions", "query", "row")
 
     def __init__(self, compiler: Compiler, node: nodes.Alternative) -> None:
         self.query: Query | None = None
@@ -34,24 +30,21 @@ class AlternativePlan:
         self.row = compiler.row(node.span)
 
 
-class RulesPlan:
-    """The rules behind one pattern: each is its alternatives."""
+RulesPlan = tuple[tuple[AlternativePlan, ...], ...]
+"""The rules behind one pattern: each is its alternatives."""
 
-    __slots__ = ("rules",)
 
-    def __init__(self, compiler: Compiler, rules: Iterable[nodes.Rule]) -> None:
-        self.rules = tuple(
-            [
-                tuple([AlternativePlan(compiler, one) for one in rule.alternatives])
-                for rule in rules
-            ]
-        )
+def _rules(compiler: Compiler, rules: Iterable[nodes.Rule]) -> RulesPlan:
+    return tuple(
+        [
+            tuple([AlternativePlan(compiler, one) for one in rule.alternatives])
+            for rule in rules
+        ]
+    )
 
 
 class Matched:
     """A pattern that values are held against: a name, and a term for each."""
-
-    __slots__ = ("args", "name")
 
     def __init__(
         self, compiler: Compiler, name: str, args: Iterable[nodes.Term], what: str
@@ -63,8 +56,6 @@ class Matched:
 class CasePlan:
     """One case of a `match-result`: its pattern and its rules."""
 
-    __slots__ = ("rules", "signal", "symbol", "variable")
-
     def __init__(self, compiler: Compiler, node: nodes.ResultCase) -> None:
         result = node.result
         #: What it matches: a result, any of them (bound to a variable), or a signal.
@@ -75,13 +66,11 @@ class CasePlan:
         self.signal: Matched | None = None
         if isinstance(result, nodes.Signal):
             self.signal = matched_signal(compiler, result.name, result)
-        self.rules = RulesPlan(compiler, node.rules)
+        self.rules = _rules(compiler, node.rules)
 
 
 class MemoryRulePlan:
     """A rule of a RAP: its index, and a case for each result or event."""
-
-    __slots__ = ("cases", "inputs", "outputs")
 
     def __init__(self, compiler: Compiler, node: nodes.MemoryRule) -> None:
         where = compiler.place("memory rule", node.span)
@@ -94,11 +83,9 @@ class MemoryRulePlan:
 class EventRulePlan:
     """A rule of no RAP, run whenever its signal comes."""
 
-    __slots__ = ("rules", "signal")
-
     def __init__(self, compiler: Compiler, node: nodes.EventRule) -> None:
         self.signal = matched_signal(compiler, node.signal, node)
-        self.rules = RulesPlan(compiler, node.rules)
+        self.rules = _rules(compiler, node.rules)
 
 
 def matched_signal(

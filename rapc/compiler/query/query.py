@@ -124,17 +124,6 @@ class Query:
         is_whole: whether it is no part of another question, within whose bound it is.
     """
 
-    __slots__ = (
-        "_beginnings",
-        "_elsewhere",
-        "_is_whole",
-        "_signatures",
-        "_variants",
-        "formula",
-        "variables",
-        "where",
-    )
-
     def __init__(
         self,
         formula: nodes.Formula,

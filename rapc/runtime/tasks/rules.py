@@ -133,7 +133,7 @@ def _match(
 def _run(
     machine: Machine, task: Task | None, plan: RulesPlan, env: Env, what: str | Fact
 ) -> None:
-    for rule in plan.rules:
+    for rule in plan:
         for alternative in rule:
             machine.context.task = task
             found: Env | None = {}
