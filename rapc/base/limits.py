@@ -37,3 +37,6 @@ MAX_SUGGESTIONS = 50
 
 MAX_COMPARED = 60
 """Characters of names compared for slips: nobody compares longer ones by eye."""
+
+MAX_REASON = 200
+"""Characters of the reason why a compiled library cannot be decoded."""

@@ -95,14 +95,10 @@ def _writer(kind: type[nodes.Node]) -> Write:
 def _by_rule(rule: str, kind: type[nodes.Node]) -> Write:
     """Return what writes nodes of a kind as their rule has them."""
     known = parts(rule, kind)
-    operands = OPERANDS_OF.get(kind) or _in_order(fields(kind, known))
+    names = fields(kind, known)
+    operands = OPERANDS_OF.get(kind, lambda node: [getattr(node, n) for n in names])
     writes = [_part(part, kind, known) for part in known]
     return _row(rule, writes, operands)
-
-
-def _in_order(names: Sequence[str]) -> Callable[[Any], Iterable[Any]]:
-    """Return what takes the values of some fields from a node."""
-    return lambda node: [getattr(node, name) for name in names]
 
 
 _WritePart = Callable[[Any, Iterator[Any], Bindings | None], Row]
@@ -190,8 +186,10 @@ def _of_shape(shape: Shape) -> Write:
 
 def _plain(shape: Shape) -> Write:
     """Return what writes values that are no nodes: names, numbers, words, rows."""
+    if isinstance(shape, str) and is_rule(shape):
+        return _whole(shape) if RULES[shape][0] == "seq" else _listed(shape)
     if isinstance(shape, str):
-        return _plain_leaf(shape)
+        return _text if shape in ("STRING", "FILE") else _any
     kind, *inner = shape
     if kind in ("*", "+"):
         write = _of_shape(inner[0])
@@ -202,17 +200,13 @@ def _plain(shape: Shape) -> Write:
     return made(shape) if made is not None else _any
 
 
-def _plain_leaf(leaf: str) -> Write:
-    if is_rule(leaf):
-        return _whole(leaf) if RULES[leaf][0] == "seq" else _listed(leaf)
-    return _text if leaf in ("STRING", "FILE") else _any
-
-
 def _plain_choice(choices: Sequence[Shape]) -> Write:
     """Return what writes one of several words, or an atom of one of several kinds."""
     if all(map(is_word, choices)):
         colon = ":" * (_word(choices[0])[0] == ":")
-        return lambda value, bindings: (f"{colon}{_said(value)}",)
+        return lambda value, bindings: (
+            f"{colon}{str(value).lower() if isinstance(value, bool) else value}",
+        )
     return _name_or_text if "STRING" in choices and "SYMBOL" not in choices else _any
 
 
@@ -268,10 +262,6 @@ def _word(shape: Shape) -> str:
     return str(shape)[1:-1]
 
 
-def _said(value: Any) -> str:
-    return str(value).lower() if isinstance(value, bool) else str(value)
-
-
 def _text(value: Any, bindings: Bindings | None) -> Row:
     return (format_atom(Text(value)),)
 
@@ -294,20 +284,8 @@ def _term(term: nodes.Term, bindings: Bindings | None) -> Tree:
     return (term.function, *[_term(arg, bindings) for arg in term.args])
 
 
-def _of_term(node: nodes.Term, bindings: Bindings | None) -> Row:
-    return (_term(node, bindings),)
-
-
 def _pattern(node: nodes.Pattern, bindings: Bindings | None) -> Row:
     return ((node.name, *[_term(arg, bindings) for arg in node.args]),)
-
-
-def _thing(node: nodes.Thing, bindings: Bindings | None) -> Row:
-    return _pattern(node, bindings) if node.args else (node.name,)
-
-
-def _truth(node: nodes.Truth, bindings: Bindings | None) -> Row:
-    return ("true" if node.value else "false",)
 
 
 def _effect(node: nodes.DeclaredEffect, bindings: Bindings | None) -> Row:
@@ -319,10 +297,6 @@ def _effect(node: nodes.DeclaredEffect, bindings: Bindings | None) -> Row:
 def _argument(node: nodes.Argument, bindings: Bindings | None) -> Row:
     name = node.variable.name
     return (name,) if node.kind is None else ((name, node.kind),)
-
-
-def _variable_kind(node: nodes.VariableKind, bindings: Bindings | None) -> Row:
-    return ((node.variable, node.kind),)
 
 
 def _comparator(node: nodes.DeclareComparator, bindings: Bindings | None) -> Row:
@@ -354,26 +328,27 @@ def _event(node: nodes.EventPattern, bindings: Bindings | None) -> Row:
     return ((node.event, *[tree for key in keys for tree in key]),)
 
 
-def _list_pattern(node: nodes.ListPattern, bindings: Bindings | None) -> Row:
-    return (tuple(_all(node.items, bindings)),)
-
-
 _BY_HAND: Mapping[type, Callable[[Any, Bindings | None], Row]] = {
-    **dict.fromkeys((nodes.Const, nodes.Var, nodes.Call), _of_term),
+    **dict.fromkeys(
+        (nodes.Const, nodes.Var, nodes.Call),
+        lambda node, bindings: (_term(node, bindings),),
+    ),
     **dict.fromkeys(
         (nodes.Proposition, nodes.Request, nodes.Signal, nodes.Skill, nodes.Datum),
         _pattern,
     ),
-    nodes.Thing: _thing,
-    nodes.Truth: _truth,
+    nodes.Thing: lambda node, bindings: (
+        _pattern(node, bindings) if node.args else (node.name,)
+    ),
+    nodes.Truth: lambda node, _: ("true" if node.value else "false",),
     nodes.DeclaredEffect: _effect,
     nodes.Argument: _argument,
-    nodes.VariableKind: _variable_kind,
+    nodes.VariableKind: lambda node, _: ((node.variable, node.kind),),
     nodes.DeclareComparator: _comparator,
     nodes.ComparatorRow: _comparator_row,
     nodes.Skills: _skills,
     nodes.Until: _until,
     nodes.EventPattern: _event,
-    nodes.ListPattern: _list_pattern,
+    nodes.ListPattern: lambda node, bindings: (tuple(_all(node.items, bindings)),),
 }
 """What writes nodes that no shape tells how to write."""

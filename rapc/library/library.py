@@ -97,7 +97,7 @@ class Library(msgspec.Struct, frozen=True):
     tests: tuple[DefineTest, ...] = ()
 
 
-KINDS: Mapping[type, tuple[str, str, str]] = {
+KINDS: Mapping[type[nodes.Node], tuple[str, str, str]] = {
     nodes.DefineRap: ("raps", "RAP", "RAP"),
     nodes.DeclareProposition: ("propositions", "predicate", "proposition"),
     nodes.DeclareProperty: ("properties", "predicate", "property"),
@@ -113,7 +113,7 @@ KINDS: Mapping[type, tuple[str, str, str]] = {
 }
 """For each kind of definition: its field, the space its names share, its word."""
 
-_SEQUENCES: Mapping[type, str] = {
+SEQUENCES: Mapping[type[nodes.Node], str] = {
     nodes.DeclareComparator: "comparators",
     nodes.MemoryRule: "memory_rules",
     nodes.EventRule: "event_rules",
@@ -130,7 +130,7 @@ def link(units: Sequence[SourceUnit]) -> tuple[Library, tuple[Diagnostic, ...]]:
     forms = tuple(form for unit in units for form in unit.forms)
     tests = tuple(test for unit in units for test in unit.tests)
     fields: dict[str, Any] = {field: {} for field, _, _ in KINDS.values()}
-    sequences: dict[str, list[Named]] = {field: [] for field in _SEQUENCES.values()}
+    sequences: dict[str, list[Named]] = {field: [] for field in SEQUENCES.values()}
     taken: dict[tuple[str, ...], Named] = {}
     found: list[Diagnostic] = []
     for form in (*forms, *tests):
@@ -144,7 +144,7 @@ def link(units: Sequence[SourceUnit]) -> tuple[Library, tuple[Diagnostic, ...]]:
             fields[field][name] = form
             if name in _RESERVED.get(space, ()):
                 found.append(_builtin(files, form))
-        elif (field_ := _SEQUENCES.get(type(form))) is not None:
+        elif (field_ := SEQUENCES.get(type(form))) is not None:
             sequences[field_].append(form)
     fields.update((field, tuple(rows)) for field, rows in sequences.items())
     return Library(**fields, files=files, forms=forms, tests=tests), tuple(found)

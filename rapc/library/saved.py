@@ -23,6 +23,7 @@ from typing import Any, NamedTuple
 import msgspec
 
 from rapc.base.files import COMPILED
+from rapc.base.limits import MAX_REASON
 from rapc.base.source import SourceFile
 from rapc.base.version import VERSION
 from rapc.errors import SavedError
@@ -38,7 +39,6 @@ from rapc.parser.unit import SourceUnit
 FORMAT = 5
 """The version of the format; a change of the IR is one of the format."""
 
-_MOST_SAID = 200
 _HEAD = re.compile(rb"rapc-library (\d{1,9}) ([!-~]{1,40}) ([0-9a-f]{64})\n")
 
 
@@ -326,7 +326,7 @@ def _decode(data: memoryview | msgspec.Raw, kind: Any) -> Any:
     try:
         return _decoder(kind).decode(data)
     except (msgspec.DecodeError, UnicodeDecodeError) as error:
-        reason = ascii(str(error))[1:-1][:_MOST_SAID]
+        reason = ascii(str(error))[1:-1][:MAX_REASON]
         raise _WrongError(f"holds what no library has: {reason}") from None
 
 

@@ -209,7 +209,8 @@ class Context:
             word,
             help=f"did you mean `{meant}`?"
             if meant
-            else _MISPLACED.get((what, word.name)) or _listing(options),
+            else _MISPLACED.get((what, word.name))
+            or "known are " + ", ".join(f"`{option}`" for option in options),
             fix=self.replace(word, meant, sure=False) if meant else None,
         )
         return meant
@@ -217,10 +218,6 @@ class Context:
 
 def _fix(sure: bool, message: str, edits: tuple[Edit, ...]) -> Fix:
     return Fix(Applicability.SAFE if sure else Applicability.UNSAFE, message, edits)
-
-
-def _listing(options: tuple[str, ...]) -> str:
-    return "known are " + ", ".join(f"`{option}`" for option in options)
 
 
 def kind_of(datum: Datum) -> str:
