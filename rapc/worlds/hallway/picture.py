@@ -99,11 +99,7 @@ def floor_plan(simulation: Simulation, floor: int) -> Plan:
         tuple(walls),
         tuple(box.box for box in map.obstacle if box.floor == floor),
         tuple(_doors(simulation, floor)),
-        tuple(
-            Mark(sign.landmark, (sign.x, sign.y), _known(sign.landmark))
-            for sign in simulation.signs
-            if sign.floor == floor
-        ),
+        tuple(_marks(simulation, floor)),
         tuple((w.x, w.y) for w in state.walkers if w.floor == floor),
         (body.x, body.y, body.heading) if here else None,
         _echoes(simulation) if here else (),
@@ -111,9 +107,12 @@ def floor_plan(simulation: Simulation, floor: int) -> Plan:
     )
 
 
-def _known(mark: str) -> tuple[str | None, ...]:
-    """Return the fact by which memory knows a landmark, None for all else it says."""
-    return ("location-data", mark, None, None, None, None)
+def _marks(simulation: Simulation, floor: int) -> Iterator[Mark]:
+    """Yield the landmarks, each with the fact by which memory knows it."""
+    for sign in simulation.signs:
+        if sign.floor == floor:
+            known = ("location-data", sign.landmark, None, None, None, None)
+            yield Mark(sign.landmark, (sign.x, sign.y), known)
 
 
 def _doors(simulation: Simulation, floor: int) -> Iterator[Door]:

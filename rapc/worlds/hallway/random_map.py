@@ -67,18 +67,11 @@ class _Builder:
                 rooms.append(self._room((left, bottom, right, top), hall, wall))
             self._join(rooms)
         start = self.landmarks[0]
-        people = tuple(
-            Person(name, round(rng.uniform(0.5, 1.0), 2))
-            for name in ("south-hall", "north-hall", "east-hall")
-        )
-        return Map(
-            tuple(self.spaces),
-            tuple(self.doorways),
-            start.name,
-            tuple(self.landmarks),
-            tuple(self.obstacles),
-            people,
-        )
+        halls = ("south-hall", "north-hall", "east-hall")
+        people = [Person(name, round(rng.uniform(0.5, 1.0), 2)) for name in halls]
+        spaces, doorways = tuple(self.spaces), tuple(self.doorways)
+        rest = tuple(self.landmarks), tuple(self.obstacles), tuple(people)
+        return Map(spaces, doorways, start.name, *rest)
 
     def _ring(self, wide: float, high: float) -> None:
         """Four hallways with a doorway at each corner."""
@@ -117,16 +110,10 @@ class _Builder:
         hung: Side = self.rng.choice([far, *others]) if top - bottom < 6 else far
         low, high = (bottom, top) if hung in others else (left, right)
         place = self.rng.uniform(low + CORNER, high - CORNER)
-        self.landmarks.append(
-            Landmark(
-                f"mark-{len(self.landmarks) + 1}",
-                room.name,
-                hung,
-                round(place, 2),
-                self._pair(),
-                charger=not self.landmarks,
-            )
-        )
+        name, first = f"mark-{len(self.landmarks) + 1}", not self.landmarks
+        at, tags = round(place, 2), self._pair()
+        mark = Landmark(name, room.name, hung, at, tags, charger=first)
+        self.landmarks.append(mark)
         if self.rng.random() < 0.4:
             half, x, y = self.rng.uniform(0.3, 0.5), left + right, bottom + top
             middle = (x / 2 - half, y / 2 - half, x / 2 + half, y / 2 + half)

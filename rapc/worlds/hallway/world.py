@@ -46,13 +46,8 @@ OPTIONS = (
 )
 
 
-FUNCTIONS: Callables = {
-    "turn-between": turn_between,
-    "far-from": far_from,
-    "new-x": new_x,
-    "new-y": new_y,
-    "heading-to": heading_to,
-}
+_OF_THE_PLANE = (turn_between, far_from, new_x, new_y, heading_to)
+FUNCTIONS: Callables = {f.__name__.replace("_", "-"): f for f in _OF_THE_PLANE}
 
 
 class Figures(msgspec.Struct, frozen=True):
@@ -110,26 +105,19 @@ class HallwayWorld(SkillWorld):
 
     def ended(self) -> str | None:
         """Return why the run is over: an empty battery, nothing else."""
-        return "the battery is empty" if self._battery <= 0 else None
-
-    @property
-    def _battery(self) -> float:
-        return self.simulation.state.robot.battery
+        left = self.simulation.state.robot.battery
+        return "the battery is empty" if left <= 0 else None
 
     def figures(self) -> Figures:
         """Return what was true so far."""
         state = self.simulation.state
         body, own = state.robot, [c for c in state.collisions if c.what != "push"]
         off = math.hypot(body.x - body.reckoned_x, body.y - body.reckoned_y)
-        return Figures(
-            state.space,
-            body.floor,
-            number(round(body.distance, 2)),
-            len(own),
-            number(round(max((c.speed for c in own), default=0.0), 3)),
-            number(round(off, 2)),
-            number(round(body.battery, 1)),
-        )
+        fastest = max((one.speed for one in own), default=0.0)
+        driven, fastest = number(round(body.distance, 2)), number(round(fastest, 3))
+        drift, battery = number(round(off, 2)), number(round(body.battery, 1))
+        place = state.space, body.floor
+        return Figures(*place, driven, len(own), fastest, drift, battery)
 
     @property
     def said(self) -> Sequence[tuple[float, str]]:

@@ -32,6 +32,7 @@ _TUPLES: Mapping[str, tuple[tuple[type, ...], str]] = {
     "parameters": ((Parameter,), "parameters"),
     "carries": ((Parameter,), "parameters"),
     "uses": ((str,), "names"),
+    "events": ((Event,), "classes of events"),
 }
 """What the tuples of a class hold, by their names: types, and the word for them."""
 
@@ -90,16 +91,9 @@ def _check_skill(skill: object) -> None:
             f"a catalogue has classes of skills, and compounds, not {skill!a:.60}"
         )
     _check_node(skill, Skill, "step")
-    for what in ("outputs", "parameters", "uses"):
+    for what in ("outputs", "parameters", "uses", "events"):
         _check_tuple(f"the class {skill.__name__}", what, getattr(skill, what))
-    if not isinstance(skill.events, tuple):
-        raise CatalogueError(_no_tuple(f"the class {skill.__name__}", "events"))
     for event in skill.events:
-        if not isinstance(event, type) or not issubclass(event, Event):
-            raise CatalogueError(
-                f"`events` of the class {skill.__name__} has classes of events, "
-                f"not {event!a:.60}"
-            )
         _check_node(event, Event, "test")
         _check_tuple(f"the class {event.__name__}", "carries", event.carries)
 
@@ -127,11 +121,11 @@ def _check_name(owner: str, name: object) -> None:
 def _check_tuple(owner: str, what: str, given: object) -> None:
     types, word = _TUPLES[what]
     if not isinstance(given, tuple):
-        raise CatalogueError(_no_tuple(owner, what))
+        told = "is no tuple; one of a single thing has a comma: (x,)"
+        raise CatalogueError(f"`{what}` of {owner} {told}")
     for one in given:
-        if not isinstance(one, types):
+        fits = isinstance(one, types)
+        if what == "events":
+            fits = isinstance(one, type) and issubclass(one, types)
+        if not fits:
             raise CatalogueError(f"`{what}` of {owner} has {word}, not {one!a:.60}")
-
-
-def _no_tuple(owner: str, what: str) -> str:
-    return f"`{what}` of {owner} is no tuple; one of a single thing has a comma: (x,)"

@@ -9,8 +9,10 @@ from collections.abc import Callable, Mapping
 
 import msgspec
 
+from rapc.base.values import Number
 from rapc.world import OKAY, Offer, Reply
 from rapc.worlds.truck import arms, eye, movement
+from rapc.worlds.truck.options import TruckSettings
 
 
 class TruckPrimitive(msgspec.Struct, frozen=True):
@@ -18,8 +20,6 @@ class TruckPrimitive(msgspec.Struct, frozen=True):
 
     #: What its arguments are called.
     takes: tuple[str, ...]
-    #: The option that says how long it takes.
-    time: str
     act: Callable[..., Reply]
     #: Its results besides `okay`.
     failures: tuple[str, ...] = ()
@@ -34,41 +34,36 @@ _GRASP = (
     "arm-interference",
 )
 _MOVE = ("truck-cant-move", "truck-mishap")
+_NO_DIRECTION, _NO_SPEED = ("truck-bad-direction",), ("truck-bad-speed",)
 _HOLDS, _ITEM, _VESSEL = ("arm-not-holding",), ("arm", "item"), ("arm", "vessel")
 _AT, _SEEN = ("arm-not-at",), ("eye-cant-find",)
 
 PRIMITIVES: Mapping[str, TruckPrimitive] = {
-    "arm-move": TruckPrimitive(
-        ("arm", "place"), "arm_move_time", arms.arm_move, ("arm-cant-find",)
-    ),
-    "arm-grasp": TruckPrimitive(_ITEM, "arm_grasp_time", arms.arm_grasp, _GRASP),
-    "arm-ungrasp": TruckPrimitive(
-        _ITEM, "arm_ungrasp_time", arms.arm_ungrasp, (*_HOLDS, "container-full")
-    ),
-    "arm-pour": TruckPrimitive(_VESSEL, "arm_pour_time", arms.arm_pour, _HOLDS),
-    "arm-ladle": TruckPrimitive(
-        _VESSEL, "arm_ladle_time", arms.arm_ladle, (*_HOLDS, *_AT)
-    ),
-    "arm-toggle": TruckPrimitive(
-        _ITEM, "arm_toggle_time", arms.arm_toggle, (*_AT, "arm-cant-toggle")
-    ),
-    "arm-examine": TruckPrimitive(_ITEM, "arm_examine_time", arms.arm_examine, _AT),
-    "truck-turn": TruckPrimitive(
-        ("direction",), "truck_turn_time", movement.truck_turn, ("truck-bad-direction",)
-    ),
-    "truck-speed": TruckPrimitive(
-        ("speed",), "truck_speed_time", movement.truck_speed, ("truck-bad-speed",)
-    ),
-    "truck-move": TruckPrimitive((), "truck_move_time", movement.truck_move, _MOVE),
+    "arm-move": TruckPrimitive(("arm", "place"), arms.arm_move, ("arm-cant-find",)),
+    "arm-grasp": TruckPrimitive(_ITEM, arms.arm_grasp, _GRASP),
+    "arm-ungrasp": TruckPrimitive(_ITEM, arms.arm_ungrasp, (*_HOLDS, "container-full")),
+    "arm-pour": TruckPrimitive(_VESSEL, arms.arm_pour, _HOLDS),
+    "arm-ladle": TruckPrimitive(_VESSEL, arms.arm_ladle, (*_HOLDS, *_AT)),
+    "arm-toggle": TruckPrimitive(_ITEM, arms.arm_toggle, (*_AT, "arm-cant-toggle")),
+    "arm-examine": TruckPrimitive(_ITEM, arms.arm_examine, _AT),
+    "truck-turn": TruckPrimitive(("direction",), movement.truck_turn, _NO_DIRECTION),
+    "truck-speed": TruckPrimitive(("speed",), movement.truck_speed, _NO_SPEED),
+    "truck-move": TruckPrimitive((), movement.truck_move, _MOVE),
     "eye-examine": TruckPrimitive(
-        ("place", "item"), "eye_examine_time", eye.eye_examine, _SEEN, by_eye=True
+        ("place", "item"), eye.eye_examine, _SEEN, by_eye=True
     ),
-    "eye-scan": TruckPrimitive(
-        ("place",), "eye_scan_time", eye.eye_scan, _SEEN, by_eye=True
-    ),
-    "eye-monitor": TruckPrimitive(("class",), "eye_monitor_time", eye.eye_monitor),
-    "eye-unmonitor": TruckPrimitive(("class",), "eye_monitor_time", eye.eye_unmonitor),
+    "eye-scan": TruckPrimitive(("place",), eye.eye_scan, _SEEN, by_eye=True),
+    "eye-monitor": TruckPrimitive(("class",), eye.eye_monitor),
+    "eye-unmonitor": TruckPrimitive(("class",), eye.eye_unmonitor),
 }
+
+
+def time_of(settings: TruckSettings, name: str) -> Number:
+    """Return how long a primitive takes, a trip aside: an option is called after it."""
+    option = name.replace("unmonitor", "monitor").replace("-", "_")
+    takes: Number = getattr(settings, f"{option}_time")
+    return takes
+
 
 DATA: Mapping[str, tuple[str, ...]] = {
     "object-seen": ("place", "item", "class"),

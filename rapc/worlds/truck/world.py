@@ -31,7 +31,7 @@ from rapc.worlds.truck.options import (
 )
 from rapc.worlds.truck.orders import read_orders
 from rapc.worlds.truck.picture import Layout, lay_out, picture_of
-from rapc.worlds.truck.primitives import OFFER, PRIMITIVES
+from rapc.worlds.truck.primitives import OFFER, PRIMITIVES, time_of
 from rapc.worlds.truck.routes import SOLVED_RAP, plan_route
 from rapc.worlds.truck.scene import Scene, check_items, tidy
 from rapc.worlds.truck.state import ARMS, Delivery, Encounter, Order, Truck, TruckState
@@ -119,19 +119,15 @@ class TruckWorld(World):
         if primitive is None or len(primitive.takes) != len(arguments):
             raise ValueError(f"the truck has no primitive `{name}` of that form")
         scene = self._scene
-        takes: Number = getattr(scene.settings, primitive.time)
-        pass_time(scene, tidy(scene.state.now + takes))
+        pass_time(scene, tidy(scene.state.now + time_of(scene.settings, str(name))))
         reply = primitive.act(scene, *arguments)
         noticed = () if primitive.by_eye else tuple(eye.notice(scene))
         return Reply(reply.result, (*reply.data, *noticed, ("clock", scene.state.now)))
 
     def usual_time(self, request: Fact) -> Time:
         """Return what the options say, travel without its time; 0 if unknown."""
-        primitive = PRIMITIVES.get(str(request[0]))
-        if primitive is None:
-            return 0
-        takes: Number = getattr(self._scene.settings, primitive.time)
-        return takes
+        name = str(request[0])
+        return time_of(self._scene.settings, name) if name in PRIMITIVES else 0
 
     def next_time(self) -> Time | None:
         """Nothing comes unasked but the first look at the truck's own gauges."""
