@@ -58,8 +58,8 @@ class Act(msgspec.Struct, frozen=True):
     """Something that the user does to a run between two cycles."""
 
     @abstractmethod
-    def do(self, run: Interpreter) -> Interpreter:
-        """Do it, and return the run that goes on: `run`, or another in its place.
+    def do(self, run: Interpreter) -> Interpreter | None:
+        """Do it, and return the run that takes the place of `run`, if one does.
 
         Raises:
             Error: if it cannot be done; then nothing has changed.
@@ -75,10 +75,9 @@ class AssertFact(Act, frozen=True):
 
     fact: Fact
 
-    def do(self, run: Interpreter) -> Interpreter:
+    def do(self, run: Interpreter) -> None:
         """Assert the fact."""
         run.assert_fact(*self.fact)
-        return run
 
     def __str__(self) -> str:
         return f"assert {format_list(self.fact)}"
@@ -89,10 +88,9 @@ class EraseFacts(Act, frozen=True):
 
     prefix: Fact
 
-    def do(self, run: Interpreter) -> Interpreter:
+    def do(self, run: Interpreter) -> None:
         """Erase the facts."""
         run.erase(*self.prefix)
-        return run
 
     def __str__(self) -> str:
         return f"erase {format_list(self.prefix)}"
@@ -103,10 +101,9 @@ class SubmitTask(Act, frozen=True):
 
     request: TaskRequest
 
-    def do(self, run: Interpreter) -> Interpreter:
+    def do(self, run: Interpreter) -> None:
         """Submit the task."""
         run.submit(self.request)
-        return run
 
     def __str__(self) -> str:
         return f"submit {as_text(self.request)}"
@@ -117,7 +114,7 @@ class CancelTasks(Act, frozen=True):
 
     goal: Fact
 
-    def do(self, run: Interpreter) -> Interpreter:
+    def do(self, run: Interpreter) -> None:
         """Cancel them.
 
         Raises:
@@ -127,7 +124,6 @@ class CancelTasks(Act, frozen=True):
             raise ArgumentError(
                 f"no top-level task under way is {format_list(self.goal)}"
             )
-        return run
 
     def __str__(self) -> str:
         return f"cancel {format_list(self.goal)}"
@@ -138,10 +134,9 @@ class SendSignal(Act, frozen=True):
 
     content: Fact
 
-    def do(self, run: Interpreter) -> Interpreter:
+    def do(self, run: Interpreter) -> None:
         """Send the signal."""
         run.signal(*self.content)
-        return run
 
     def __str__(self) -> str:
         return f"signal {format_list(self.content)}"
@@ -152,14 +147,13 @@ class FailTask(Act, frozen=True):
 
     task: int
 
-    def do(self, run: Interpreter) -> Interpreter:
+    def do(self, run: Interpreter) -> None:
         """Fail the task; a method that it is at ends first."""
         machine, task = run.machine, live_task(run, self.task)
         if task.run is not None:
             end_method(machine, task.run, INTERFERENCE, None, "cancelled")
         machine.agenda.discard(task)
         fail(machine, task, INTERFERENCE)
-        return run
 
     def __str__(self) -> str:
         return f"fail [{self.task}]"
@@ -170,7 +164,7 @@ class RetryTask(Act, frozen=True):
 
     task: int
 
-    def do(self, run: Interpreter) -> Interpreter:
+    def do(self, run: Interpreter) -> None:
         """End the method.
 
         Raises:
@@ -180,7 +174,6 @@ class RetryTask(Act, frozen=True):
         if task.run is None:
             raise ArgumentError(f"task [{self.task}] is at work on no method")
         end_method(run.machine, task.run, INTERFERENCE, None, "cancelled")
-        return run
 
     def __str__(self) -> str:
         return f"retry [{self.task}]"

@@ -74,7 +74,7 @@ class ForceResult(Act, frozen=True):
     result: str
     times: int = 1
 
-    def do(self, run: Interpreter) -> Interpreter:
+    def do(self, run: Interpreter) -> None:
         """Force the result.
 
         Raises:
@@ -97,7 +97,6 @@ class ForceResult(Act, frozen=True):
                 )
             held.enclose(world := ForcedWorld(world))
         world.forced.append(Forced(self.pattern, self.result, self.times))
-        return run
 
     def __str__(self) -> str:
         often = f" {self.times} times" if self.times > 1 else ""

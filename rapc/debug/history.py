@@ -316,8 +316,8 @@ class History:
         return True
 
     def _do(self, act: Act) -> None:
-        """Do an act, and go on with the run that it returns."""
-        self._run = act.do(self.run)
+        """Do an act, and go on with the run that takes the place of this one."""
+        self._run = act.do(self.run) or self.run
         self._done += 1
 
     def _save(self) -> None:
@@ -467,7 +467,7 @@ class History:
         found: list[ToldEvent] = []
         with self.at():
             for act in acts:
-                self._run = act.do(self.run)
+                self._run = act.do(self.run) or self.run
             self._log.elsewhere = found.append
             for _ in range(cycles):
                 if not self.run.step():
@@ -575,7 +575,7 @@ class History:
         branch, moment, log = self.branch, self.moment, self._log
         follower, log.follower = log.follower, None
         try:
-            run = act.do(run)
+            run = act.do(run) or run
         except Error:
             if goes_on:
                 self.step()  # to its end again

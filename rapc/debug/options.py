@@ -6,16 +6,12 @@ Settings are part of what a run is made with; options of a world part of its sta
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-
-import msgspec
 from msgspec.structs import replace
 
 from rapc.base.names import hint
 from rapc.base.values import Atom, Text, typed
 from rapc.debug.acts import Act, taken_up
 from rapc.errors import ArgumentError
-from rapc.runtime.held_world import HeldWorld
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.saving.format import decode_run
 from rapc.runtime.settings import Settings, read_settings
@@ -26,49 +22,26 @@ OWN = "rapc"
 """What owns the settings of the interpreter, as in `--set rapc.futile-limit=3`."""
 
 
-class GivenOption(msgspec.Struct, frozen=True):
-    """An option with its value."""
+class ChangeOption(Act, frozen=True):
+    """Lets a run go on with another setting, or with another option of its world."""
 
     #: `rapc`, or the name of the world.
     owner: str
     name: str
     value: Atom | bool
 
-
-class ChangeSetting(Act, frozen=True):
-    """Lets a run go on with another setting of the interpreter."""
-
-    name: str
-    settings: Settings
-
-    def do(self, run: Interpreter) -> Interpreter:
-        """Change the setting.
-
-        Raises:
-            StateError: if the run cannot be saved.
-        """
-        record = replace(decode_run(run.save()), settings=self.settings)
-        return taken_up(run, run.machine.library, record)
-
-    def __str__(self) -> str:
-        value = getattr(self.settings, self.name.replace("-", "_"))
-        return f"option {OWN}.{self.name} {typed(value)}"
-
-
-class AdjustWorld(Act, frozen=True):
-    """Changes an option of the world."""
-
-    owner: str
-    name: str
-    value: Atom | bool
-
-    def do(self, run: Interpreter) -> Interpreter:
+    def do(self, run: Interpreter) -> Interpreter | None:
         """Change the option.
 
         Raises:
             ArgumentError: if the world does not let it be changed, or not so.
             PortError: if the world breaks.
+            StateError: if the run cannot be saved: another setting makes it anew.
         """
+        if self.owner == OWN:
+            settings = replace(run.settings, **{_field(self.name): self.value})
+            record = replace(decode_run(run.save()), settings=settings)
+            return taken_up(run, run.machine.library, record)
         world = run.machine.world
         if not isinstance(world, Adjustable):
             raise ArgumentError(
@@ -79,28 +52,28 @@ class AdjustWorld(Act, frozen=True):
             world.adjust(self.name, typed(self.value) if text else self.value)
         except ValueError as said:
             raise ArgumentError(f"the world `{world.name}` refuses: {said}") from said
-        return run
+        return None
 
     def __str__(self) -> str:
         return f"option {self.owner}.{self.name} {typed(self.value)}"
 
 
-def changeable_options(run: Interpreter) -> Iterator[GivenOption]:
-    """Iterate over all that can be changed while a run goes on, with present values."""
-    for name in Settings.__struct_fields__:
-        yield GivenOption(OWN, name.replace("_", "-"), getattr(run.settings, name))
-    world = run.machine.world
-    for name, value in _adjustable(world).items():
-        yield GivenOption(world.name, name, value)
+def _field(name: str) -> str:
+    """Return the field of the settings that a name stands for."""
+    return name.replace("-", "_")
 
 
-def _adjustable(world: HeldWorld) -> Mapping[str, Atom | bool]:
-    """Return the options of a world that can be changed now; none if it lets none be.
+def changeable_options(run: Interpreter) -> dict[str, Atom | bool]:
+    """Return what can be changed while a run goes on, `owner.name`, with its value.
 
     Raises:
         PortError: if the world breaks, or returns no mapping.
     """
-    return world.adjustable() if isinstance(world, Adjustable) else {}
+    names = Settings.__struct_fields__
+    own = {f"{OWN}.{n.replace('_', '-')}": getattr(run.settings, n) for n in names}
+    world = run.machine.world
+    known = world.adjustable() if isinstance(world, Adjustable) else {}
+    return own | {f"{world.name}.{name}": value for name, value in known.items()}
 
 
 def change_option(run: Interpreter, owner: str, name: str, text: str) -> Act:
@@ -119,13 +92,12 @@ def change_option(run: Interpreter, owner: str, name: str, text: str) -> Act:
     """
     world = run.machine.world
     if owner == OWN:
-        field = name.replace("-", "_")
-        value = getattr(read_settings({name: text}), field)
-        return ChangeSetting(name, replace(run.settings, **{field: value}))
+        value = getattr(read_settings({name: text}), _field(name))
+        return ChangeOption(owner, name, value)
     if owner != world.name:
         raise ArgumentError(f"`{owner}` is neither `{OWN}` nor `{world.name}`")
     read = read_options(type(innermost(world)), {name: text})
-    if isinstance(world, Adjustable) and name not in (known := _adjustable(world)):
+    if isinstance(world, Adjustable) and name not in (known := world.adjustable()):
         said = f"`{owner}.{name}` counts at the beginning of a run alone"
         raise ArgumentError(said + hint(name, known))
-    return AdjustWorld(owner, name, read[name])
+    return ChangeOption(owner, name, read[name])

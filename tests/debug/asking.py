@@ -185,7 +185,7 @@ OF_RUNS: Mapping[str, Callable[[Asker], object]] = {
     "stack": lambda one: state.stack(one.session),
     "skills": lambda one: state.skills(one.session),
     "names": lambda one: state.names_with_facts(one.session),
-    "options": lambda one: list(options.changeable_options(one.session.run)),
+    "options": lambda one: options.changeable_options(one.session.run),
 }
 """What can be asked of a run, in the middle of a cycle too."""
 

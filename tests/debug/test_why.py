@@ -119,7 +119,7 @@ def test_why_not_of_a_task_that_has_ended_is_of_its_last_cycle() -> None:
     session = truck()
     session.go()
     answer = task_asked(session, 9)
-    assert answer.past
+    assert " stood after cycle " in answer.stands[0]
     assert answer.clauses[0].clause == "succeed of `travel-road`"
     assert answer.clauses[0].holds
     assert session.over

@@ -9,7 +9,7 @@ import pytest
 
 import rapc
 from rapc.debug.history import History
-from rapc.debug.options import AdjustWorld, changeable_options
+from rapc.debug.options import ChangeOption, changeable_options
 from rapc.experiments.measures import figures_of
 from rapc.runtime.held_world import HeldWorld
 from rapc.world import Option, Picture, Text
@@ -90,20 +90,20 @@ def test_world_that_cannot_list_its_options_is_blamed(code: Any) -> None:
     world = type("Bad", (Adjusted,), {"adjustable": code})
     going = rapc.loads(LIBRARY).start(world)
     with pytest.raises(rapc.PortError, match=f"the world `bad` failed.*{HERE}:"):
-        list(changeable_options(going))
+        changeable_options(going)
 
 
 def test_world_that_breaks_as_an_option_is_changed_is_blamed() -> None:
     world = type("Bad", (Adjusted,), {"adjust": boom})
     going = rapc.loads(LIBRARY).start(world)
     with pytest.raises(rapc.PortError, match=f"the world `bad` failed.*{HERE}:"):
-        AdjustWorld("bad", "size", 2).do(going)
+        ChangeOption("bad", "size", 2).do(going)
 
 
 def test_adjusted_option_of_kind_text_is_a_str() -> None:
     told: list[Any] = []
     world = type("Kept", (Adjusted,), {"adjust": lambda *given: told.append(given[2])})
-    AdjustWorld("bad", "size", Text("a b")).do(rapc.loads(LIBRARY).start(world))
+    ChangeOption("bad", "size", Text("a b")).do(rapc.loads(LIBRARY).start(world))
     assert told == ["a b"]
 
 

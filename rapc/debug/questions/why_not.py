@@ -29,6 +29,7 @@ from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.machine import Machine
 from rapc.runtime.memory.facts import NEVER
 from rapc.runtime.memory.memory import EXTERNAL
+from rapc.runtime.snapshot import AgendaEntry
 from rapc.runtime.state.task import Env, Task
 from rapc.runtime.tasks.causes import ask_in_parts, conditions
 from rapc.runtime.tasks.hold_things import asks_of
@@ -129,18 +130,13 @@ class TaskAnswer(msgspec.Struct, frozen=True):
 
     task: int
     goal: Goal
-    #: The cycle at whose end it was asked, and whether that is in the past.
+    #: The cycle at whose end it was asked.
     cycle: int
-    past: bool
-    state: str
-    waits_for: str
-    #: The tasks of higher priority that could go on, if it could.
-    before_it: tuple[int, ...]
+    #: How it stands, or stood, in lines.
+    stands: tuple[str, ...]
     #: The clauses of the task, in the order of a cycle.
     clauses: tuple[ClauseAsked, ...]
     methods: tuple[MethodAnswer, ...]
-    #: The method under way, if there is one.
-    under_way: str | None
 
 
 # --- the question -------------------------------------------------------------------
@@ -165,7 +161,9 @@ def why_not(history: History, args: Arguments) -> Answer:
     answer = task_asked(history, args.task(history))
     if args:
         return say(*_one_method(answer, args.word("a method")))
-    return say(*_whole_task(answer))
+    clauses = (f"  {one.clause}: {one.in_a_line()}" for one in answer.clauses)
+    methods = (f"  method {one.name}: {in_words(one)}" for one in answer.methods)
+    return say(*answer.stands, *clauses, *methods)
 
 
 def _one_method(answer: TaskAnswer, name: str) -> Iterator[str]:
@@ -192,21 +190,6 @@ def _one_method(answer: TaskAnswer, name: str) -> Iterator[str]:
         yield f"  {rest}"
     if method.otherwise:
         yield "  it is for when no method before it holds"
-
-
-def _whole_task(answer: TaskAnswer) -> Iterator[str]:
-    stood = "stood" if answer.past else "stands"
-    waits = f", waiting for {answer.waits_for}" if answer.waits_for else ""
-    state = f"{answer.state}{waits}"
-    yield f"[{answer.task}] {answer.goal} {stood} after cycle {answer.cycle}: {state}"
-    if answer.before_it:
-        yield f"  of higher priority: {numbers(answer.before_it)}"
-    if answer.under_way is not None:
-        yield f"  method {answer.under_way} is under way"
-    for asked in answer.clauses:
-        yield f"  {asked.clause}: {asked.in_a_line()}"
-    for method in answer.methods:
-        yield f"  method {method.name}: {in_words(method)}"
 
 
 def in_words(method: MethodAnswer) -> str:
@@ -267,23 +250,29 @@ def _answer(run: Interpreter, number: int, cycle: int, *, past: bool) -> TaskAns
     own = entries[number]
     if not task.bound:
         read_inputs(machine, task)
-    higher = (
-        one.task
-        for one in entries.values()
-        if one.state == own.state == "eligible" and one.priority > own.priority
-    )
     return TaskAnswer(
         task=number,
         goal=task.goal(),
         cycle=cycle,
-        past=past,
-        state=own.state,
-        waits_for=own.waits_for,
-        before_it=tuple(higher),
+        stands=tuple(_stands(task, own, entries.values(), cycle, past)),
         clauses=tuple(_clauses(machine, task)),
         methods=tuple(methods(machine, task)) if task.bound else (),
-        under_way=None if task.run is None else task.run.plan.name,
     )
+
+
+def _stands(
+    task: Task, own: AgendaEntry, all_: Iterable[AgendaEntry], cycle: int, past: bool
+) -> Iterator[str]:
+    """Say how a task stands, and which tasks go on before it."""
+    at = f"{'stood' if past else 'stands'} after cycle {cycle}"
+    waits = f", waiting for {own.waits_for}" if own.waits_for else ""
+    yield f"[{own.task}] {task.goal()} {at}: {own.state}{waits}"
+    could_go_on = [one for one in all_ if one.state == own.state == "eligible"]
+    higher = [one.task for one in could_go_on if one.priority > own.priority]
+    if higher:
+        yield f"  of higher priority: {numbers(higher)}"
+    if task.run is not None:
+        yield f"  method {task.run.plan.name} is under way"
 
 
 def _clauses(machine: Machine, task: Task) -> Iterator[ClauseAsked]:

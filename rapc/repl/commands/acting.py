@@ -104,10 +104,8 @@ def _option(shell: Shell, args: Arguments) -> Answer:
     """
     run = shell.history.run
     if not args:
-        rows = [
-            (f"{one.owner}.{one.name}", typed(one.value))
-            for one in changeable_options(run)
-        ]
+        known = changeable_options(run).items()
+        rows = [(name, typed(value)) for name, value in known]
         return table(("option", "value"), rows)
     given, _, value = args.word("an option").partition("=")
     owner, dot, name = given.partition(".")
