@@ -22,9 +22,8 @@ from rapc.events import (
 )
 from rapc.ir.printer import format_formula
 from rapc.runtime.events.recorder import Recorder
-from rapc.runtime.monitors.deadlines import Deadlines
 from rapc.runtime.monitors.listeners import Listeners
-from rapc.runtime.monitors.timers import Timers
+from rapc.runtime.monitors.times import Times, deadline_of, timer_of
 from rapc.runtime.query_context import QueryContext, time_of
 from rapc.runtime.state.agenda import Agenda
 from rapc.runtime.state.deadlocks import Circle, deadlock_of, in_words
@@ -61,8 +60,10 @@ class Monitors:
         self._waits, self._ways = things.waits, things.changed
         self._recorder = recorder
         self._agenda = agenda
-        self._timers = Timers()
-        self.deadlines = Deadlines()
+        self._timers = Times(timer_of)
+        self._deadlines = Times(deadline_of)
+        #: Deadlines that were missed and not yet told of, by task number.
+        self.missed: dict[int, list[float]] = {}
         #: The tasks to be tested, by number. It stays the same object: loops hold it.
         self.to_test: dict[int, Task] = {}
         #: Who listens to what: to be told of all that changes.
@@ -89,8 +90,8 @@ class Monitors:
             if task.wait is not None and task.wait.keys is not None:
                 self._listen(task, task.wait)
         self._timers.load(tasks)
-        self.deadlines.load(tasks)
-        self.deadlines.missed = missed
+        self._deadlines.load(tasks)
+        self.missed = missed
         self.to_test.clear()
         self.to_test.update(to_test)
         self.tested_at = tested_at
@@ -116,7 +117,7 @@ class Monitors:
         wait = task.wait
         if wait is not None:
             wait.timer = None
-            self.deadlines.missed.pop(task.number, None)
+            self.missed.pop(task.number, None)
             self._ignore(task, wait)
 
     def _ignore(self, task: Task, wait: WaitState) -> None:
@@ -142,8 +143,10 @@ class Monitors:
 
     def at(self, time: Time, task: Task) -> None:
         """Look at a task again when the clock has come to `time`, not before."""
+        assert task.wait is not None
+        task.wait.timer = time
         self.look_by(time)
-        self._timers.set(time, task)
+        self._timers.add(time, task)
 
     def look_by(self, time: float) -> None:
         """Let the loop look, at `time` at the latest, at what has fallen due."""
@@ -152,18 +155,23 @@ class Monitors:
 
     def state_deadline(self, task: Task) -> None:
         """Take up the deadline of a task, which has been set or has changed."""
-        deadline = self.deadlines.state(task)
-        if deadline < math.inf:
-            self.look_by(deadline)
+        stated = math.inf if task.wait is None else task.wait.deadline
+        inherited = math.inf if task.parent is None else task.parent.limit
+        task.limit = min(inherited, stated)
+        if stated < math.inf:
+            self._deadlines.add(stated, task)
+            self.look_by(stated)
 
     def next_time(self) -> Time | None:
         """Return the next time at which something that is waited for comes, or None."""
-        return self._timers.next_time()
+        return self._timers.soonest()
 
     def due(self) -> list[Task]:
         """Return the tasks whose start time has come; mark others to be tested."""
         started = []
         for task in self._timers.due(self._recorder.time):
+            assert task.wait is not None
+            task.wait.timer = None
             if task.state is WAITING:
                 started.append(task)
             elif task.state is BLOCKED or task.state is ELIGIBLE:
@@ -175,7 +183,7 @@ class Monitors:
         plan, wait = task.plan.monitor_time, task.wait
         if plan is None or wait is None:
             return
-        if self.deadlines.note(task, self._recorder.time):
+        if self._misses(task):
             self.next_look = _NOW
         self._context.task = task
         base = since if plan.reference == "now" else 0
@@ -214,19 +222,28 @@ class Monitors:
 
     def _look_at_times(self) -> bool:
         """Mark who asks how old beliefs are; whether there are deadlines to tell of."""
-        now, deadlines = self._recorder.time, self.deadlines
+        now = self._recorder.time
         if self.aging and now != self.tested_at:
             self.to_test.update(self.aging)
-        if deadlines.heap:
-            deadlines.look(now)
-        return bool(deadlines.missed)
+        for task in self._deadlines.due(now, passed=True):
+            self._misses(task)
+        return bool(self.missed)
+
+    def _misses(self, task: Task) -> bool:
+        """Note a deadline that the clock has passed, once; whether it has."""
+        stated = deadline_of(task)
+        if task.wait is None or stated is None or stated >= self._recorder.time:
+            return False
+        task.wait.missed = stated
+        self.missed.setdefault(task.number, []).append(stated)
+        return True
 
     def _test_with_others(self) -> None:
         """Test monitors, and what is in the way of tasks, and tell what was missed."""
         dirty, changed = dict(self.to_test), dict(self._ways)
         self.to_test.clear()
         self._ways.clear()
-        missed = self.deadlines.take_missed()
+        missed, self.missed = self.missed, {}
         for tasknumber in sorted(dirty.keys() | missed.keys() | changed.keys()):
             woken = tasknumber in changed and self._test_way(changed[tasknumber])
             if tasknumber in dirty and not woken:
@@ -236,11 +253,10 @@ class Monitors:
 
     def _look_ahead(self) -> None:
         """Find out when something falls due by time next."""
-        self.next_look = _NOW if self.aging or self.deadlines.missed else None
-        if self._timers.heap:
-            self.look_by(self._timers.heap[0][0])
-        if self.deadlines.heap:
-            self.look_by(self.deadlines.heap[0][0])
+        self.next_look = _NOW if self.aging or self.missed else None
+        for times in (self._timers, self._deadlines):
+            if times.heap:
+                self.look_by(times.heap[0][0])
 
     def _tell_missed(self, tasknumber: int, deadline: float) -> None:
         if self._recorder.on:

@@ -66,9 +66,7 @@ def capture(machine: Machine, seed: int, world: bytes) -> RunRecord:
             for number, task in sorted(monitors.to_test.items())
             if task.state is not RUNNING
         ),
-        missed=tuple(
-            (n, tuple(times)) for n, times in sorted(monitors.deadlines.missed.items())
-        ),
+        missed=tuple((n, tuple(times)) for n, times in sorted(monitors.missed.items())),
         tested_at=monitors.tested_at,
         notations=tuple(noted),
         memory=capture_memory(machine.access),
