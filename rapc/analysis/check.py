@@ -16,9 +16,9 @@ them and filters their findings.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from types import MappingProxyType
-from typing import Any, Generic, Literal, NamedTuple, TypeVar, cast
+from typing import Any, Generic, Literal, TypeVar, cast
 
 import msgspec
 
@@ -37,13 +37,6 @@ class Fact(msgspec.Struct, Generic[T], frozen=True, eq=False):
     """A value about a library, computed when a check asks for it first."""
 
     compute: Callable[[Pass], T]
-
-
-class Reported(NamedTuple, Generic[T]):
-    """A fact with the findings that were made on the way."""
-
-    findings: Sequence[Diagnostic]
-    value: T
 
 
 class Check(msgspec.Struct, frozen=True, eq=False):

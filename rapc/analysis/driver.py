@@ -9,13 +9,14 @@ and nothing is printed here.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 
 import msgspec
 
 from rapc.analysis import registry, suppressions
-from rapc.analysis.check import Check, Pass
+from rapc.analysis.check import Pass, Whole
 from rapc.analysis.damage import Damage
+from rapc.analysis.hiding import visible
 from rapc.analysis.selection import Selection, by_default
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.gc_paused import gc_paused
@@ -71,9 +72,8 @@ def check_library(loaded: Loaded, selection: Selection | None = None) -> CheckRe
     run = Pass(loaded.library, complete, damage.reaches, loaded.required)
     sure = [
         diagnostic
-        for one in registry.checks_for(chosen.enabled)
-        for diagnostic in _findings(one, run)
-        if not damage.silences(diagnostic, one.needs_whole)
+        for diagnostic, whole in _found(run, chosen.enabled)
+        if not damage.silences(diagnostic, whole)
     ]
     rules = registry.rules(errors_only=registry.are_errors(chosen.enabled))
     found = _unsuppressed(loaded, [*loaded.diagnostics, *sure], rules, chosen, damage)
@@ -120,20 +120,24 @@ def check_tests(library: Library, tests: Iterable[DefineTest]) -> list[Finding]:
     """
     run = Pass(msgspec.structs.replace(library, forms=(), tests=tuple(tests)))
     rules = registry.rules(errors_only=True)
-    checks = registry.checks_for(registry.errors())
-    found = [Finding(rules[d.rule], d) for one in checks for d in _findings(one, run)]
-    return [finding for finding in found if finding.severity is Severity.ERROR]
+    every = [Finding(rules[one.rule], one) for one, _ in _found(run, registry.errors())]
+    return [finding for finding in every if finding.severity is Severity.ERROR]
 
 
-def _findings(check: Check, run: Pass) -> Iterable[Diagnostic]:
-    """Return the findings of a check.
+def _found(run: Pass, enabled: Collection[str]) -> Iterator[tuple[Diagnostic, Whole]]:
+    """Yield the findings that no other one hides, and what must be read whole for them.
 
     What a file says of all its tests is part of each, and found once.
     """
     found: dict[tuple[str, Span, str], Diagnostic] = {}
-    for one in check.find(run):
-        found.setdefault((one.rule, one.span, one.message), one)
-    return found.values()
+    whole: dict[str, Whole] = {}
+    for check in registry.checks_for(enabled):
+        whole.update((rule.name, check.needs_whole) for rule in check.rules)
+        for one in check.find(run):
+            found.setdefault((one.rule, one.span, one.message), one)
+    forms = (*run.library.forms, *run.library.tests)
+    for one in visible(list(found.values()), [form.span for form in forms]):
+        yield one, whole[one.rule]
 
 
 def order_of(order: Mapping[str, int], finding: Finding) -> tuple[int, int, int, str]:

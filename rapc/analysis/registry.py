@@ -13,12 +13,14 @@ from types import MappingProxyType
 
 from rapc.analysis import suppressions
 from rapc.analysis.check import Check
+from rapc.analysis.hiding import with_hiders
 from rapc.base.diagnostics import Rule, Severity
 from rapc.library import library, loader
 from rapc.parser.rules import table as parser
 
 _WITH_ERRORS = (
     "anonymous_variable",
+    "constants",
     "data",
     "fact_arity",
     "functions",
@@ -26,6 +28,7 @@ _WITH_ERRORS = (
     "kinds",
     "not_a_number",
     "otherwise",
+    "outputs",
     "primitives",
     "query_circles",
     "resource_as_value",
@@ -41,12 +44,11 @@ _WITH_ERRORS = (
     "unknown_rap",
     "worldless",
 )
-"""The modules with a rule that finds errors."""
+"""The modules with a rule that finds errors, or hides some (`rapc.analysis.hiding`)."""
 
 _OTHERS = (
     "age_in_monitor",
     "agenda_bands",
-    "constants",
     "constraints",
     "contradictions",
     "crossed_claims",
@@ -62,7 +64,6 @@ _OTHERS = (
     "misspelt_variable",
     "never_holds",
     "nothing_awaited",
-    "outputs",
     "rivals",
     "said_twice",
     "settled",
@@ -122,6 +123,7 @@ def are_errors(enabled: Collection[str]) -> bool:
 
 
 def checks_for(enabled: Collection[str]) -> list[Check]:
-    """Return the checks that may report by one of the enabled rules."""
+    """Return the checks that find, or hide, what the enabled rules may report."""
     among = checks(errors_only=are_errors(enabled))
-    return [one for one in among if any(rule.name in enabled for rule in one.rules)]
+    wanted = with_hiders(enabled)
+    return [one for one in among if any(rule.name in wanted for rule in one.rules)]

@@ -8,6 +8,7 @@ finding is for a given user: severity belongs to the rule and to the driver
 from __future__ import annotations
 
 import enum
+from typing import NamedTuple
 
 import msgspec
 
@@ -56,6 +57,13 @@ class Fix(msgspec.Struct, frozen=True):
     edits: tuple[Edit, ...]
 
 
+class Subject(NamedTuple):
+    """A name at a place; no name stands for a variable that is missing there."""
+
+    place: Span
+    name: str = ""
+
+
 class Diagnostic(msgspec.Struct, frozen=True):
     """One finding: a rule's name, a sentence and the place it is about.
 
@@ -71,6 +79,8 @@ class Diagnostic(msgspec.Struct, frozen=True):
     notes: tuple[str, ...] = ()
     help: str = ""
     fix: Fix | None = None
+    #: What it is about, for the checker: see `rapc.analysis.hiding`.
+    about: tuple[Subject, ...] = ()
 
 
 class Rule(msgspec.Struct, frozen=True):
@@ -106,6 +116,9 @@ class Rule(msgspec.Struct, frozen=True):
         notes: tuple[str, ...] = (),
         help: str = "",
         fix: Fix | None = None,
+        about: tuple[Subject, ...] = (),
     ) -> Diagnostic:
         """Return a finding by this rule; see `Diagnostic` for its parts."""
-        return Diagnostic(self.name, message, span, label, labels, notes, help, fix)
+        return Diagnostic(
+            self.name, message, span, label, labels, notes, help, fix, about
+        )

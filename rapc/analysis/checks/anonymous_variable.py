@@ -6,7 +6,6 @@ from collections.abc import Iterator
 
 from rapc.analysis.check import Pass, check
 from rapc.analysis.checks.bindings import BINDINGS
-from rapc.analysis.checks.explained import EXPLAINED
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 
 ANONYMOUS = Rule(
@@ -38,8 +37,6 @@ request, a test or a sum there is nothing it could stand for.""",
 def anonymous_variable(run: Pass) -> Iterator[Diagnostic]:
     """Find a bare `?` where a value is needed."""
     for variable in run.result(BINDINGS).anonymous:
-        if id(variable) in run.result(EXPLAINED).anonymous:
-            continue
         yield ANONYMOUS.at(
             variable.span,
             "`?` has no value here",

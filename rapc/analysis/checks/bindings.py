@@ -55,7 +55,7 @@ class Bindings(msgspec.Struct, frozen=True):
 
 
 def _run(run: Pass) -> Bindings:
-    nets = run.result(TASK_NETS).value
+    nets = run.result(TASK_NETS)
     missing = {}
     library = run.library
     walker = BindingWalker(library.functions, library.queries, Findings())

@@ -14,13 +14,11 @@ hand a variable to `enter` have it from the second place of `at`.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import cached_property
 from itertools import combinations, islice
 
-from rapc.analysis.check import Fact, Pass, Reported, check
-from rapc.analysis.checks.bindings import BINDINGS
-from rapc.analysis.checks.kinds import KINDS
+from rapc.analysis.check import Pass, check
 from rapc.analysis.facts.index import INDEX, Form, NameUse, VariableAt
 from rapc.analysis.facts.statistics import LIMITS, THRESHOLDS
 from rapc.analysis.facts.usage import (
@@ -41,6 +39,7 @@ from rapc.base.diagnostics import (
     Label,
     Rule,
     Severity,
+    Subject,
 )
 from rapc.base.names import Close, is_row
 from rapc.base.source import Span
@@ -138,35 +137,19 @@ goes with all.""",
 )
 
 
-def _run(run: Pass) -> Reported[Collection[tuple[int, str]]]:
-    """Return the findings, and the variables for which words stand, by form."""
+@check(MISSPELT, FOREIGN, MIXED)
+def constants(run: Pass) -> Iterator[Diagnostic]:
+    """Compare constants with those that stand at the same places elsewhere."""
     known = _Known(run)
-    told = run.result(KINDS).value
-    every: list[Diagnostic] = []
-    unmarked: dict[tuple[int, str], None] = {}
     usage = run.result(USAGE)
     for one in usage.constants:
-        variable = (id(one.form), f"?{one.const.value}")
         kinds = known.usage.kinds(one.places)
-        if isinstance(one.form, nodes.DefineTest):
-            continue
-        if not all(run.signatures.kinds.holds(k, one.const.value) for k in kinds):
-            unmarked[variable] = None
-        elif id(one.form) not in told:
-            found = known.finding(one, kinds, usage.of(one.form, variable[1]))
+        fits = all(run.signatures.kinds.holds(k, one.const.value) for k in kinds)
+        if fits and not isinstance(one.form, nodes.DefineTest):
+            unmarked = usage.of(one.form, f"?{one.const.value}")
+            found = known.finding(one, kinds, unmarked)
             if found is not None:
-                unmarked[variable] = None
-                every.append(found)
-    return Reported(every, unmarked)
-
-
-CONSTANTS = Fact(_run)
-
-
-@check(MISSPELT, FOREIGN, MIXED)
-def constants(run: Pass) -> Iterable[Diagnostic]:
-    """Compare constants with those that stand at the same places elsewhere."""
-    return run.result(CONSTANTS).findings
+                yield found
 
 
 class _Known:
@@ -248,6 +231,7 @@ class _Known:
             one.const.span,
             f"`{format_atom(one.const.value)}` stands where all others are {sort}s",
             help=f"there are {count} of them at this place of `{place.name}`",
+            about=_unmarked(one),
         )
 
     def _enough(self, one: Constant, sorts: set[str]) -> int:
@@ -272,6 +256,7 @@ class _Known:
             one.const.span,
             f"`{one.written}` is a {homes[0]}, and a {wanted} is wanted",
             help="is it the argument that was meant here?",
+            about=_unmarked(one),
         )
 
     def _strange(self, kind: str, wanted: str) -> bool:
@@ -296,7 +281,13 @@ def _slip(one: Constant, meant: str, labels: Sequence[Label]) -> Diagnostic:
         labels=tuple(labels),
         help=f"did you mean `{meant}`?",
         fix=Fix(Applicability.UNSAFE, f"write `{meant}`", (edit,)),
+        about=_unmarked(one),
     )
+
+
+def _unmarked(one: Constant) -> tuple[Subject, ...]:
+    """Return the variable that a word is with a question mark."""
+    return (Subject(one.const.span, f"?{one.const.value}"),)
 
 
 MARKED = Rule(
@@ -337,19 +328,14 @@ anything will do, write a bare `?`, or another name; then nothing is reported.""
 def marked_constant(run: Pass) -> Iterator[Diagnostic]:
     """Find variables used once that are named like a constant of their place."""
     usage = run.result(USAGE)
-    missing = run.result(BINDINGS).missing
-    constants = run.result(CONSTANTS).value
     census = run.result(CENSUS)
     for variable, owner in _used_once(run):
         there = usage.of(owner, variable.name)
-        if not there or (id(owner), variable.name) in constants:
+        if not there:
             continue
         (place,) = there
-        if any(m.variable is variable for m in missing.get(id(owner), ())):
-            continue
         word = variable.name[1:]
         others = list(_others(census, word, place))
-        others = [o for o in others if (id(o.form), variable.name) not in constants]
         if _are_sure(others, owner):
             yield _marked(variable, others[0].const.span)
         elif any(_lists(run, kind, word) for kind in census.kinds((place,))):
@@ -402,6 +388,7 @@ def _marked(variable: nodes.Var, other: Span | None) -> Diagnostic:
         labels=(Label(other, "the constant stands here"),) if other else (),
         help=f"did you mean `{word}`? if anything will do, write `?`",
         fix=fix,
+        about=(Subject(variable.span, variable.name),),
     )
 
 
@@ -481,11 +468,10 @@ class _Links:
 def swapped_arguments(run: Pass) -> Iterator[Diagnostic]:
     """Find arguments that stand in each other's places."""
     links = _Links(run.result(USAGE), run.result(CENSUS))
-    told = run.result(KINDS).value
     best: dict[int, tuple[int, Diagnostic]] = {}
     for used in run.result(INDEX).uses():
         form = used.owner
-        if used.count <= 1 or type(form) is nodes.DefineTest or id(form) in told:
+        if used.count <= 1 or type(form) is nodes.DefineTest:
             continue
         for support, found in _swapped(links, used):
             if support > best.get(id(form), (0, found))[0]:

@@ -61,7 +61,7 @@ _MOST = 200
 @check(BROKEN, needs_whole="method")
 def constraints(run: Pass) -> Iterator[Diagnostic]:
     """Find steps that undo what a constraint above them asks for."""
-    nets = run.result(TASK_NETS).value
+    nets = run.result(TASK_NETS)
     for rap in run.library.raps.values():
         for method in rap.methods:
             net = nets.get(id(method.body))
@@ -141,7 +141,7 @@ class _Search:
         left: bool,
         far: int,
     ) -> _Undone | None:
-        net = self._run.result(TASK_NETS).value.get(id(method.body))
+        net = self._run.result(TASK_NETS).get(id(method.body))
         if not isinstance(method.body, nodes.TaskNet) or net is None:
             return None
         if net.broken or net.order is None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Container, Iterable, Iterator, Sequence
 from typing import NamedTuple
 
-from rapc.analysis.check import Fact, Pass, Reported, check
+from rapc.analysis.check import Fact, Pass, check
 from rapc.analysis.facts.bindings import Bound, whole_formulas
 from rapc.analysis.facts.logic import Clash, Conjunction, Literal, literals, may_clash
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
@@ -48,28 +48,31 @@ another thing (T 4.1).""",
 )
 
 
-def _run(run: Pass) -> Reported[set[int]]:
-    """Return the findings, and the ids of the formulas that never hold."""
-    never: set[int] = set()
-    found: list[Diagnostic] = []
-    for form in run.library.forms:
-        every: list[Diagnostic] = []
-        for formula, given in whole_formulas(form, run.library.functions):
-            own = list(_contradictions(run, formula, given))
-            if own:
-                never.add(id(formula))
-            every += own
-        found += one_for_each_place(every)
-    return Reported(found, never)
+class Contradiction(NamedTuple):
+    """A formula of a clause that never holds, and what in it contradicts what."""
+
+    formula: nodes.Formula
+    clash: Clash
+
+
+def _run(run: Pass) -> Sequence[Contradiction]:
+    return [
+        Contradiction(formula, clash)
+        for form in run.library.forms
+        for formula, given in whole_formulas(form, run.library.functions)
+        for clash in _contradictions(run, formula, given)
+    ]
 
 
 CONTRADICTIONS = Fact(_run)
+"""The contradictions in clauses, in the order of the text."""
 
 
 @check(CONTRADICTION, needs_whole="form")
 def contradictions(run: Pass) -> Iterable[Diagnostic]:
     """Find formulas that never hold, whatever happens."""
-    return run.result(CONTRADICTIONS).findings
+    every = run.result(CONTRADICTIONS)
+    return one_for_each_place(_contradiction(one.clash) for one in every)
 
 
 def one_for_each_place(found: Iterable[Diagnostic]) -> Iterable[Diagnostic]:
@@ -97,7 +100,7 @@ class _Asked(NamedTuple):
 
 def _contradictions(
     run: Pass, formula: nodes.Formula, given: Container[str]
-) -> Iterator[Diagnostic]:
+) -> Iterator[Clash]:
     """Yield what never holds in a formula.
 
     Args:
@@ -117,7 +120,7 @@ def _contradictions(
             if any(clash.second is one for one in here.behind):
                 clash = Clash(clash.second, clash.first)
             if any(clash.second is one for one in own):
-                yield _contradiction(clash)
+                yield clash
             continue
         for at, literal in enumerate(own):
             inner = literal.formula

@@ -7,14 +7,18 @@ take. Functions used as tests are facts to `fact_arity` and `undeclared_predicat
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from rapc.analysis.check import Pass, check
+from rapc.analysis.facts.index import INDEX, Index, NameUse
 from rapc.analysis.facts.names import (
     unknown_names,
     wrong_arity,
     wrong_kind,
 )
-from rapc.base.diagnostics import Diagnostic, Rule, Severity
+from rapc.base.diagnostics import Diagnostic, Rule, Severity, Subject
+from rapc.ir import nodes
+from rapc.ir.walk import variables
 
 UNDECLARED = Rule(
     code="RAP018",
@@ -64,6 +68,16 @@ term gives it; with too much or too little the query fails.""",
 @check(UNDECLARED, ARITY)
 def functions(run: Pass) -> Iterator[Diagnostic]:
     """Find computed terms whose function is not declared, or not met."""
-    yield from unknown_names(run, UNDECLARED, ("computed",))
+    about = partial(_variables, run.result(INDEX))
+    yield from unknown_names(run, UNDECLARED, ("computed",), about)
     yield from wrong_arity(run, ARITY, ("computed",))
-    yield from wrong_kind(run, UNDECLARED, ("computed",))
+    yield from wrong_kind(run, UNDECLARED, ("computed",), about)
+
+
+def _variables(index: Index, used: NameUse) -> Iterator[Subject]:
+    """Yield the variables that a fact in place of a computed value was to bind."""
+    here = index.at(used.span.file, used.span.start)
+    compared = here is not None and isinstance(here.parent, nodes.Compare)
+    place = here.parent if here is not None and compared else used.node
+    for variable in variables(place):
+        yield Subject(place.span, variable.name)

@@ -10,9 +10,6 @@ from __future__ import annotations
 from collections.abc import Container, Iterator, Sequence
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.checks.kinds import KINDS
-from rapc.analysis.checks.settled import SETTLED
-from rapc.analysis.checks.standing import STANDING
 from rapc.analysis.facts.effects import EFFECTS, Effect, calls_of, done_by_method
 from rapc.analysis.facts.logic import (
     Literal,
@@ -127,11 +124,10 @@ the contrary of which `succeed` asks for, leads to plans that fail.""",
 def hopeless(run: Pass) -> Iterator[Diagnostic]:
     """Find goals, reactions and promises that nothing a RAP does has to do with."""
     effects = run.result(EFFECTS)
-    told = run.result(KINDS).value
     hopeless: dict[str, Diagnostic] = {}
     for rap in run.library.raps.values():
         wanted = rap.succeed or rap.effects
-        if not run.complete or not rap.methods or not wanted or id(rap) in told:
+        if not run.complete or not rap.methods or not wanted:
             continue
         denied = list(_denied(rap))
         yield from denied
@@ -151,7 +147,7 @@ def _hopeless(
     run: Pass, rap: nodes.DefineRap, done: Sequence[Effect]
 ) -> Diagnostic | None:
     goal = rap.succeed
-    if goal is None or is_never(goal) or id(rap) in run.result(SETTLED).value:
+    if goal is None or is_never(goal):
         return None
     parts = goal.parts if isinstance(goal, nodes.Or) else (goal,)
     if any(_part_can_come(run.library, part, done) for part in parts):
@@ -186,7 +182,7 @@ def _endless(
     if monitor is None or rap.monitor_time is not None:
         return
     asked = asked_through(run.library, monitor)
-    if not asked or id(monitor) in run.result(STANDING).value:
+    if not asked:
         return
     if not _ends(run.library, monitor, done):
         yield ENDLESS.at(

@@ -9,11 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.checks.resources import RESOURCES
 from rapc.analysis.facts.index import INDEX
 from rapc.analysis.facts.logic import literals, number_of
 from rapc.analysis.facts.resources import FirstValues, Flow, flows, overall_use
-from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity, Subject
 from rapc.ir import nodes
 
 IDLE = Rule(
@@ -83,13 +82,9 @@ def idle_resource(run: Pass) -> Iterator[Diagnostic]:
     index = run.result(INDEX)
     if not index.of(nodes.Resource):
         return
-    mistaken = run.result(RESOURCES).value
-    wrong = mistaken.wrong | mistaken.meant
     every = flows(index)
     for rap in run.library.raps.values():
         for resource in rap.resources:
-            if (id(rap), resource.variable.name) in wrong:
-                continue
             own = every[id(rap), resource.variable.name]
             yield from _judge(resource, overall_use(own, every, run.library), rap)
 
@@ -149,6 +144,7 @@ def _unread(resource: nodes.Resource, uses: Flow) -> Diagnostic:
         if resource.kind == "set"
         else f"nobody asks what `{resource.variable.name}` has come to",
         labels=tuple([Label(c.span, "changed here") for c in uses.changes[:2]]),
+        about=(Subject(resource.variable.span, resource.variable.name),),
     )
 
 
@@ -159,6 +155,7 @@ def _finding(resource: nodes.Resource, uses: Flow, message: str) -> Diagnostic:
         uses.changes[0].span if uses.changes else resource.variable.span,
         message,
         labels=(*changes[1:3], *asked),
+        about=(Subject(resource.variable.span, resource.variable.name),),
     )
 
 

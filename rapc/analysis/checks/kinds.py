@@ -8,14 +8,14 @@ inputs for which no kind is declared their use tells. Numbers are the business o
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
-from rapc.analysis.check import Fact, Pass, Reported, check
+from rapc.analysis.check import Pass, check
 from rapc.analysis.facts.index import INDEX, Index, NameUse
 from rapc.analysis.facts.kinds import INFERRED, KindClash, Learned
 from rapc.analysis.facts.names import UnknownNames, declared_at
 from rapc.analysis.renaming import renaming
-from rapc.base.diagnostics import Diagnostic, Fix, Label, Rule, Severity
+from rapc.base.diagnostics import Diagnostic, Fix, Label, Rule, Severity, Subject
 from rapc.base.names import Suggestions
 from rapc.base.source import Span
 from rapc.base.values import format_atom
@@ -94,13 +94,14 @@ most likely two variables were mixed up.""",
 )
 
 
-def _run(run: Pass) -> Reported[Container[int]]:
-    """Return the findings, and the ids of forms in which kinds do not go together."""
+@check(UNKNOWN, WRONG, APART)
+def kinds(run: Pass) -> Iterator[Diagnostic]:
+    """Compare constants and variables with the kinds that were declared."""
     index = run.result(INDEX)
-    told: set[int] = set()
     if not index.kinds():
-        return Reported((), told)
-    found = [*_unknown(run, index), *_circles(run)]
+        return
+    yield from _unknown(run, index)
+    yield from _circles(run)
     declared = _of_forms(index)
     for used in index.uses():
         signature = run.signatures.table(used.use).get(used.name)
@@ -110,24 +111,12 @@ def _run(run: Pass) -> Reported[Container[int]]:
                 continue
             if not erased and signature.is_property and used.count != signature.most:
                 continue
-            found += _constants(run, used, signature)
+            yield from _constants(run, used, signature)
             own = declared.get(id(used.owner))
-            mixed = _variables(run, used, signature, own) if own else None
-            if mixed is not None:
-                found.append(mixed)
-                told.add(id(used.owner))
-    found += [*_defaults(run), *_inferred(run, index)]
-    told.update(id(clash.form) for clash in run.result(INFERRED).clashes)
-    return Reported(found, told)
-
-
-KINDS = Fact(_run)
-
-
-@check(UNKNOWN, WRONG, APART)
-def kinds(run: Pass) -> Iterable[Diagnostic]:
-    """Compare constants and variables with the kinds that were declared."""
-    return run.result(KINDS).findings
+            if own:
+                yield from _variables(run, used, signature, own)
+    yield from _defaults(run)
+    yield from _inferred(run, index)
 
 
 def _unknown(run: Pass, index: Index) -> Iterator[Diagnostic]:
@@ -175,6 +164,7 @@ def _constants(run: Pass, used: NameUse, signature: Signature) -> Iterator[Diagn
                 labels=(label,),
                 help=_listed(run, kind).did_you_mean(word) or _listing(run, kind),
                 fix=_another(run, kind, term),
+                about=(Subject(term.span, f"?{term.value}"),),
             )
 
 
@@ -239,8 +229,8 @@ def _of_forms(index: Index) -> Mapping[int, _Own]:
 
 def _variables(
     run: Pass, used: NameUse, signature: Signature, own: _Own
-) -> Diagnostic | None:
-    """Return a finding about the first variable of another kind."""
+) -> Iterator[Diagnostic]:
+    """Yield a finding about the first variable of another kind."""
     args: Sequence[nodes.Argument] = signature.args or ()
     for term, arg in zip(used.node.args, args, strict=False):
         if arg.kind is None or not isinstance(term, nodes.Var):
@@ -251,8 +241,8 @@ def _variables(
                 Label(place, "declared here"),
                 Label(declared_at(run, signature), f"`{arg.variable.name}` is here"),
             )
-            return APART.at(term.span, _mixed_up(term, kind, arg.kind), labels=labels)
-    return None
+            yield APART.at(term.span, _mixed_up(term, kind, arg.kind), labels=labels)
+            return
 
 
 def _mixed_up(variable: nodes.Var, kind: str, wanted: str) -> str:
@@ -299,4 +289,5 @@ def _no_such_value(run: Pass, term: nodes.Const, known: Learned) -> Diagnostic:
         labels=(Label(known.span, f"used as {_a(known.kind)} here"),),
         help=_listed(run, known.kind).did_you_mean(word) or _listing(run, known.kind),
         fix=_another(run, known.kind, term),
+        about=(Subject(term.span, f"?{term.value}"),),
     )

@@ -9,10 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.checks.bindings import BINDINGS
 from rapc.analysis.facts.index import INDEX, VariableAt
 from rapc.analysis.renaming import renaming
-from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity, Subject
 from rapc.base.names import Close
 from rapc.ir import nodes
 
@@ -58,15 +57,13 @@ One that lacks a letter may be shorter by that: `?dor` is close to `?door`.
 @check(MISSPELT, needs_whole="form")
 def misspelt_variable(run: Pass) -> Iterator[Diagnostic]:
     """Find variables used once whose names are close to another's."""
-    missing = run.result(BINDINGS).missing
     for owner, named in run.result(INDEX).variables():
         if not isinstance(owner, nodes.DefineRap | nodes.DefineQuery):
             continue
         names = named
         if "?" in named:
             names = {name: uses for name, uses in named.items() if name != "?"}
-        unbound = {m.variable.name for m in missing.get(id(owner), ())}
-        once = [n for n, uses in names.items() if len(uses) == 1 and n not in unbound]
+        once = [name for name, uses in names.items() if len(uses) == 1]
         suspects = _suspects(once, names)
         close = Close(names, _LEAST) if suspects else None
         for name in suspects:
@@ -108,4 +105,5 @@ def _finding(run: Pass, variable: nodes.Var, close: nodes.Var) -> Diagnostic:
         labels=(Label(close.span, "a variable with a close name"),),
         help=f"did you mean `{close.name}`? if anything will do, write `?`",
         fix=renaming(run.library.files, variable.name, close.name, [variable.span]),
+        about=(Subject(variable.span, variable.name),),
     )

@@ -20,7 +20,6 @@ from rapc.analysis.checks.contradictions import (
     one_for_each_place,
     said,
 )
-from rapc.analysis.checks.settled import SETTLED
 from rapc.analysis.facts.logic import Clash, Literal, apart, follows, literals
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.source import Span
@@ -113,17 +112,17 @@ def _goal(formula: nodes.Formula, given: Container[str]) -> _Goal:
 @check(UNREACHABLE, needs_whole="form")
 def never_holds(run: Pass) -> Iterator[Diagnostic]:
     """Find methods that are never chosen."""
+    never = {id(one.formula) for one in run.result(CONTRADICTIONS)}
     for rap in run.library.forms:
         if isinstance(rap, nodes.DefineRap):
-            yield from one_for_each_place(_rap(run, rap))
+            yield from one_for_each_place(_rap(run, rap, never))
 
 
-def _rap(run: Pass, rap: nodes.DefineRap) -> Iterator[Diagnostic]:
+def _rap(
+    run: Pass, rap: nodes.DefineRap, never: Container[int]
+) -> Iterator[Diagnostic]:
     given = {v.name for v in rap.inputs} | {r.variable.name for r in rap.resources}
-    never = run.result(CONTRADICTIONS).value
     goals = [_goal(formula, given) for formula in _ways_to_succeed(rap)]
-    if id(rap) in run.result(SETTLED).value:
-        goals = []
     at = _Chosen(run, given, list(_held(rap, given, never)), goals)
     hopeless = _succeeds_first(at, rap) or _apart(at, rap)
     if hopeless is not None:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 
-from rapc.analysis.check import Fact, Pass, Reported, check
-from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.analysis.check import Pass, check
+from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity, Subject
 from rapc.ir import nodes
 from rapc.ir.walk import steps
 
@@ -34,27 +34,14 @@ else. Mostly another variable was meant; to make sure of a value, compare it in
 )
 
 
-def _run(run: Pass) -> Reported[list[int]]:
-    """Return the findings, and the id of the RAP of each."""
-    found: list[Diagnostic] = []
-    told: list[int] = []
+@check(TAKEN, needs_whole="form")
+def outputs(run: Pass) -> Iterator[Diagnostic]:
+    """Find outputs of steps in variables that have a value already."""
     for rap in run.library.raps.values():
         inputs = {variable.name: variable for variable in rap.inputs}
         for method in rap.methods:
             for step in steps(method):
-                for one in _taken(step.goal, inputs):
-                    found.append(one)
-                    told.append(id(rap))
-    return Reported(found, told)
-
-
-OUTPUTS = Fact(_run)
-
-
-@check(TAKEN, needs_whole="form")
-def outputs(run: Pass) -> Iterable[Diagnostic]:
-    """Find outputs of steps in variables that have a value already."""
-    return run.result(OUTPUTS).findings
+                yield from _taken(step.goal, inputs)
 
 
 def _taken(goal: nodes.Goal, inputs: dict[str, nodes.Var]) -> Iterator[Diagnostic]:
@@ -70,4 +57,5 @@ def _taken(goal: nodes.Goal, inputs: dict[str, nodes.Var]) -> Iterator[Diagnosti
                 f"`{goal.name}` would have to be",
                 labels=(Label(first.span, "it comes from here"),),
                 help="name another variable, or write `?`",
+                about=(Subject(output.span),),
             )

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Container, Iterator, Mapping
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.checks.resources import RESOURCES
 from rapc.analysis.facts.index import INDEX, Form, Index
 from rapc.base.diagnostics import (
     Applicability,
@@ -15,6 +14,7 @@ from rapc.base.diagnostics import (
     Label,
     Rule,
     Severity,
+    Subject,
 )
 from rapc.ir import nodes
 from rapc.language.heads import CALLS
@@ -50,7 +50,6 @@ It equals no number, stands in no fact, and a request that holds one fails. Step
 def resource_as_value(run: Pass) -> Iterator[Diagnostic]:
     """Find sets and counters where a plain value is needed."""
     index = run.result(INDEX)
-    wrong = run.result(RESOURCES).value.wrong
     resources: dict[tuple[int, str], tuple[str, nodes.Var]] = {
         (id(use.owner), use.node.variable.name): (use.node.kind, use.node.variable)
         for use in index.of(nodes.Resource)
@@ -59,7 +58,7 @@ def resource_as_value(run: Pass) -> Iterator[Diagnostic]:
     effects = {id(use.node.pattern) for use in index.of(nodes.DeclaredEffect)}
     for use in index.of(nodes.Var) if resources else ():
         key = (id(use.owner), use.node.name)
-        if key not in resources or key in wrong or id(use.parent) in effects:
+        if key not in resources or id(use.parent) in effects:
             continue
         kind, declared = resources[key]
         if use.node is declared or isinstance(use.parent, nodes.DefineRap):
@@ -146,4 +145,5 @@ def _finding(variable: nodes.Var, kind: str, declared: nodes.Var) -> Diagnostic:
         if counter
         else f"ask `(member {variable.name} x)` or `(size-of {variable.name})`",
         fix=fix if counter else None,
+        about=(Subject(variable.span, variable.name),),
     )

@@ -7,16 +7,15 @@ given elsewhere.
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from typing import Literal
 
 import msgspec
 
-from rapc.analysis.check import Fact, Pass, Reported, check
-from rapc.analysis.checks.bindings import BINDINGS
+from rapc.analysis.check import Pass, check
 from rapc.analysis.facts.index import INDEX, Form, Index, Occurrence
 from rapc.analysis.renaming import renaming
-from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity, Subject
 from rapc.base.names import nearest
 from rapc.ir import nodes
 
@@ -81,42 +80,27 @@ class Demand(msgspec.Struct, frozen=True):
     term: nodes.Term
     kind: Kind
     rap: nodes.DefineRap
+    #: What is put in, taken out or looked for.
+    amount: nodes.Term | None = None
 
 
-class Mistaken(msgspec.Struct, frozen=True):
-    """The resources that are mixed up, each by the id of its RAP and its name."""
-
-    #: Those that are taken for something else.
-    wrong: set[tuple[int, str]]
-    #: Those that may be meant where something else stands.
-    meant: set[tuple[int, str]]
-
-
-def _run(run: Pass) -> Reported[Mistaken]:
-    """Return the findings, and the resources that are mixed up."""
-    found: list[Diagnostic] = []
+@check(WRONG_KIND, NOT_A_RESOURCE, needs_whole="method")
+def resources(run: Pass) -> Iterator[Diagnostic]:
+    """Find sets used as counters, counters as sets, and plain values as either."""
     index = run.result(INDEX)
-    missing = run.result(BINDINGS).missing
-    unbound = {(rap, m.variable.name) for rap, all_ in missing.items() for m in all_}
     by_input: dict[tuple[str, str], list[Demand]] = {}
-    wrong: set[tuple[int, str]] = set()
-    meant: set[tuple[int, str]] = set()
     for demand in _demands(index):
         rap, term = demand.rap, demand.term
-        if isinstance(term, nodes.Var) and (
-            term.anonymous or (id(rap), term.name) in unbound
-        ):
+        if isinstance(term, nodes.Var) and term.anonymous:
             continue
         declared = _resource(rap, term)
         if declared is not None:
             if declared.kind != demand.kind:
-                found.append(_wrong_kind(term, declared, demand))
-                wrong.add((id(rap), declared.variable.name))
+                yield _wrong_kind(term, declared, demand)
         elif isinstance(term, nodes.Var) and _is_input(rap, term):
             by_input.setdefault((rap.name, term.name), []).append(demand)
         else:
-            found.append(_no_resource(run, demand))
-            meant |= _meant(rap, demand)
+            yield _no_resource(run, demand)
     steps = [
         (goal.owner, goal.node)
         for goal in index.of(nodes.Goal)
@@ -125,53 +109,35 @@ def _run(run: Pass) -> Reported[Mistaken]:
     wanted: dict[tuple[str, str], Demand] = {}
     if by_input:
         wanted, mixed = _settled(run, by_input, steps)
-        found += mixed
+        yield from mixed
     for owner, goal in steps if wanted else ():
-        for one, taken_for in _check_step(run, owner, goal, wanted):
-            found.append(one)
-            meant |= _meant(owner, taken_for)
-    return Reported(found, Mistaken(wrong | _in_place_of(index), meant))
-
-
-RESOURCES = Fact(_run)
-
-
-@check(WRONG_KIND, NOT_A_RESOURCE, needs_whole="method")
-def resources(run: Pass) -> Iterable[Diagnostic]:
-    """Find sets used as counters, counters as sets, and plain values as either."""
-    return run.result(RESOURCES).findings
-
-
-def _meant(rap: nodes.DefineRap, demand: Demand) -> set[tuple[int, str]]:
-    """Return the resources of a RAP that may be meant where none of the kind stands."""
-    own = [one for one in rap.resources if one.kind == demand.kind]
-    return {(id(rap), one.variable.name) for one in own}
+        yield from _check_step(run, owner, goal, wanted)
 
 
 def _demands(index: Index) -> Iterator[Demand]:
-    for term, kind, owner in _places(index):
+    for term, kind, owner, amount in _places(index):
         if isinstance(owner, nodes.DefineRap):
-            yield Demand(term, kind, owner)
+            yield Demand(term, kind, owner, amount)
 
 
 def _places(
     index: Index,
-) -> Iterator[tuple[nodes.Term, Kind, Form]]:
+) -> Iterator[tuple[nodes.Term, Kind, Form, nodes.Term | None]]:
     """Every term that has to be a resource, with the kind it has to be."""
     for test in index.of(nodes.SetTest):
-        yield test.node.args[0], "set", test.owner
+        yield test.node.args[0], "set", test.owner, test.node.args[-1]
     for call in index.of(nodes.Call):
         # A call whose argument could not be read has none; the reader has said so.
         if call.node.function in ("size-of", "value") and call.node.args:
             kind: Kind = "set" if call.node.function == "size-of" else "counter"
-            yield call.node.args[0], kind, call.owner
+            yield call.node.args[0], kind, call.owner, None
     for effect in index.of(nodes.ResourceChange):
         kind = "set" if effect.node.op in ("set-add", "set-sub") else "counter"
-        yield effect.node.resource, kind, effect.owner
+        yield effect.node.resource, kind, effect.owner, effect.node.amount
     for resource in index.of(nodes.Resource):
         first = resource.node.initial
         if first is not None and not _may_be_number(resource, first):
-            yield first, resource.node.kind, resource.owner
+            yield first, resource.node.kind, resource.owner, None
 
 
 def _may_be_number(use: Occurrence[nodes.Resource], initial: nodes.Term) -> bool:
@@ -244,34 +210,13 @@ def _two_kinds(first: Demand, other: Demand) -> Diagnostic:
     )
 
 
-_CHANGE = nodes.ResourceChange
-
-
-def _in_place_of(index: Index) -> set[tuple[int, str]]:
-    """The resources that stand as an amount beside what is no resource."""
-    found = set()
-    pairs = [
-        *((u.owner, u.node.amount, u.node.resource) for u in index.of(_CHANGE)),
-        *((u.owner, u.node.args[-1], u.node.args[0]) for u in index.of(nodes.SetTest)),
-    ]
-    for rap, amount, term in pairs:
-        if not isinstance(rap, nodes.DefineRap):
-            continue
-        known = _resource(rap, term) is not None
-        if isinstance(term, nodes.Var):
-            known = known or _is_input(rap, term)
-        if not known and isinstance(amount, nodes.Var):
-            found.add((id(rap), amount.name))
-    return found
-
-
 def _check_step(
     run: Pass,
     rap: nodes.DefineRap,
     goal: nodes.Goal,
     by_input: Mapping[tuple[str, str], Demand],
-) -> Iterator[tuple[Diagnostic, Demand]]:
-    """Yield the demands of a RAP that a step gives something else for."""
+) -> Iterator[Diagnostic]:
+    """Yield what a step gives that the RAP does not use so."""
     callee = run.library.raps.get(goal.name)
     for term, taken in zip(goal.args, callee.inputs if callee else (), strict=False):
         demand = by_input.get((goal.name, taken.name))
@@ -279,9 +224,9 @@ def _check_step(
             continue
         declared = _resource(rap, term)
         if declared is not None and declared.kind != demand.kind:
-            yield _wrong_kind(term, declared, demand), demand
+            yield _wrong_kind(term, declared, demand)
         elif isinstance(term, nodes.Const):
-            yield _no_resource(run, demand, term), demand
+            yield _no_resource(run, demand, term)
 
 
 def _wrong_kind(
@@ -295,6 +240,7 @@ def _wrong_kind(
         term.span,
         f"`{name}` is a {declared.kind}, not a {demand.kind}",
         labels=tuple(labels),
+        about=(Subject(term.span, name),),
     )
 
 
@@ -318,4 +264,12 @@ def _no_resource(
         if near
         else f"declare one: `(resources ({demand.kind} ?name))`",
         fix=renaming(run.library.files, name, near, [term.span]),
+        about=tuple(Subject(term.span, name) for name in _mixed_up(term, demand)),
     )
+
+
+def _mixed_up(term: nodes.Term, demand: Demand) -> Iterator[str]:
+    """Yield what stands in place of a resource, or beside it."""
+    for one in (term, demand.amount):
+        if isinstance(one, nodes.Var):
+            yield one.name

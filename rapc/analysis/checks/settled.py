@@ -6,9 +6,9 @@ fresh variable always holds [L 2.20].
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 
-from rapc.analysis.check import Fact, Pass, Reported, check
+from rapc.analysis.check import Pass, check
 from rapc.analysis.facts.logic import is_never, literals
 from rapc.analysis.facts.resources import FirstValues
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
@@ -159,29 +159,16 @@ test is the wrong way round.""",
 )
 
 
-def _run(run: Pass) -> Reported[set[int]]:
-    """Return the findings, and the ids of the RAPs that succeed at once."""
+@check(COPY, AT_ONCE, NEVER, ALWAYS, NOT_AT_FIRST, needs_whole="form")
+def settled(run: Pass) -> Iterator[Diagnostic]:
+    """Find methods that say the same, and clauses whose answer is settled."""
     always = Always(run.signatures)
-    at_once: set[int] = set()
-    every: list[Diagnostic] = []
     for rap in run.library.forms:
         if isinstance(rap, nodes.DefineRap) and rap.methods:
             given = {v.name for v in rap.inputs}
             given |= {r.variable.name for r in rap.resources}
-            for found in (*_copies(rap), *_settled(rap, always, given)):
-                every.append(found)
-                if found.rule == AT_ONCE.name:
-                    at_once.add(id(rap))
-    return Reported(every, at_once)
-
-
-SETTLED = Fact(_run)
-
-
-@check(COPY, AT_ONCE, NEVER, ALWAYS, NOT_AT_FIRST, needs_whole="form")
-def settled(run: Pass) -> Iterable[Diagnostic]:
-    """Find methods that say the same, and clauses whose answer is settled."""
-    return run.result(SETTLED).findings
+            yield from _copies(rap)
+            yield from _settled(rap, always, given)
 
 
 def _copies(rap: nodes.DefineRap) -> Iterator[Diagnostic]:

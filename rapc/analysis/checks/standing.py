@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 
-from rapc.analysis.check import Fact, Pass, Reported, check
+from rapc.analysis.check import Pass, check
 from rapc.analysis.checks.settled import Always
 from rapc.analysis.facts.effects import below_agendas, endless
 from rapc.analysis.facts.index import INDEX, Form, Index
@@ -156,11 +156,10 @@ it does not hold.""",
 )
 
 
-def _run(run: Pass) -> Reported[set[int]]:
-    """Return the findings, and the ids of the monitors that nothing ever changes."""
+@check(ENDLESS, UNHEARD, UNREADY, FAILING)
+def standing(run: Pass) -> Iterator[Diagnostic]:
+    """Find tasks that never end where they should, and monitors of what never is."""
     library = run.library
-    unheard: set[int] = set()
-    every: list[Diagnostic] = []
     never_done = endless(below_agendas(library))
     for agenda in library.agendas.values():
         for task in agenda.tasks:
@@ -170,28 +169,16 @@ def _run(run: Pass) -> Reported[set[int]]:
                     other.goal.name not in never_done and not other.background
                     for other in agenda.tasks
                 )
-                every.append(_endless(task, cause, work))
+                yield _endless(task, cause, work)
     if run.complete and is_described(library):
         changed = _Changed(library, run.result(INDEX))
         idle = _never_asked_for(library, run.result(INDEX))
         always = Always(run.signatures)
         for rap in library.raps.values():
             if rap.monitor_state is not None and rap.monitor_time is None:
-                for found in _unheard(library, rap.monitor_state, changed, idle):
-                    unheard.add(id(rap.monitor_state))
-                    every.append(found)
-            every += _unready(library, rap, changed, always)
-            every += _failing(library, rap, changed, always)
-    return Reported(every, unheard)
-
-
-STANDING = Fact(_run)
-
-
-@check(ENDLESS, UNHEARD, UNREADY, FAILING)
-def standing(run: Pass) -> Iterable[Diagnostic]:
-    """Find tasks that never end where they should, and monitors of what never is."""
-    return run.result(STANDING).findings
+                yield from _unheard(library, rap.monitor_state, changed, idle)
+            yield from _unready(library, rap, changed, always)
+            yield from _failing(library, rap, changed, always)
 
 
 def _endless(task: nodes.GivenTask, cause: Span, work: bool) -> Diagnostic:

@@ -6,13 +6,13 @@ nothing [L 4.1, 4.2]. Which variables that order binds is for `bindings` to say.
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from graphlib import CycleError, TopologicalSorter
 from itertools import pairwise
 
 import msgspec
 
-from rapc.analysis.check import Fact, Pass, Reported, check
+from rapc.analysis.check import Fact, Pass, check
 from rapc.analysis.renaming import renaming
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.names import Suggestions
@@ -120,6 +120,7 @@ class Net(msgspec.Struct, frozen=True):
     by_until: frozenset[int]
     #: Whether a tag names no step, or two: what is said of the order is not sure.
     broken: bool = False
+    faults: tuple[Diagnostic, ...] = ()
 
     def is_before(self, one: int, other: int) -> bool:
         """Whether a step is ordered before another, directly or not."""
@@ -170,24 +171,24 @@ Nets = Mapping[int, Net]
 """The net of each task-net node, by the node's `id`."""
 
 
-def _run(run: Pass) -> Reported[Nets]:
+def _run(run: Pass) -> Nets:
     nets = {}
-    found: list[Diagnostic] = []
     for rap in run.library.forms:
         if type(rap) is nodes.DefineRap:
             for method in rap.methods:
                 if type(method.body) is nodes.TaskNet:
-                    nets[id(method.body)] = _net(run, method.body, found)
-    return Reported(found, nets)
+                    nets[id(method.body)] = _net(run, method.body)
+    return nets
 
 
 TASK_NETS = Fact(_run)
 
 
 @check(UNKNOWN_TAG, DUPLICATE_TAG, CYCLE, needs_whole="method")
-def task_nets(run: Pass) -> Iterable[Diagnostic]:
+def task_nets(run: Pass) -> Iterator[Diagnostic]:
     """Find unknown and duplicate tags, and steps that wait for each other."""
-    return run.result(TASK_NETS).findings
+    for net in run.result(TASK_NETS).values():
+        yield from net.faults
 
 
 def sure_nets(run: Pass) -> Iterator[tuple[tuple[nodes.Step, ...], Net]]:
@@ -196,7 +197,7 @@ def sure_nets(run: Pass) -> Iterator[tuple[tuple[nodes.Step, ...], Net]]:
     Args:
         run: the pass.
     """
-    nets = run.result(TASK_NETS).value
+    nets = run.result(TASK_NETS)
     for rap in run.library.raps.values():
         for method in rap.methods:
             net = nets.get(id(method.body))
@@ -204,10 +205,9 @@ def sure_nets(run: Pass) -> Iterator[tuple[tuple[nodes.Step, ...], Net]]:
                 yield method.body.steps, net
 
 
-def _net(run: Pass, net: nodes.TaskNet, found: list[Diagnostic]) -> Net:
-    """Return the order of a task-net; what is wrong with it is added to `found`."""
+def _net(run: Pass, net: nodes.TaskNet) -> Net:
     tags = {step.tag: at for at, step in reversed(list(enumerate(net.steps)))}
-    found += _duplicates(run, net, tags)
+    found = list(_duplicates(run, net, tags))
     doubled = broken = len(tags) < len(net.steps)
     edges: list[list[StepOrder]] = [[] for _ in net.steps]
     unknown: dict[str, list[Span]] = {}
@@ -229,12 +229,16 @@ def _net(run: Pass, net: nodes.TaskNet, found: list[Diagnostic]) -> Net:
         found.append(_unknown_tag(run, places, tag, names))
     by_until = _ended_by_until(net, tags, edges)
     by_signal = {at for at, step in enumerate(net.steps) if _ended_by_signal(step)}
+    order, circle = _order(edges)
+    if circle and not doubled:
+        found.append(_cycle(net, edges, circle))
     return Net(
-        _order(net, edges, doubled, found),
+        order,
         tuple(map(tuple, edges)),
         by_until | by_signal,
         by_until,
         broken,
+        tuple(found),
     )
 
 
@@ -325,19 +329,15 @@ def _unknown_tag(
     )
 
 
-def _order(
-    net: nodes.TaskNet, edges: Edges, doubled: bool, found: list[Diagnostic]
-) -> tuple[int, ...] | None:
+def _order(edges: Edges) -> tuple[tuple[int, ...] | None, Sequence[int]]:
+    """Return the steps in order, or None and a circle of steps."""
     if all(edge.before < at for at, into in enumerate(edges) for edge in into):
-        return tuple(range(len(edges)))
+        return tuple(range(len(edges))), ()
     graph = {at: [edge.before for edge in into] for at, into in enumerate(edges)}
     try:
-        return tuple(TopologicalSorter(graph).static_order())
+        return tuple(TopologicalSorter(graph).static_order()), ()
     except CycleError as error:
-        circle: list[int] = error.args[1]
-        if not doubled:
-            found.append(_cycle(net, edges, circle))
-        return None
+        return None, error.args[1]
 
 
 def _cycle(net: nodes.TaskNet, edges: Edges, circle: Sequence[int]) -> Diagnostic:

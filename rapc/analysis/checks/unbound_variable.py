@@ -12,13 +12,12 @@ import msgspec
 
 from rapc.analysis.check import Pass, check
 from rapc.analysis.checks.bindings import BINDINGS, Missing
-from rapc.analysis.checks.explained import EXPLAINED
 from rapc.analysis.checks.task_nets import TASK_NETS, Net
 from rapc.analysis.facts.bindings import SIGNALS, Site, sites_by_name
 from rapc.analysis.facts.effects import NeverDone
 from rapc.analysis.facts.index import Form
 from rapc.analysis.renaming import renaming
-from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity, Subject
 from rapc.base.names import Suggestions
 from rapc.base.source import Span
 from rapc.ir import nodes
@@ -86,12 +85,11 @@ _BIND = {
 def unbound_variable(run: Pass) -> Iterator[Diagnostic]:
     """Find variables that lack a value where one is needed."""
     missing = run.result(BINDINGS).missing
-    nets = run.result(TASK_NETS).value
+    nets = run.result(TASK_NETS)
     for form in (*run.library.forms, *run.library.tests):
-        lacking: Iterable[Missing] = missing.get(id(form), ())
+        lacking = missing.get(id(form), ())
         if lacking:
             places = _Places(form, run.library)
-            lacking = run.result(EXPLAINED).left(id(form), lacking, places.binds)
             for first, *further in _by_cause(lacking, places, run.unsure(form.span)):
                 net = None if first.method is None else nets.get(id(first.method.body))
                 if net is None or not net.broken or not _by_steps(first, places):
@@ -164,11 +162,13 @@ def _explain(
         labels = [Label(site.span, _close(site))]
         help_ = f"did you mean `{near}`?"
     labels += [Label(m.variable.span, "nor here") for m in further[:_MOST]]
+    lack = () if places.binds(first) else (Subject(first.variable.span),)
     return UNBOUND.at(
         first.variable.span,
         f"`{name}` is not bound here",
         labels=tuple(labels),
         help=help_,
+        about=(Subject(first.variable.span, name), *lack),
     )
 
 

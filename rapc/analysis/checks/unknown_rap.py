@@ -8,11 +8,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.facts.index import INDEX
+from rapc.analysis.facts.index import INDEX, NameUse
 from rapc.analysis.facts.names import Misuse, UnknownNames, misuses
-from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity, Subject
 from rapc.base.values import format_list
 from rapc.ir import nodes
+from rapc.ir.walk import variables
 from rapc.library.library import word_span
 
 UNKNOWN = Rule(
@@ -87,4 +88,12 @@ def _misfit(run: Pass, one: Misuse) -> Diagnostic:
         help="write `?` after `=>` for an output that is not needed"
         if lacks_outputs
         else "",
+        about=tuple(_not_handed_out(used, len(rap.outputs))) if lacks_outputs else (),
     )
+
+
+def _not_handed_out(used: NameUse, outputs: int) -> Iterator[Subject]:
+    """Yield the variables that a step may have for outputs, and one for each output."""
+    for variable in variables(*used.node.args):
+        yield Subject(used.span, variable.name)
+    yield from [Subject(used.span)] * outputs

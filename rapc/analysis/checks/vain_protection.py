@@ -62,7 +62,7 @@ effect is not declared.""",
 @check(VAIN, needs_whole="form")
 def vain_protection(run: Pass) -> Iterator[Diagnostic]:
     """Find formulas with `for` that no step before them can bring about."""
-    nets = run.result(TASK_NETS).value
+    nets = run.result(TASK_NETS)
     known: dict[str, _ByName | None] = {}
     for rap in run.library.raps.values() if run.complete else ():
         for method in rap.methods:

@@ -17,7 +17,7 @@ from rapc.analysis.check import Fact, Pass
 from rapc.analysis.facts.index import INDEX, USES, Form, NameUse, Uses
 from rapc.analysis.facts.statistics import THRESHOLDS
 from rapc.analysis.renaming import renaming
-from rapc.base.diagnostics import Diagnostic, Label, Rule
+from rapc.base.diagnostics import Diagnostic, Label, Rule, Subject
 from rapc.base.source import Span
 from rapc.ir import nodes
 from rapc.library.library import word_span
@@ -69,11 +69,18 @@ def misuses(run: Pass, uses: Container[Use], sort: str) -> Iterator[Misuse]:
             yield one
 
 
-def unknown_names(run: Pass, rule: Rule, uses: Container[Use]) -> Iterator[Diagnostic]:
+About = Callable[[NameUse], Iterable[Subject]]
+"""What a finding about the use of a name is about, besides."""
+
+
+def unknown_names(
+    run: Pass, rule: Rule, uses: Container[Use], about: About = lambda used: ()
+) -> Iterator[Diagnostic]:
     """Yield the unknown names among some uses, as findings of `rule`."""
     unknown = UnknownNames(rule)
     for one in misuses(run, uses, "unknown"):
-        unknown.add(one.fault, one.used.place(run.library.files), one.used.owner)
+        place = one.used.place(run.library.files)
+        unknown.add(one.fault, place, one.used.owner, about(one.used))
     yield from unknown.findings(run)
 
 
@@ -98,10 +105,25 @@ def wrong_arity(run: Pass, rule: Rule, uses: Container[Use]) -> Iterator[Diagnos
                 one.fault.message,
                 labels=(label,),
                 notes=(note,) if alike else (),
+                about=_left_out(wrong if alike else [one]),
             )
 
 
-def wrong_kind(run: Pass, rule: Rule, uses: Container[Use]) -> Iterator[Diagnostic]:
+def _left_out(wrong: Iterable[Misuse]) -> tuple[Subject, ...]:
+    """Return a subject for each test that lacks one argument, which would be bound."""
+    return tuple(
+        Subject(one.used.span)
+        for one in wrong
+        if one.used.use == "test"
+        and one.fault.declared is not None
+        and not one.fault.declared.is_property
+        and one.used.count + 1 == one.fault.declared.most
+    )
+
+
+def wrong_kind(
+    run: Pass, rule: Rule, uses: Container[Use], about: About = lambda used: ()
+) -> Iterator[Diagnostic]:
     """Yield the uses of names that are declared as something else."""
     files = run.library.files
     for one in misuses(run, uses, "kind"):
@@ -109,7 +131,13 @@ def wrong_kind(run: Pass, rule: Rule, uses: Container[Use]) -> Iterator[Diagnost
         assert declared is not None
         place = one.used.span if one.used.use == "computed" else one.used.place(files)
         label = Label(declared_at(run, declared), "declared here")
-        yield rule.at(place, one.fault.message, labels=(label,), help=one.fault.help)
+        yield rule.at(
+            place,
+            one.fault.message,
+            labels=(label,),
+            help=one.fault.help,
+            about=tuple(about(one.used)),
+        )
 
 
 def declared_at(run: Pass, signature: Signature) -> Span:
@@ -129,14 +157,18 @@ class UnknownNames:
     def __init__(self, rule: Rule) -> None:
         self._rule = rule
         self._uses: dict[tuple[str, int], list[tuple[Fault, Span]]] = {}
+        self._about: dict[str, list[Subject]] = {}
 
-    def add(self, fault: Fault, span: Span, owner: Form) -> None:
+    def add(
+        self, fault: Fault, span: Span, owner: Form, about: Iterable[Subject] = ()
+    ) -> None:
         """Note one more use of an unknown name, in the top-level form `owner`.
 
         A test is run by itself, so each has findings of its own.
         """
         test = id(owner) if type(owner) is nodes.DefineTest else 0
         self._uses.setdefault((fault.message, test), []).append((fault, span))
+        self._about.setdefault(fault.message, []).extend(about)
 
     def findings(self, run: Pass) -> Iterator[Diagnostic]:
         """Yield the findings, unless names may be unknown for want of a file."""
@@ -167,6 +199,7 @@ class UnknownNames:
             labels=(*meant, *(Label(s, "also used here") for s in further[:_SHOWN])),
             notes=(f"it is used in {places}",) if left > 0 else (),
             help=fault.help,
+            about=tuple(self._about[fault.message]),
         )
 
 
