@@ -22,7 +22,7 @@ from rapc.debug.answer import Answer, question, table
 from rapc.debug.arguments import Arguments, read_pattern
 from rapc.debug.history import History
 from rapc.debug.log import ToldEvent, Want
-from rapc.debug.questions.why import Origin, origins
+from rapc.debug.questions.why import Origin, origins, source
 from rapc.debug.questions.why_not import last_asserted
 from rapc.errors import ArgumentError
 from rapc.library.signatures import Use
@@ -108,7 +108,7 @@ def _changes(history: History, of_fact: Want, of_item: Want) -> list[_Change]:
         if told.kind is events.TaskSelected:
             chooser, open_since = told.keys["task"], len(found)
         elif told.kind in (events.PrimitiveEnded, events.DataReceived):
-            by = _source(told)
+            by = source(told)
             for at in range(open_since, len(found)):
                 if found[at].by == "handler":
                     found[at] = found[at]._replace(by=by)
@@ -119,13 +119,6 @@ def _changes(history: History, of_fact: Want, of_item: Want) -> list[_Change]:
         elif of_item(told):
             found.append(_of_item(told))
     return found
-
-
-def _source(told: ToldEvent) -> str:
-    if told.kind is events.DataReceived:
-        return f"datum {format_list(told.keys['data'])}"
-    task = told.keys["task"]
-    return format_list(told.keys["request"]) + ("" if task is None else f" [{task}]")
 
 
 def _of_fact(told: ToldEvent, chooser: int | None) -> _Change:

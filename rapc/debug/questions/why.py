@@ -7,8 +7,7 @@ context rested on.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterator, Mapping
 
 import msgspec
 
@@ -174,58 +173,40 @@ def reasons(
     return choice, msgspec.structs.replace(doing, rests_on=known)
 
 
+_RULES = (
+    "highest priority",
+    "earliest latest start",
+    "no method has ended badly",
+    "family at work",
+)
+"""The rules of choice, in order: each keeps the tasks whose part of a key is least."""
+
+
 def _choice(history: History, task: int) -> Choice:
     """Return why a task is the next to come up; the run is about to choose."""
     machine = history.run.machine
-    sole, others = machine.agenda.entries()
     live = {one.number: one for one in machine.state.live_tasks()}
-    entries = {n: (live[n].priority, late, failed) for n, late, failed in others}
+    sole, others = machine.agenda.entries()
+    late = {number: (start, failed) for number, start, failed in others}
     if sole is not None:
-        entries[sole] = (live[sole].priority, 0.0, False)
-    left = sorted(entries)
+        late[sole] = 0, False
+    highest = max(live[n].priority for n in late)
+    open_to = [family for level, family in machine.agenda.stack if level <= highest]
+    keys = {
+        n: (-live[n].priority, *late[n], live[n].family not in open_to[-1:])
+        for n in late
+    }
+    left = candidates = tuple(sorted(keys))
     rules: list[tuple[str, tuple[int, ...]]] = []
-    for rule, keep in _rules(entries, machine.agenda.stack, live):
-        if len(left) < 2:
-            break
-        kept = keep(left)
-        if len(kept) < len(left):
-            rules.append((rule, tuple(kept)))
+    for at, rule in enumerate(_RULES):
+        least = min(keys[n][at] for n in left)
+        kept = tuple(n for n in left if keys[n][at] == least)
+        if kept != left:
+            rules.append((rule, kept))
             left = kept
     if len(left) > 1:
         rules.append(("chance", (task,)))
-    candidates = tuple(sorted(entries))
     return Choice(task, history.cycle + 1, history.now, candidates, tuple(rules))
-
-
-def _rules(
-    entries: Mapping[int, tuple[int, float, bool]],
-    stack: Sequence[tuple[int, int]],
-    live: Mapping[int, Task],
-) -> list[tuple[str, Any]]:
-    """Return the rules of choice, each with what keeps some of the tasks left."""
-
-    def highest(left: list[int]) -> list[int]:
-        most = max(entries[n][0] for n in left)
-        return [n for n in left if entries[n][0] == most]
-
-    def soonest(left: list[int]) -> list[int]:
-        first = min(entries[n][1] for n in left)
-        return [n for n in left if entries[n][1] == first]
-
-    def fresh(left: list[int]) -> list[int]:
-        return [n for n in left if not entries[n][2]] or left
-
-    def family(left: list[int]) -> list[int]:
-        priority = entries[left[0]][0]
-        open_to = [family for level, family in stack if level <= priority]
-        return [n for n in left if open_to and live[n].family == open_to[-1]] or left
-
-    return [
-        ("highest priority", highest),
-        ("earliest latest start", soonest),
-        ("no method has ended badly", fresh),
-        ("family at work", family),
-    ]
 
 
 def _doing(
@@ -310,12 +291,17 @@ def _by_whom(history: History, told: ToldEvent) -> str:
             continue
         if by == "notation" and one.kind in (events.MethodEnded, events.TaskRemoved):
             break
-        if one.kind is events.PrimitiveEnded:
-            task = "" if one.keys["task"] is None else f" [{one.keys['task']}]"
-            return f"{format_list(one.keys['request'])}{task}"
-        if one.kind is events.DataReceived:
-            return f"datum {format_list(one.keys['data'])}"
+        if one.kind in (events.PrimitiveEnded, events.DataReceived):
+            return source(one)
     return by if chosen_by is None else f"{by} of [{chosen_by}]"
+
+
+def source(told: ToldEvent) -> str:
+    """Return in words a request that has ended, with its task, or a datum."""
+    if told.kind is events.DataReceived:
+        return f"datum {format_list(told.keys['data'])}"
+    task = told.keys["task"]
+    return format_list(told.keys["request"]) + ("" if task is None else f" [{task}]")
 
 
 # --- failures -----------------------------------------------------------------------
