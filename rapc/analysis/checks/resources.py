@@ -3,6 +3,13 @@
 A RAP knows the kinds of the resources that it declares. What an input is, only the
 caller knows: how the RAP itself uses the input is held against what its steps are
 given elsewhere.
+
+RAP066: a set or counter where a plain value is needed [T 4.8.1] [L 6].
+
+RAP124 and RAP164: resources that nobody changes, or asks about.
+
+What becomes of a resource that is handed to steps is looked up in their RAPs
+(`rapc.analysis.facts.resources`); of one that goes elsewhere nothing is said.
 """
 
 from __future__ import annotations
@@ -14,10 +21,22 @@ import msgspec
 
 from rapc.analysis.check import Pass, check
 from rapc.analysis.facts.index import INDEX, Form, Index, Occurrence
+from rapc.analysis.facts.logic import literals, number_of
+from rapc.analysis.facts.resources import FirstValues, Flow, flows, overall_use
 from rapc.analysis.renaming import renaming
-from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity, Subject
+from rapc.base.diagnostics import (
+    Applicability,
+    Diagnostic,
+    Edit,
+    Fix,
+    Label,
+    Rule,
+    Severity,
+    Subject,
+)
 from rapc.base.names import nearest
 from rapc.ir import nodes
+from rapc.language.heads import CALLS
 
 WRONG_KIND = Rule(
     code="RAP064",
@@ -273,3 +292,321 @@ def _mixed_up(term: nodes.Term, demand: Demand) -> Iterator[str]:
     for one in (term, demand.amount):
         if isinstance(one, nodes.Var):
             yield one.name
+
+
+RESOURCE_AS_VALUE = Rule(
+    code="RAP066",
+    name="resource-as-value",
+    severity=Severity.ERROR,
+    summary="a set or counter stands where a plain value is needed",
+    why="""A resource is a thing of its own, not the number or the members it holds now.
+It equals no number, stands in no fact, and a request that holds one fails. Steps and
+`resources` take it as it is, `value`, `size-of`, `member` and `empty` look into it.""",
+    fix="unsafe: takes the `value` of a counter",
+    source="T 4.8.1",
+    example="""\
+(define-rap (load))
+(define-rap (load-some ?number)
+  (resources (counter ?count 0))
+  (succeed (= ?count ?number))
+  (method (task-net (t1 (load) (counter-add ?count 1)))))
+""",
+    better="""\
+(define-rap (load))
+(define-rap (load-some ?number)
+  (resources (counter ?count 0))
+  (succeed (= (value ?count) ?number))
+  (method (task-net (t1 (load) (counter-add ?count 1)))))
+""",
+)
+
+
+@check(RESOURCE_AS_VALUE, needs_whole="method")
+def resource_as_value(run: Pass) -> Iterator[Diagnostic]:
+    """Find sets and counters where a plain value is needed."""
+    index = run.result(INDEX)
+    resources: dict[tuple[int, str], tuple[str, nodes.Var]] = {
+        (id(use.owner), use.node.variable.name): (use.node.kind, use.node.variable)
+        for use in index.of(nodes.Resource)
+    }
+    resources.update(_inputs(index))
+    effects = {id(use.node.pattern) for use in index.of(nodes.DeclaredEffect)}
+    for use in index.of(nodes.Var) if resources else ():
+        key = (id(use.owner), use.node.name)
+        if key not in resources or id(use.parent) in effects:
+            continue
+        kind, declared = resources[key]
+        if use.node is declared or isinstance(use.parent, nodes.DefineRap):
+            continue
+        if _needs_value(use.node, use.parent, run.library.functions):
+            yield _as_value(use.node, kind, declared)
+    for term, kind, declared in _handed_on(run, index, resources):
+        yield _as_value(term, kind, declared)
+
+
+_Known = Mapping[tuple[int, str], tuple[str, nodes.Var]]
+"""Resources by their form and name: the kind, and where they are declared."""
+
+
+def _handed_on(
+    run: Pass, index: Index, resources: _Known
+) -> Iterator[tuple[nodes.Var, str, nodes.Var]]:
+    """Yield resources that steps hand to inputs which are used as plain values only."""
+    handed: dict[tuple[int, str], list[nodes.Var]] = {}
+    owner_of: dict[int, Form] = {}
+    for step in index.of(nodes.Goal) if resources else ():
+        callee = run.library.raps.get(step.node.name)
+        taken = callee.inputs if callee is not None else ()
+        for term, variable in zip(step.node.args, taken, strict=False):
+            if isinstance(term, nodes.Var) and (id(step.owner), term.name) in resources:
+                handed.setdefault((id(callee), variable.name), []).append(term)
+                owner_of[id(term)] = step.owner
+    uses: dict[tuple[int, str], set[bool]] = {}
+    for use in index.of(nodes.Var) if handed else ():
+        key = (id(use.owner), use.node.name)
+        if key in handed and not isinstance(use.parent, nodes.DefineRap):
+            plain = _needs_value(use.node, use.parent, run.library.functions)
+            uses.setdefault(key, set()).add(plain)
+    for key, terms in handed.items():
+        for term in terms if uses.get(key) == {True} else ():
+            yield term, *resources[id(owner_of[id(term)]), term.name]
+
+
+def _inputs(index: Index) -> Iterator[tuple[tuple[int, str], tuple[str, nodes.Var]]]:
+    """Yield the inputs that their RAP changes as sets or counters."""
+    for use in index.of(nodes.ResourceChange):
+        rap, term = use.owner, use.node.resource
+        if isinstance(rap, nodes.DefineRap) and isinstance(term, nodes.Var):
+            for variable in rap.inputs:
+                if variable.name == term.name:
+                    kind = use.node.op.split("-")[0]
+                    yield (id(rap), term.name), (kind, variable)
+
+
+def _needs_value(
+    variable: nodes.Var, parent: nodes.Node, functions: Container[str]
+) -> bool:
+    """Whether what a variable stands in takes plain values only."""
+    match parent:
+        case nodes.Goal() | nodes.Resource():
+            needed = False
+        case nodes.Pattern():
+            needed = parent.name not in functions
+        case nodes.Call():
+            needed = parent.function in CALLS and parent.function not in _LOOK_INSIDE
+        case nodes.SetTest():
+            needed = variable is not parent.args[0]
+        case nodes.ResourceChange():
+            needed = variable is parent.amount
+        case nodes.DefineRap():
+            needed = variable is parent.duration
+        case _:
+            needed = True
+    return needed
+
+
+_LOOK_INSIDE = ("size-of", "value")
+
+
+def _as_value(variable: nodes.Var, kind: str, declared: nodes.Var) -> Diagnostic:
+    counter = kind == "counter"
+    content = f"(value {variable.name})"
+    fix = Fix(Applicability.UNSAFE, "take its value", (Edit(variable.span, content),))
+    return RESOURCE_AS_VALUE.at(
+        variable.span,
+        f"`{variable.name}` is a {kind}, not a plain value",
+        labels=(Label(declared.span, "declared here"),),
+        help=f"write `{content}` for the number it holds"
+        if counter
+        else f"ask `(member {variable.name} x)` or `(size-of {variable.name})`",
+        fix=fix if counter else None,
+        about=(Subject(variable.span, variable.name),),
+    )
+
+
+IDLE = Rule(
+    code="RAP124",
+    name="idle-resource",
+    severity=Severity.WARNING,
+    summary="a set or counter is asked about, and nothing ever brings it there",
+    why="""A counter that nothing counts, or that is only counted up where `succeed`
+waits for it to fall, never gets there; a set that nothing is put into stays empty (T
+4.8). The effect on the step is missing, or its verb is the wrong one. A resource that
+nobody uses at all is left over.""",
+    ignore="where a host or a problem solver changes the resource",
+    source="T 4.8.1",
+    example="""\
+(declare-primitive load () (okay))
+(define-rap (lift) (method (primitive (load))))
+(define-rap (load-all ?number)
+  (resources (counter ?wanted ?number))
+  (succeed (<= (value ?wanted) 0))
+  (method (task-net (t1 (lift)))))
+""",
+    better="""\
+(declare-primitive load () (okay))
+(define-rap (lift) (method (primitive (load))))
+(define-rap (load-all ?number)
+  (resources (counter ?wanted ?number))
+  (succeed (<= (value ?wanted) 0))
+  (method (task-net (t1 (lift) (counter-sub ?wanted 1)))))
+""",
+)
+
+
+UNREAD = Rule(
+    code="RAP164",
+    name="unread-resource",
+    severity=Severity.INFO,
+    opt_in=True,
+    summary="a set or counter is changed, and nobody asks about it",
+    why="""What a resource holds matters where a formula or a term asks for it, here or
+in a RAP that it is handed to (T 4.8). A counter may still be there to show the
+interpreter that a loop gets on, or to be seen in a trace. The rule is opt-in for that
+reason.""",
+    ignore="where a counter shows the interpreter that a loop gets on, or is there to "
+    "be seen",
+    source="T 4.8",
+    example="""\
+(declare-primitive load () (okay))
+(define-rap (lift) (method (primitive (load))))
+(define-rap (load-some)
+  (resources (counter ?loaded))
+  (method (task-net (t1 (lift) (counter-add ?loaded 1)))))
+""",
+    better="""\
+(declare-primitive load () (okay))
+(define-rap (lift) (method (primitive (load))))
+(define-rap (load-some)
+  (resources (counter ?loaded))
+  (repeat-while (< (value ?loaded) 4))
+  (method (task-net (t1 (lift) (counter-add ?loaded 1)))))
+""",
+)
+
+
+@check(IDLE, UNREAD, needs_whole="form")
+def idle_resource(run: Pass) -> Iterator[Diagnostic]:
+    """Find resources that nothing changes, or changes the wrong way."""
+    index = run.result(INDEX)
+    if not index.of(nodes.Resource):
+        return
+    every = flows(index)
+    for rap in run.library.raps.values():
+        for resource in rap.resources:
+            own = every[id(rap), resource.variable.name]
+            yield from _judge(resource, overall_use(own, every, run.library), rap)
+
+
+def _judge(
+    resource: nodes.Resource, uses: Flow, rap: nodes.DefineRap
+) -> Iterator[Diagnostic]:
+    name = resource.variable.name
+    if uses.escapes:
+        return
+    if not uses.asked:
+        if not uses.changes:
+            message = f"nobody uses the {resource.kind} `{name}`"
+            yield _idle(resource, uses, message)
+        else:
+            yield _unread(resource, uses)
+        return
+    if not uses.changes and resource.initial is None:
+        what = "put into" if resource.kind == "set" else "counted by"
+        yield _idle(resource, uses, f"nothing is ever {what} `{name}`")
+    elif not uses.changes and _is_awaited(uses, rap):
+        message = f"nothing changes `{name}`, for which `succeed` waits"
+        yield _idle(resource, uses, message)
+    elif resource.kind == "set" and resource.initial is None:
+        if all(change.op == "set-sub" for change in uses.changes):
+            yield _idle(resource, uses, f"nothing is ever put into `{name}`")
+    elif resource.kind == "counter":
+        yield from _wrong_way(resource, uses, rap)
+
+
+def _wrong_way(
+    resource: nodes.Resource, uses: Flow, rap: nodes.DefineRap
+) -> Iterator[Diagnostic]:
+    """Yield a finding if a counter only goes away from what a clause waits for."""
+    name, first = resource.variable.name, FirstValues((resource,))
+    for clause, formula, sign in (
+        ("succeed", rap.succeed, 1),
+        ("repeat-while", rap.repeat_while, -1),
+    ):
+        way = sign * _wanted(formula, name, first if sign > 0 else FirstValues(()))
+        if sign < 0 and first.fails(formula) is not None:
+            continue
+        if way and all(_way(change) == -way for change in uses.changes):
+            turn = "fall" if way < 0 else "rise"
+            yield _idle(
+                resource,
+                uses,
+                f"`{clause}` waits for `{name}` to {turn}, and it never does",
+            )
+            return
+
+
+def _unread(resource: nodes.Resource, uses: Flow) -> Diagnostic:
+    return UNREAD.at(
+        resource.variable.span,
+        f"nobody asks what is in `{resource.variable.name}`"
+        if resource.kind == "set"
+        else f"nobody asks what `{resource.variable.name}` has come to",
+        labels=tuple([Label(c.span, "changed here") for c in uses.changes[:2]]),
+        about=(Subject(resource.variable.span, resource.variable.name),),
+    )
+
+
+def _idle(resource: nodes.Resource, uses: Flow, message: str) -> Diagnostic:
+    changes = [Label(change.span, "changed here") for change in uses.changes]
+    asked = [Label(one.span, "asked here") for one in uses.asked[:1]]
+    return IDLE.at(
+        uses.changes[0].span if uses.changes else resource.variable.span,
+        message,
+        labels=(*changes[1:3], *asked),
+        about=(Subject(resource.variable.span, resource.variable.name),),
+    )
+
+
+def _is_awaited(uses: Flow, rap: nodes.DefineRap) -> bool:
+    goal = rap.succeed
+    if goal is None or isinstance(goal, nodes.Or):
+        return False
+    own = [one.span.start for one in uses.asked if one.span.file == goal.span.file]
+    return any(goal.span.start <= start < goal.span.end for start in own)
+
+
+def _wanted(goal: nodes.Formula | None, name: str, first: FirstValues) -> int:
+    """Which way a counter has to go for `succeed` to hold: -1, 1, or 0 if not known."""
+    parts = goal.parts if isinstance(goal, nodes.Or) else (goal,)
+    for literal in (one for part in parts for one in literals(part)):
+        test = literal.formula
+        if not isinstance(test, nodes.Compare) or not literal.holds:
+            continue
+        if first.holds(test):
+            continue
+        for one, other, sign in (
+            (test.left, test.right, 1),
+            (test.right, test.left, -1),
+        ):
+            if _is_value(one, name) and number_of(other) is not None:
+                return sign * _SIGNS.get(test.op, 0)
+    return 0
+
+
+_SIGNS = {"<": -1, "<=": -1, ">": 1, ">=": 1}
+
+
+def _is_value(term: nodes.Term, name: str) -> bool:
+    if not isinstance(term, nodes.Call) or term.function != "value":
+        return False
+    (arg,) = term.args if len(term.args) == 1 else (None,)
+    return isinstance(arg, nodes.Var) and arg.name == name
+
+
+def _way(change: nodes.ResourceChange) -> int:
+    """Which way a change moves a counter; 0 if its amount is not known."""
+    amount = number_of(change.amount)
+    if amount is None or amount <= 0:
+        return 0
+    return 1 if change.op == "counter-add" else -1

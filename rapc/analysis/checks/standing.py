@@ -1,20 +1,45 @@
-"""RAP134, RAP135, RAP138, RAP139: standing tasks given wrongly, idle, or unready."""
+"""RAP134, RAP135, RAP138, RAP139: standing tasks given wrongly, idle, or unready.
+
+RAP136 and RAP137: standing tasks of an agenda that get in each other's way.
+
+RAP157: beliefs that are to be younger than the time between two sensings.
+
+A fact is sensed as often as the tasks come up that ask for the primitives that tell it.
+Where all of these stand below standing tasks that wait between their rounds, the
+shortest of these times is how old the belief may well be.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from itertools import combinations
+
+import msgspec
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.checks.settled import Always
-from rapc.analysis.facts.effects import below_agendas, endless
+from rapc.analysis.checks.methods import Always
+from rapc.analysis.checks.protections import things
+from rapc.analysis.facts.effects import (
+    below_agendas,
+    calls_of,
+    done_by_method,
+    endless,
+    reached,
+    request_effects,
+    rule_effects,
+)
 from rapc.analysis.facts.index import INDEX, Form, Index
 from rapc.analysis.facts.logic import (
+    Literal,
     asked_by,
     asked_through,
+    entails,
     fact_name,
     is_computed,
     is_never,
     literals,
+    number_of,
+    through,
 )
 from rapc.base.diagnostics import (
     Applicability,
@@ -26,8 +51,10 @@ from rapc.base.diagnostics import (
     Severity,
 )
 from rapc.base.source import Span
+from rapc.base.values import Number, format_atom
 from rapc.ir import clauses, nodes
-from rapc.ir.walk import variable_names
+from rapc.ir.printer import format_formula
+from rapc.ir.walk import formulas, input_terms, substitute, variable_names
 from rapc.library.library import Library
 
 _GARDEN = """\
@@ -344,3 +371,373 @@ def _unheard(
             f"no RAP ever asks for what changes {names}",
             help=f"`{idle[first]}` does: let a RAP ask for it, now and then",
         )
+
+
+_CART = """\
+(declare-memory-property battery (?level) unknown)
+(declare-memory-proposition called (?room))
+(declare-primitive drive (?room) (okay) :uses (wheels))
+(declare-primitive plug-in () (okay) :uses (wheels))
+(define-rap (go ?room) (method (primitive (drive ?room))))
+(define-rap (answer)
+  (succeed nil)
+  (monitor-state (and (called ?room) (battery ?level) (> ?level 10)))
+  (repeat-while (called ?room))
+  (method (task-net (t1 (go ?room)))))
+(define-rap (recharge)
+  (succeed nil)
+  (monitor-state (and (battery ?level) (< ?level 20)))
+  (method (primitive (plug-in))))
+(define-agenda day
+  (task (answer) :priority 4 :background true)
+  (task (recharge) :priority {} :background true))
+"""
+
+RIVALS = Rule(
+    code="RAP136",
+    name="rival-reactions",
+    severity=Severity.WARNING,
+    summary="two standing tasks of one priority wake by one fact and need one thing",
+    why="""Standing tasks that one fact can wake are often awake together. Of one
+priority, neither interrupts the other: which of them gets the thing that both need is
+chance, and the other waits until it is free (T 5.4.1). Say by priorities which one is
+more urgent.""",
+    ignore="where either of the two may wait for the other",
+    source="T 5.4.1",
+    example=_CART.format(4),
+    better=_CART.format(6),
+)
+
+_LAMP = """\
+(declare-memory-proposition lit (?lamp))
+(declare-primitive press (?lamp) (okay) :on (okay (lit ?lamp)))
+(declare-primitive release (?lamp) (okay) :on (okay (not (lit ?lamp))))
+(define-rap (keep-lit)
+  (succeed nil)
+  (monitor-state (not (lit hall)))
+  (method (primitive (press hall))))
+(define-rap (keep-dark)
+  (succeed nil)
+  (monitor-state (lit {}))
+  (method (primitive (release {}))))
+(define-agenda night
+  (task (keep-lit) :priority 4 :background true)
+  (task (keep-dark) :priority 6 :background true))
+"""
+
+UNDOING = Rule(
+    code="RAP137",
+    name="undoing-reactions",
+    severity=Severity.WARNING,
+    summary="each of two standing tasks brings about what wakes the other one",
+    why="""What one of the two does wakes the other, and the other way round: they undo
+each other's work for good, as fast as the world lets them (T 4.7.1). Let the monitor of
+one of them ask for more, so that there is a state in which both sleep.""",
+    ignore="where the two take turns on purpose, as a lamp that blinks",
+    source="T 4.7.1",
+    example=_LAMP.format("hall", "hall"),
+    better=_LAMP.format("attic", "attic"),
+)
+
+
+@check(RIVALS, UNDOING)
+def rivals(run: Pass) -> Iterator[Diagnostic]:
+    """Find standing tasks of an agenda that get in each other's way."""
+    told: set[tuple[str, str]] = set()
+    for agenda in run.library.agendas.values():
+        tasks = [one for one in agenda.tasks if one.background]
+        for one, other in combinations(tasks[:_MOST_TASKS], 2):
+            if one.goal.name == other.goal.name:
+                continue
+            if (agenda.name, other.goal.name) in told:
+                continue
+            for found in _between(run, one, other):
+                told.add((agenda.name, other.goal.name))
+                yield found
+
+
+_MOST_TASKS = 40
+"""So many standing tasks of an agenda are held against each other."""
+
+
+def _between(
+    run: Pass, one: nodes.GivenTask, other: nodes.GivenTask
+) -> Iterator[Diagnostic]:
+    library = run.library
+    first, second = library.raps.get(one.goal.name), library.raps.get(other.goal.name)
+    if first is None or second is None:
+        return
+    if first.monitor_state is None or second.monitor_state is None:
+        return
+    if _wakes(run, one.goal, other.goal) and _wakes(run, other.goal, one.goal):
+        yield UNDOING.at(
+            second.monitor_state.span,
+            f"`{first.name}` and `{second.name}` wake each other for good",
+            labels=(Label(first.monitor_state.span, "this one comes true in turn"),),
+            help="let one of them ask for more",
+        )
+    elif one.priority == other.priority:
+        shared = _shared_facts(library, one.goal, other.goal)
+        both = sorted(
+            _needed(library, first) & _needed(library, second), key=format_formula
+        )
+        if shared and both:
+            yield RIVALS.at(
+                other.span,
+                f"`{first.name}` and `{second.name}` wake by `{shared[0]}`, "
+                f"need `{format_formula(both[0])}`, and have one priority",
+                labels=(Label(one.span, f"priority {one.priority} too"),),
+                help="give the more urgent one the higher priority",
+            )
+
+
+def _monitor(library: Library, goal: nodes.Goal) -> nodes.Formula:
+    """The monitor of the RAP of a goal, with the arguments of the goal in it."""
+    rap = library.raps[goal.name]
+    assert rap.monitor_state is not None
+    return substitute(rap.monitor_state, input_terms(rap, goal))
+
+
+def _shared_facts(
+    library: Library, first: nodes.Goal, second: nodes.Goal
+) -> Sequence[str]:
+    """The facts that can wake both."""
+    monitor = _monitor(library, first)
+    if asked_through(library, monitor) is None:
+        return ()
+    others = list(_facts(library, _monitor(library, second)))
+    return sorted(
+        {
+            one.name
+            for one in _facts(library, monitor)
+            if any(_may_be_one(one, other) for other in others)
+        }
+    )
+
+
+def _facts(library: Library, monitor: nodes.Formula) -> Iterator[nodes.Proposition]:
+    for one in through(library, monitor):
+        if isinstance(one, nodes.Proposition) and one.name not in library.queries:
+            yield one
+
+
+def _may_be_one(one: nodes.Proposition, other: nodes.Proposition) -> bool:
+    """Whether one fact may match both, as far as their constants tell."""
+    return one.name == other.name and not any(
+        isinstance(left, nodes.Const)
+        and isinstance(right, nodes.Const)
+        and left != right
+        for left, right in zip(one.args, other.args, strict=False)
+    )
+
+
+def _needed(library: Library, rap: nodes.DefineRap) -> frozenset[nodes.Thing]:
+    """The things that methods of a RAP, or of those it asks for, take."""
+    methods = [m for rap in reached(library, [rap.name]).values() for m in rap.methods]
+    return frozenset(thing for method in methods for thing in things(library, method))
+
+
+def _wakes(run: Pass, one: nodes.Goal, other: nodes.Goal) -> bool:
+    """Whether what a task does surely brings about what another one waits for."""
+    library, relations = run.library, run.signatures.relations
+    monitor, rap = _monitor(library, other), library.raps[one.name]
+    given = input_terms(rap, one)
+    return bool(rap.methods) and all(
+        entails(
+            [
+                Literal(substitute(fact.formula, given), fact.holds)
+                for fact in done_by_method(library, method)
+            ],
+            monitor,
+            (),
+            relations,
+        )
+        for method in rap.methods
+    )
+
+
+_GAUGE = """\
+(declare-memory-property pressure (?bar) unknown)
+(declare-primitive read-gauge () (okay) :tells (gauge) :on (okay))
+(declare-sensor-datum gauge (?bar) :on ((pressure ?bar)))
+(declare-primitive open-valve () (okay) :on (okay))
+(define-rap (watch-gauge)
+  (succeed nil)
+  (monitor-time now 60 90)
+  (method (primitive (read-gauge))))
+(define-rap (let-off-steam)
+  (preconditions (believe (pressure ?) {}))
+  (method (primitive (open-valve))))
+(define-agenda day
+  (task (watch-gauge) :priority 4 :background true)
+  (task (let-off-steam)))
+"""
+
+FRESHER = Rule(
+    code="RAP157",
+    name="fresher-than-sensed",
+    severity=Severity.WARNING,
+    summary="a belief is to be younger than the time between two sensings of the fact",
+    why="""`(believe fact n)` holds if the fact came less than n time units ago (T
+4.1.1). Here only standing tasks look, and they wait longer than that between two looks:
+most of the time the belief is too old, whatever the world is like. Ask for an older
+one, look more often, or look in the RAP itself before it asks. Told of contexts,
+conditions and `repeat-while`, where the times are numbers; not of monitors, which may
+well wait for the next look, nor of facts that data bring unasked or that a RAP senses
+which anybody may ask for.""",
+    ignore="where the belief is to hold only just after a look",
+    source="T 4.1.1",
+    example=_GAUGE.format(10),
+    better=_GAUGE.format(90),
+)
+
+_AT_ANY_TIME = 0
+"""How often what anybody may ask for is done."""
+
+
+class _Sensed(msgspec.Struct, frozen=True):
+    """How often a fact is sensed at best, and what says so."""
+
+    every: Number
+    said: Span
+
+
+@check(FRESHER, needs_whole="form")
+def freshness(run: Pass) -> Iterator[Diagnostic]:
+    """Find beliefs that are to be younger than the time between two sensings."""
+    library = run.library
+    believed = [
+        one for one in run.result(INDEX).of(nodes.Believe) if number_of(one.node.age)
+    ]
+    if not believed or not run.complete or not is_described(library):
+        return
+    sensing = _Sensing(library)
+    for part in _believed(run):
+        found, age = sensing.of(part.pattern.name), number_of(part.age)
+        if found is not None and age is not None and 0 < age < found.every:
+            yield _fresher(part, age, found)
+
+
+def _believed(run: Pass) -> Iterator[nodes.Believe]:
+    """Yield the beliefs in conditions of RAPs, and in queries that those name."""
+    for rap in run.library.raps.values():
+        for whole in formulas(rap):
+            if whole.clause.is_condition:
+                for part in through(run.library, whole.formula):
+                    if isinstance(part, nodes.Believe):
+                        yield part
+
+
+def _fresher(believe: nodes.Believe, age: Number, sensed: _Sensed) -> Diagnostic:
+    every = format_atom(sensed.every)
+    return FRESHER.at(
+        believe.age.span,
+        f"`{believe.pattern.name}` is sensed every {every} at best, and is "
+        f"seldom younger than {format_atom(age)}",
+        labels=(Label(sensed.said, "the task that looks waits here"),),
+        help="ask for an older belief, or look more often",
+    )
+
+
+class _Sensing:
+    """How often facts are sensed.
+
+    Args:
+        library: the library.
+    """
+
+    def __init__(self, library: Library) -> None:
+        raps = [form for form in library.forms if isinstance(form, nodes.DefineRap)]
+        self._sources = _sources(library, raps)
+        self._callers: dict[str, dict[str, None]] = {}
+        self._pauses = {rap.name: _pause(rap) for rap in raps}
+        for rap in raps:
+            for callee in calls_of(rap):
+                self._callers.setdefault(callee, {})[rap.name] = None
+        agendas = (f for f in library.forms if isinstance(f, nodes.DefineAgenda))
+        self._given = {task.goal.name for form in agendas for task in form.tasks}
+        self._known: dict[str, _Sensed | None] = {}
+
+    def of(self, fact: str) -> _Sensed | None:
+        """Return how often a fact is sensed; None if at any time, or never."""
+        if fact not in self._known:
+            self._known[fact] = self._of(fact)
+        return self._known[fact]
+
+    def _of(self, fact: str) -> _Sensed | None:
+        sources = self._sources.get(fact, {None: None})
+        best: _Sensed | None = None
+        for name in sources:
+            found = None if name is None else self._every(name)
+            if found is None:
+                return None
+            if best is None or found.every < best.every:
+                best = found
+        return best
+
+    def _every(self, start: str) -> _Sensed | None:
+        """Return how often tasks of a RAP come up; None if at any time."""
+        best: _Sensed | None = None
+        waiting, seen = [start], {start}
+        while waiting:
+            name = waiting.pop()
+            own = self._pauses[name]
+            if own is not None:
+                if best is None or own.every < best.every:
+                    best = own
+                continue
+            callers = self._callers.get(name, {})
+            if not callers or name in self._given:
+                return None
+            waiting += [one for one in callers if one not in seen]
+            seen.update(callers)
+        return best
+
+
+def _pause(rap: nodes.DefineRap) -> _Sensed | None:
+    """Return how long a standing RAP surely waits between two rounds."""
+    if rap.succeed is None or not is_never(rap.succeed):
+        return None
+    timed = rap.monitor_time
+    if timed is not None and timed.reference == "now":
+        start = number_of(timed.start)
+        if start is not None and start > 0:
+            return _Sensed(start, timed.span)
+    for one in literals(rap.monitor_state):
+        if isinstance(one.formula, nodes.Believe) and not one.holds:
+            age = number_of(one.formula.age)
+            if age is not None and age > 0:
+                return _Sensed(age, one.span)
+    return None
+
+
+def _sources(
+    library: Library, raps: Sequence[nodes.DefineRap]
+) -> dict[str, dict[str | None, None]]:
+    """Return the RAPs that may bring facts; None among them: what comes unasked."""
+    asked = {name for form in library.primitives.values() for name in form.tells}
+    found: dict[str, dict[str | None, None]] = {}
+
+    def bring(facts: Iterable[str], by: str | None) -> None:
+        for fact in facts:
+            found.setdefault(fact, {})[by] = None
+
+    for name, datum in library.data.items():
+        if name not in asked:
+            bring((e.pattern.name for e in datum.on or () if not e.negated), None)
+    for rap in raps:
+        for method in rap.methods:
+            bring((note.name for note in method.notations), rap.name)
+            if isinstance(method.body, nodes.Primitive):
+                effects, _ = request_effects(library, method.body.request)
+                bring((one.name for one in effects if not one.gone), rap.name)
+    known = {rap.name for rap in raps}
+    rules: list[tuple[str | None, Sequence[nodes.Rule]]] = [
+        (None, form.rules) for form in library.event_rules
+    ]
+    for form in library.memory_rules:
+        by = form.index.name if form.index.name in known else None
+        rules += [(by, case.rules) for case in form.cases]
+    for by, there in rules:
+        bring((one.name for one in rule_effects(there) if not one.gone), by)
+    return found

@@ -1,0 +1,776 @@
+"""RAP119 and RAP126: steps that undo what another step protects, or needs to begin.
+
+Between the end of a step with `(formula for t)` and the start of t, any step may run
+that order allows there: a threat, as planners with partial orders call it. What a step
+brings about is taken from its RAP where that is certain: declared `effects`, `succeed`,
+and what all of its primitives do if they end `okay`.
+
+RAP129: steps that undo what a constraint asks for, themselves or by what they do.
+
+A constraint is asked at each selection of each task below [L 3.21]. So it is broken as
+soon as a step surely undoes the fact, at whatever depth, and any other one is to come.
+
+RAP143: formulas with `for` that no step before them can bring about.
+
+RAP133: methods that take two things in opposite orders, by the agendas [L 8.27].
+
+A method holds what it claims while its steps wait. Where a step below it wants a second
+thing, and another task of the agenda does so the other way round at the same priority,
+the two can wait for each other for good. Things count that have no variables in them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+
+import msgspec
+
+from rapc.analysis.check import Pass, check
+from rapc.analysis.checks.goals import can_come
+from rapc.analysis.checks.task_nets import TASK_NETS, Net, sure_nets
+from rapc.analysis.facts.bindings import MayBeBound
+from rapc.analysis.facts.effects import EFFECTS, Effect, Effects, done, put_in
+from rapc.analysis.facts.logic import (
+    Literal,
+    contradict,
+    fact_name,
+    is_computed,
+    literals,
+)
+from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.ir import clauses, nodes
+from rapc.ir.printer import format_formula, format_goal
+from rapc.ir.walk import FormulaAt, formulas, input_terms, steps, variable_names
+from rapc.library.library import Library
+
+WORLD = """\
+(declare-memory-proposition bay-open ())
+(declare-primitive open-bay () (okay) :on (okay (bay-open)))
+(declare-primitive close-bay () (okay) :on (okay (not (bay-open))))
+(declare-primitive unload () (okay))
+(define-rap (open) (method (primitive (open-bay))))
+(define-rap (close) (method (primitive (close-bay))))
+(define-rap (empty) (method (primitive (unload))))
+"""
+"""A bay that opens and closes, for the examples of rules on what steps undo."""
+
+THREAT = Rule(
+    code="RAP126",
+    name="threatened-protection",
+    severity=Severity.WARNING,
+    summary="a step may undo what another step protects with `for`",
+    why="""A formula with `for` has to hold until the step begins that it is for; if it
+does not, the work is done in vain. A step that surely makes it false, and that order
+allows in between, may come just then: only priority or chance tells. Put that step
+before the one that protects, or after the one that needs what is protected.""",
+    ignore="where priorities, or things that both use, keep the step from coming "
+    "between",
+    source="T 4.7.3, 4.9",
+    example=WORLD
+    + """\
+(define-rap (deliver)
+  (method (task-net
+    (t1 (open) ((bay-open) for t2))
+    (t2 (empty))
+    (t3 (close)))))
+""",
+    better=WORLD
+    + """\
+(define-rap (deliver)
+  (method (task-net
+    (t1 (open) ((bay-open) for t2))
+    (t2 (empty) (for t3))
+    (t3 (close)))))
+""",
+)
+
+RACING = Rule(
+    code="RAP119",
+    name="racing-steps",
+    severity=Severity.WARNING,
+    summary="a step may undo what another step needs before it can begin",
+    why="""`preconditions` and `constraints` of a RAP are asked whenever its task comes
+up (T 4.4.2). Steps that no `for` puts in order come up as priority and chance have it:
+if the one that surely undoes such a fact comes first, the other one fails,
+`interference`. Put the step that needs the fact before the one that undoes it, or raise
+its priority.""",
+    ignore="where what both use keeps the one back until the other is done",
+    source="T 4.4.2, 4.5.2",
+    example=WORLD
+    + """\
+(define-rap (empty-well) (preconditions (bay-open)) (method (primitive (unload))))
+(define-rap (deliver)
+  (method (task-net
+    (t1 (empty-well))
+    (t2 (close)))))
+""",
+    better=WORLD
+    + """\
+(define-rap (empty-well) (preconditions (bay-open)) (method (primitive (unload))))
+(define-rap (deliver)
+  (method (task-net
+    (t1 (empty-well) (for t2))
+    (t2 (close)))))
+""",
+)
+
+
+@check(THREAT, RACING, needs_whole="method")
+def threats(run: Pass) -> Iterator[Diagnostic]:
+    """Find steps that undo what another step protects, or needs to begin."""
+    for every, net in sure_nets(run):
+        yield from (*_threats(run, every, net), *_races(run, every, net))
+
+
+def _threats(run: Pass, steps: Sequence[nodes.Step], net: Net) -> Iterator[Diagnostic]:
+    protected = list(_protected(steps))
+    if not protected or net.order is None:
+        return
+    places = {step.tag: at for at, step in enumerate(steps)}
+    before, after = net.reach()
+    every = (1 << len(steps)) - 1
+    between: list[tuple[int, nodes.For, Literal]] = []
+    for at, note, wanted in protected:
+        other = places[note.tag]
+        may_come = every & ~(before[at] | after[other] | 1 << at | 1 << other)
+        if may_come:
+            between.append((may_come, note, wanted))
+    changes = _changes(run, steps, net) if between else {}
+    changing = {name: _bits(by for by, _ in there) for name, there in changes.items()}
+    for may_come, note, wanted in between:
+        if not changing.get(fact_name(wanted), 0) & may_come:
+            continue
+        for by, effect in changes.get(fact_name(wanted), ()):
+            if may_come >> by & 1 and contradict(run.signatures, wanted, effect):
+                yield _threat(note, wanted, steps[by])
+
+
+def _changes(
+    run: Pass, steps: Sequence[nodes.Step], net: Net
+) -> dict[str, list[tuple[int, Literal]]]:
+    """Return what steps surely bring about, by names, each with the step's position."""
+    changes: dict[str, list[tuple[int, Literal]]] = {}
+    for at, step in enumerate(steps):
+        for effect in done(run.library, step.goal) if at not in net.early else ():
+            changes.setdefault(fact_name(effect), []).append((at, effect))
+    return changes
+
+
+def _races(run: Pass, steps: Sequence[nodes.Step], net: Net) -> Iterator[Diagnostic]:
+    """Yield the first step that may undo what another needs, in no order with it."""
+    needs: dict[str, list[tuple[int, Literal]]] = {}
+    for at, step in enumerate(steps):
+        for one in _needed(run, step.goal):
+            needs.setdefault(fact_name(one), []).append((at, one))
+    if not needs or net.order is None:
+        return
+    before, after = net.reach()
+    for by, step in enumerate(steps):
+        for effect in done(run.library, step.goal) if by not in net.early else ():
+            for at, wanted in needs.get(fact_name(effect), ())[:_MOST_NEEDING]:
+                apart = before[at] | after[at] | 1 << at
+                if apart >> by & 1 or steps[at].priority > step.priority:
+                    continue
+                if contradict(run.signatures, wanted, effect):
+                    yield _race(wanted, steps[at], step)
+                    return
+
+
+_MOST_NEEDING = 20
+"""So many steps that need a fact are held against one that changes it."""
+
+
+def _needed(run: Pass, goal: nodes.Goal) -> Iterator[Literal]:
+    """Yield the facts that the RAP of a goal asks for before it begins."""
+    rap = run.library.raps.get(goal.name)
+    if rap is None:
+        return
+    facts = [
+        one
+        for clause, formula in clauses.held(clauses.RAP, rap)
+        if clause.required and clause.when == "select"
+        for one in literals(formula)
+        if fact_name(one)
+    ]
+    yield from put_in(facts, input_terms(rap, goal))
+
+
+def _race(needed: Literal, step: nodes.Step, by: nodes.Step) -> Diagnostic:
+    return RACING.at(
+        by.goal.span,
+        f"step `{by.tag}` may undo `{_written(needed)}`, which `{step.tag}` needs",
+        labels=(
+            Label(step.goal.span, f"`{format_goal(step.goal)}` may come later"),
+            Label(needed.span, "asked here"),
+        ),
+        help=f"put `{step.tag}` before it",
+    )
+
+
+def _bits(numbers: Iterable[int]) -> int:
+    found = 0
+    for one in numbers:
+        found |= 1 << one
+    return found
+
+
+def _protected(
+    steps: Sequence[nodes.Step],
+) -> Iterator[tuple[int, nodes.For, Literal]]:
+    """Yield the facts that steps protect, each with the step's position and where."""
+    for at, step in enumerate(steps):
+        for note in step.annotations:
+            if isinstance(note, nodes.For):
+                for one in literals(note.formula):
+                    if fact_name(one):
+                        yield at, note, one
+
+
+def _written(fact: Literal) -> str:
+    written = format_formula(fact.formula)
+    return written if fact.holds else f"(not {written})"
+
+
+def _threat(note: nodes.For, undone: Literal, step: nodes.Step) -> Diagnostic:
+    return THREAT.at(
+        note.span,
+        f"step `{step.tag}` may undo `{_written(undone)}` before `{note.tag}` begins",
+        labels=(
+            Label(step.goal.span, f"`{format_goal(step.goal)}` may run in between"),
+        ),
+        help=f"put `{step.tag}` before this step, or after `{note.tag}`",
+    )
+
+
+BROKEN = Rule(
+    code="RAP129",
+    name="broken-constraint",
+    severity=Severity.WARNING,
+    summary="a step undoes what a constraint asks for while other steps are left",
+    why="""`constraints` have to hold for all that is done below (T 4.4.3). A step that
+surely makes one false is the end of those that come after it: they fail with
+`interference`. Ask for it in the context, if it has to hold at first only, or let the
+step come last.""",
+    ignore="where the steps that are left are to be dropped then",
+    source="T 4.4.3, 5.3.4",
+    example=WORLD
+    + """\
+(define-rap (deliver)
+  (method
+    (constraints (bay-open))
+    (task-net
+      (t1 (close) (for t2))
+      (t2 (empty)))))
+""",
+    better=WORLD
+    + """\
+(define-rap (deliver)
+  (method
+    (constraints (bay-open))
+    (task-net
+      (t1 (empty) (for t2))
+      (t2 (close)))))
+""",
+)
+
+
+_FAR = 5
+"""So many RAPs deep steps are followed."""
+
+_MOST_BELOW = 200
+"""So many goals below the steps of one method are looked at."""
+
+
+@check(BROKEN, needs_whole="method")
+def constraints(run: Pass) -> Iterator[Diagnostic]:
+    """Find steps that undo what a constraint above them asks for."""
+    nets = run.result(TASK_NETS)
+    for rap in run.library.raps.values():
+        for method in rap.methods:
+            net = nets.get(id(method.body))
+            asked = [*literals(rap.constraints), *literals(method.constraints)]
+            asked = [one for one in asked if fact_name(one)]
+            if isinstance(method.body, nodes.TaskNet) and net is not None and asked:
+                yield from _broken(run, method.body.steps, net, asked)
+
+
+def _broken(
+    run: Pass, steps: Sequence[nodes.Step], net: Net, asked: Sequence[Literal]
+) -> Iterator[Diagnostic]:
+    """Yield the first step that surely undoes what is asked while others are left."""
+    if net.broken or net.order is None:
+        return
+    left = _left(net)
+    search = _Search(run, asked)
+    for far in (0, _FAR):
+        for at, step in enumerate(steps):
+            found = search.undoing(step.goal, left[at], far)
+            if found is not None:
+                yield _break(step, *found)
+                return
+
+
+def _left(net: Net) -> list[bool]:
+    """Return of each step whether any other one may come up when it has ended."""
+    before, _ = net.reach()
+    everything = (1 << len(before)) - 1
+    return [there | 1 << at != everything for at, there in enumerate(before)]
+
+
+_Undone = tuple[Literal, nodes.Goal]
+"""A fact that is asked for, and the goal that surely undoes it."""
+
+
+class _Search:
+    """A search for what undoes facts, in the steps of a method and below these.
+
+    Args:
+        run: the run of the pass.
+        asked: the facts, in the terms of the method.
+    """
+
+    def __init__(self, run: Pass, asked: Sequence[Literal]) -> None:
+        self._run = run
+        self._asked: dict[str, list[Literal]] = {}
+        for one in asked:
+            self._asked.setdefault(fact_name(one), []).append(one)
+        self._below = 0
+
+    def undoing(self, goal: nodes.Goal, left: bool, far: int) -> _Undone | None:
+        """Return what surely undoes a fact: a goal, or one below; None if nothing.
+
+        Args:
+            goal: the goal, in the terms of the method.
+            left: whether anything is to come when the goal is reached.
+            far: how many RAPs deep its steps are followed.
+        """
+        library = self._run.library
+        for effect in done(library, goal) if left else ():
+            for wanted in self._asked.get(fact_name(effect), ()):
+                if contradict(self._run.signatures, wanted, effect):
+                    return wanted, goal
+        rap = library.raps.get(goal.name)
+        if rap is None or not far or not rap.methods:
+            return None
+        pairs = zip(rap.inputs, goal.args, strict=False)
+        given = {variable.name: term for variable, term in pairs}
+        found = [self._in_method(method, given, left, far) for method in rap.methods]
+        return found[0] if all(one is not None for one in found) else None
+
+    def _in_method(
+        self,
+        method: nodes.Method,
+        given: Mapping[str, nodes.Term],
+        left: bool,
+        far: int,
+    ) -> _Undone | None:
+        net = self._run.result(TASK_NETS).get(id(method.body))
+        if not isinstance(method.body, nodes.TaskNet) or net is None:
+            return None
+        if net.broken or net.order is None:
+            return None
+        more = _left(net)
+        for at, step in enumerate(method.body.steps):
+            self._below += 1
+            if at in net.early or self._below > _MOST_BELOW:
+                continue
+            goal = _handed(step.goal, given, far)
+            found = self.undoing(goal, left or more[at], far - 1)
+            if found is not None:
+                return found
+        return None
+
+
+def _handed(goal: nodes.Goal, given: Mapping[str, nodes.Term], far: int) -> nodes.Goal:
+    """Return a goal in the terms of the caller; what has no term there is like none."""
+    args: list[nodes.Term] = []
+    for at, term in enumerate(goal.args):
+        if isinstance(term, nodes.Const):
+            args.append(term)
+        elif isinstance(term, nodes.Var) and term.name in given:
+            args.append(given[term.name])
+        else:
+            args.append(nodes.Var(f"?{goal.name} {far} {at}"))
+    return msgspec.structs.replace(goal, args=tuple(args))
+
+
+def _break(step: nodes.Step, wanted: Literal, by: nodes.Goal) -> Diagnostic:
+    labels = [Label(wanted.span, "asked here")]
+    way = ""
+    if by.span != step.goal.span:
+        labels.append(Label(by.span, f"`{format_goal(by)}` does"))
+        way = " on its way"
+    return BROKEN.at(
+        step.goal.span,
+        f"step `{step.tag}` undoes `{format_formula(wanted.formula)}`{way}, a "
+        "constraint of the steps that are left",
+        labels=tuple(labels),
+        help="let it come last, or ask for this in the context",
+    )
+
+
+_WORLD = """\
+(declare-memory-proposition bay-open ())
+(declare-memory-proposition hatch-open ())
+(declare-primitive open-bay () (okay) :on (okay (bay-open)))
+(declare-primitive unload () (okay) :on (okay (not (bay-open))))
+(define-rap (open) (method (primitive (open-bay))))
+(define-rap (empty) (method (primitive (unload))))
+"""
+
+VAIN = Rule(
+    code="RAP143",
+    name="vain-protection",
+    severity=Severity.WARNING,
+    summary="a formula with `for` asks for what no step up to there can bring about",
+    why="""A formula with `for` has to hold when its step has ended and until the other
+one begins; if it does not, the method fails with `interference` (T 4.7.3). Here neither
+the step nor one before it changes the fact in that way, as far as declarations say, and
+no clause of the RAP asks for it: it holds by luck alone. Another fact was meant, or an
+effect is not declared.""",
+    ignore="where the fact holds from the start, and nothing is to take it away",
+    source="T 4.7.3",
+    example=_WORLD
+    + """\
+(define-rap (deliver)
+  (method (task-net
+    (t1 (open) ((hatch-open) for t2))
+    (t2 (empty)))))
+""",
+    better=_WORLD
+    + """\
+(define-rap (deliver)
+  (method (task-net
+    (t1 (open) ((bay-open) for t2))
+    (t2 (empty)))))
+""",
+)
+
+
+@check(VAIN, needs_whole="form")
+def vain_protection(run: Pass) -> Iterator[Diagnostic]:
+    """Find formulas with `for` that no step before them can bring about."""
+    nets = run.result(TASK_NETS)
+    known: dict[str, _ByName | None] = {}
+    for rap in run.library.raps.values() if run.complete else ():
+        for method in rap.methods:
+            net = nets.get(id(method.body))
+            if not isinstance(method.body, nodes.TaskNet) or net is None:
+                continue
+            if net.broken or net.order is None or not _protects(method.body):
+                continue
+            yield from _of_net(run, rap, method, net, known)
+
+
+def _asked(rap: nodes.DefineRap) -> set[str]:
+    """The facts that the clauses of a RAP ask for: they may hold before it begins.
+
+    Those that the clauses deny surely do not.
+    """
+    found = set()
+    waiting = [
+        (one.formula, True)
+        for one in formulas(rap)
+        if one.clause.required and one.step is None
+    ]
+    while waiting:
+        formula, holds = waiting.pop()
+        match formula:
+            case nodes.And() | nodes.Or():
+                waiting += [(part, holds) for part in formula.parts]
+            case nodes.Not():
+                waiting.append((formula.part, not holds))
+            case nodes.Believe() if holds:
+                found.add(formula.pattern.name)
+            case nodes.Proposition() if holds:
+                found.add(formula.name)
+    return found
+
+
+_ByName = Mapping[str, Sequence[Effect]]
+"""What a RAP may do, by the names of facts."""
+
+
+def _protects(body: nodes.TaskNet) -> bool:
+    notes = [note for step in body.steps for note in step.annotations]
+    return any(isinstance(n, nodes.For) and n.formula is not None for n in notes)
+
+
+def _by_name(effects: Effects, name: str) -> _ByName | None:
+    done = effects.of(name)
+    if done is None:
+        return None
+    found: dict[str, list[Effect]] = {}
+    for effect in done:
+        found.setdefault(effect.name, []).append(effect)
+    return found
+
+
+_Changers = Mapping[str, Sequence[tuple[int, Sequence[Effect]]]]
+"""By the names of facts: the steps that may change them, each with its effects."""
+
+
+def _changers(
+    run: Pass, steps: Sequence[nodes.Step], known: dict[str, _ByName | None]
+) -> _Changers | None:
+    """Return which steps may change which facts; None if not all of that is known."""
+    changers: dict[str, list[tuple[int, Sequence[Effect]]]] = {}
+    for at, step in enumerate(steps):
+        name = step.goal.name
+        if name not in known:
+            known[name] = _by_name(run.result(EFFECTS), name)
+        done = known[name]
+        if done is None:
+            return None
+        for fact, effects in done.items():
+            changers.setdefault(fact, []).append((at, effects))
+    return changers
+
+
+def _of_net(
+    run: Pass,
+    rap: nodes.DefineRap,
+    method: nodes.Method,
+    net: Net,
+    known: dict[str, _ByName | None],
+) -> Iterator[Diagnostic]:
+    """Yield what steps protect that no step before the other one can bring about."""
+    every = steps(method)
+    changers = _changers(run, every, known)
+    if changers is None:
+        return
+    asked = _asked(rap)
+    bound = MayBeBound(rap, run.library.functions)
+    places = {step.tag: at for at, step in enumerate(every)}
+    for at, step in enumerate(every):
+        for note in step.annotations:
+            if not isinstance(note, nodes.For) or note.formula is None:
+                continue
+            given = bound.at(FormulaAt(note.formula, clauses.FOR, method, step))
+            until = places[note.tag]
+            for one in literals(note.formula):
+                fact = fact_name(one)
+                there = changers.get(fact, [])
+                if not fact or len(there) > _MOST_CHANGES:
+                    continue
+                if not one.holds:
+                    others = [change for change in there if change[0] != at]
+                    if _undoes(run, step, one) and not _comes(
+                        run, one, others, net, until
+                    ):
+                        yield _vain(one, step)
+                elif not (
+                    fact in asked
+                    or is_computed(run.library, fact)
+                    or _is_looked_up(one, given)
+                    or _may_be_default(run, one)
+                    or _comes(run, one, there, net, until)
+                ):
+                    yield _vain(one, step)
+
+
+_MOST_CHANGES = 20
+"""Where more steps than this change a fact, one of them may well bring it about."""
+
+
+def _is_looked_up(one: Literal, given: Container[str]) -> bool:
+    """Whether a fact is asked for the sake of a variable that has no value yet."""
+    return any(name not in given for name in variable_names(one.formula))
+
+
+def _may_be_default(run: Pass, one: Literal) -> bool:
+    """Whether a property may hold where nothing was ever said of it."""
+    assert isinstance(one.formula, nodes.Proposition)
+    declared = run.signatures.relations.get(one.formula.name)
+    if declared is None or not declared.is_property:
+        return False
+    value = declared.full(one.formula.args)[-1:]
+    return declared.default_function is not None or any(
+        isinstance(term, nodes.Const) and term.value == declared.default
+        for term in value
+    )
+
+
+def _undoes(run: Pass, step: nodes.Step, denied: Literal) -> bool:
+    """Whether a step surely brings about what is to be protected from being so."""
+    return any(
+        fact_name(effect) == fact_name(denied)
+        and contradict(run.signatures, denied, effect)
+        for effect in done(run.library, step.goal)
+    )
+
+
+def _comes(
+    run: Pass,
+    one: Literal,
+    there: Sequence[tuple[int, Sequence[Effect]]],
+    net: Net,
+    until: int,
+) -> bool:
+    """Whether a step that may run before another may make a literal hold."""
+    if not there:
+        return can_come(run.library, one, ())
+    return any(
+        can_come(run.library, one, effects)
+        and other != until
+        and not net.is_before(until, other)
+        for other, effects in there
+    )
+
+
+def _vain(one: Literal, step: nodes.Step) -> Diagnostic:
+    written = format_formula(one.formula)
+    return VAIN.at(
+        one.span,
+        f"nothing up to here brings `{written}` about"
+        if one.holds
+        else f"this step brings `{written}` about, and not the contrary",
+        labels=(
+            Label(
+                step.goal.span,
+                f"`{format_goal(step.goal)}` does{' not' * one.holds}",
+            ),
+        ),
+        help="protect what the step brings about, or declare that it does",
+    )
+
+
+_WORK = """\
+(declare-primitive drive (?to) (okay) :uses (wheels))
+(declare-primitive grasp (?thing) (okay) :uses (arm))
+(define-rap (go ?to) (method (primitive (drive ?to))))
+(define-rap (take ?thing) (method (primitive (grasp ?thing))))
+(define-rap (fetch ?thing)
+  (method (claims wheels) (task-net (t1 (take ?thing)))))
+(define-agenda day (task (fetch cup)) (task (carry plate kitchen)))
+"""
+
+CROSSED = Rule(
+    code="RAP133",
+    name="crossed-claims",
+    severity=Severity.WARNING,
+    summary="two tasks of an agenda take the same two things in opposite orders",
+    why="""A method holds what it claims until it ends, while its steps wait too. One
+that holds a thing and wants a second, beside another of the same priority that holds
+the second and wants the first, can wait for it for good: nothing breaks the circle.
+Claim all that is needed at one place, where a method gets all of its claims or none; or
+claim in one order everywhere.""",
+    ignore="where the two tasks are never under way together",
+    source="T 7.2.1",
+    example=_WORK
+    + """\
+(define-rap (carry ?thing ?to)
+  (method (claims arm) (task-net (t1 (go ?to)))))
+""",
+    better=_WORK
+    + """\
+(define-rap (carry ?thing ?to)
+  (method (claims arm wheels) (task-net (t1 (go ?to)))))
+""",
+)
+
+_MOST_CLAIMS = 400
+"""So many RAPs, with what is held above them, are looked at below a task."""
+
+_Things = frozenset[nodes.Thing]
+
+
+class _Taken(msgspec.Struct, frozen=True):
+    """A thing that is wanted while others are held."""
+
+    thing: nodes.Thing
+    held: _Things
+    rap: nodes.DefineRap
+
+
+_Orders = Mapping[tuple[nodes.Thing, nodes.Thing], Sequence[_Taken]]
+"""What is wanted by what is held and what is wanted."""
+
+
+_Known = dict[tuple[nodes.Thing, nodes.Thing], dict[_Things, _Taken]]
+"""The same of several tasks, by all that is held; of those alike the first one."""
+
+
+@check(CROSSED)
+def crossed_claims(run: Pass) -> Iterator[Diagnostic]:
+    """Find tasks of an agenda that take two things in opposite orders."""
+    raps = run.library.raps.values()
+    if not any(method.claims for rap in raps for method in rap.methods):
+        return
+    orders: dict[str, _Orders] = {}
+    told: set[_Things] = set()
+    for agenda in run.library.agendas.values():
+        by_priority: dict[int, _Known] = {}
+        for task in agenda.tasks:
+            name = task.goal.name
+            if name not in orders:
+                orders[name] = _orders(run.library, name)
+            others = by_priority.setdefault(task.priority, {})
+            for one, other in _crossed(orders[name], others):
+                pair = frozenset((one.thing, other.thing))
+                if pair not in told:
+                    told.add(pair)
+                    yield _crossing(one, other)
+            for key, taken in orders[name].items():
+                known = others.setdefault(key, {})
+                for other in taken:
+                    known.setdefault(other.held, other)
+
+
+def _orders(library: Library, goal: str) -> _Orders:
+    """Return in which orders things are taken below a task, as far as that is sure."""
+    found: dict[tuple[nodes.Thing, nodes.Thing], list[_Taken]] = {}
+    waiting: list[tuple[str, _Things]] = [(goal, frozenset())]
+    seen = set(waiting)
+    while waiting and len(seen) < _MOST_CLAIMS:
+        name, held = waiting.pop()
+        rap = library.raps.get(name)
+        if rap is None or not rap.methods:
+            continue
+        own = [frozenset(things(library, method)) for method in rap.methods]
+        always = frozenset.intersection(*own) - held
+        for wanted in sorted(always, key=format_formula):
+            for thing in sorted(held, key=format_formula):
+                taken = _Taken(wanted, held, rap)
+                found.setdefault((thing, wanted), []).append(taken)
+        for method, mine in zip(rap.methods, own, strict=True):
+            for step in steps(method):
+                below = (step.goal.name, held | mine)
+                if below not in seen:
+                    seen.add(below)
+                    waiting.append(below)
+    return found
+
+
+def things(library: Library, method: nodes.Method) -> Iterator[nodes.Thing]:
+    """Yield what a method asks for before it starts, if no variable stands in it."""
+    asked = [*method.claims]
+    if isinstance(method.body, nodes.Primitive):
+        form = library.primitives.get(method.body.request.name)
+        asked += form.uses if form is not None else ()
+    for thing in asked:
+        if all(isinstance(term, nodes.Const) for term in thing.args):
+            yield thing
+
+
+def _crossed(orders: _Orders, others: _Known) -> Iterator[tuple[_Taken, _Taken]]:
+    """Yield what is taken in opposite orders, unless a third thing keeps it apart."""
+    for (thing, wanted), mine in orders.items():
+        for other in others.get((wanted, thing), {}).values():
+            one = next((one for one in mine if not one.held & other.held), None)
+            if one is not None:
+                yield one, other
+                break
+
+
+def _crossing(one: _Taken, other: _Taken) -> Diagnostic:
+    first, second = format_formula(one.thing), format_formula(other.thing)
+    return CROSSED.at(
+        one.rap.name_span,
+        f"`{one.rap.name}` wants `{first}` while `{second}` is held, "
+        f"`{other.rap.name}` the other way round",
+        labels=(
+            Label(other.rap.name_span, f"wants `{second}` while `{first}` is held"),
+        ),
+        help="claim both at one place, or in one order",
+    )
