@@ -73,7 +73,7 @@ def _standing_with_a_goal(base: Base) -> Iterator[Edit]:
 
 def _stands(rap: nodes.DefineRap) -> bool:
     """Whether a RAP is never done."""
-    return rap.succeed is not None and is_never(rap.succeed)
+    return is_never(rap.succeed)
 
 
 def _promise_turned_round(base: Base) -> Iterator[Edit]:

@@ -241,7 +241,7 @@ def _ended(run: Pass, task: nodes.GivenTask) -> Diagnostic | None:
         return None
     monitors = [rap.monitor_state, rap.monitor_time]
     monitor = next((one for one in monitors if one is not None), None)
-    if monitor is None or (rap.succeed is not None and is_never(rap.succeed)):
+    if monitor is None or is_never(rap.succeed):
         return None
     message = f"`{rap.name}` is done when a method has ended well once"
     if rap.succeed is not None:

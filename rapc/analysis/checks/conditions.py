@@ -30,6 +30,7 @@ from rapc.analysis.facts.logic import (
     may_clash,
     number_of,
 )
+from rapc.analysis.facts.statistics import THRESHOLDS
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,
@@ -43,7 +44,7 @@ from rapc.base.source import Span
 from rapc.base.values import Number
 from rapc.ir import clauses, nodes
 from rapc.ir.printer import format_formula
-from rapc.ir.walk import steps, subformulas, variable_names, variables
+from rapc.ir.walk import steps, subformulas, variable_names, variables, ways
 
 CONTRADICTION = Rule(
     code="RAP110",
@@ -158,8 +159,7 @@ def _contradictions(
                 asked = _Asked(inner, here.given, before, after[at + 1 :])
             else:
                 asked = _Asked(inner, _bound_by(here.given, before))
-            parts = inner.parts if isinstance(inner, nodes.Or) else (inner,)
-            waiting += [asked._replace(formula=part) for part in reversed(parts)]
+            waiting += [asked._replace(formula=w) for w in reversed(ways(inner))]
 
 
 def _bound_by(given: Container[str], before: Iterable[Literal]) -> Container[str]:
@@ -571,7 +571,7 @@ def unnamed_item(run: Pass) -> Iterator[Diagnostic]:
         if not unknown:
             continue
         silent = [method for method in rap.methods if not _asks(rap, method)]
-        alone = len(silent) == 1 and len(rap.methods) > _ENOUGH
+        alone = len(silent) == 1 and len(rap.methods) > THRESHOLDS.unnamed_item
         for method in silent:
             yield from _unnamed(method, unknown, alone=alone)
 
@@ -606,10 +606,6 @@ def _unnamed(
                 ),
                 help=f"ask `(know-sensor-name {term.name} true)` in the context",
             )
-
-
-_ENOUGH = 3
-"""More methods than this show by their number that each should ask."""
 
 
 def _asked_for(method: nodes.Method, *, alone: bool) -> Iterator[nodes.Term]:

@@ -15,11 +15,10 @@ from rapc.analysis.check import Pass, check
 from rapc.analysis.facts.effects import EFFECTS, Effect, calls_of, done_by_method
 from rapc.analysis.facts.logic import (
     Literal,
-    apart,
     asked_by,
     asked_through,
+    entails,
     fact_name,
-    follows,
     is_computed,
     is_known,
     is_never,
@@ -29,7 +28,7 @@ from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.graph import components
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
-from rapc.ir.walk import variable_names
+from rapc.ir.walk import ways
 from rapc.library.library import Library
 
 _WORLD = """\
@@ -152,8 +151,7 @@ def _hopeless(
     goal = rap.succeed
     if goal is None or is_never(goal):
         return None
-    parts = goal.parts if isinstance(goal, nodes.Or) else (goal,)
-    if any(_part_can_come(run.library, part, done) for part in parts):
+    if any(_way_can_come(run.library, way, done) for way in ways(goal)):
         return None
     return HOPELESS.at(
         goal.span, f"nothing that `{rap.name}` does brings this about", help=_said(done)
@@ -180,9 +178,7 @@ def _endless(
     run: Pass, rap: nodes.DefineRap, done: Sequence[Effect]
 ) -> Iterator[Diagnostic]:
     monitor = rap.monitor_state
-    if rap.succeed is None or not is_never(rap.succeed):
-        return
-    if monitor is None or rap.monitor_time is not None:
+    if monitor is None or rap.monitor_time is not None or not is_never(rap.succeed):
         return
     asked = asked_through(run.library, monitor)
     if not asked:
@@ -213,11 +209,9 @@ def _ends(library: Library, monitor: nodes.Formula, done: Sequence[Effect]) -> b
 def _brings_it_about(run: Pass, rap: nodes.DefineRap, monitor: nodes.Formula) -> bool:
     """Whether the monitor surely holds when any method has ended well."""
     given = {variable.name for variable in rap.inputs}
-    own = apart(monitor, given, "@monitor")
-    wanted, free = list(literals(own)), set(variable_names(own)) - given
     relations = run.signatures.relations
     return all(
-        follows(wanted, done_by_method(run.library, method), free, relations)
+        entails(done_by_method(run.library, method), monitor, given, relations)
         for method in rap.methods
     )
 
@@ -235,14 +229,12 @@ _MOST_NAMES = 6
 """How many names of facts are told."""
 
 
-def _part_can_come(
-    library: Library, part: nodes.Formula, done: Sequence[Effect]
-) -> bool:
+def _way_can_come(library: Library, way: nodes.Formula, done: Sequence[Effect]) -> bool:
     """Whether anything done may make a conjunction hold, or it is not known.
 
     What is compared comes from the facts beside it, or nobody knows from where.
     """
-    asked = [one for one in literals(part) if not isinstance(one.formula, _BESIDE)]
+    asked = [one for one in literals(way) if not isinstance(one.formula, _BESIDE)]
     return not asked or any(can_come(library, one, done) for one in asked)
 
 
@@ -313,18 +305,18 @@ def _denied(rap: nodes.DefineRap) -> Iterator[Diagnostic]:
 
 def _against_each_way(rap: nodes.DefineRap) -> Iterator[Diagnostic]:
     """Yield an effect if some effect denies each of the ways to succeed."""
-    ways = rap.succeed.parts if isinstance(rap.succeed, nodes.Or) else ()
+    every = rap.succeed.parts if isinstance(rap.succeed, nodes.Or) else ()
     told = {effect.pattern: effect for effect in rap.effects}
     denied = [
         (told[one.formula], one)
-        for way in ways
+        for way in every
         for one in literals(way)
         if isinstance(one.formula, nodes.Pattern)
         and one.formula in told
         and told[one.formula].negated is one.holds
     ]
-    ways_denied = {way for way in ways for _, one in denied if one in literals(way)}
-    if denied and len(ways_denied) == len(ways):
+    ways_denied = {way for way in every for _, one in denied if one in literals(way)}
+    if denied and len(ways_denied) == len(every):
         effect, one = denied[0]
         yield EMPTY.at(
             effect.span,
@@ -341,11 +333,9 @@ def _empty(
         fact = effect.pattern
         promised = Literal(fact, not effect.negated)
         if fact not in asked and not can_come(run.library, promised, done):
-            written = format_formula(fact)
             yield EMPTY.at(
                 effect.span,
-                f"nothing that `{rap.name}` does brings "
-                f"`{f'(not {written})' if effect.negated else written}` about",
+                f"nothing that `{rap.name}` does brings `{promised.written}` about",
                 help=_said(done),
             )
 
@@ -421,12 +411,12 @@ def _lacking(run: Pass, rap: nodes.DefineRap) -> Iterator[Diagnostic]:
     named = {effect.pattern.name for effect in rap.effects}
     lacking = [one for one in every[0] if fact_name(one) in common - named]
     for one in lacking[:1]:
-        written = format_formula(one.formula)
         yield LACKING.at(
             rap.effects[0].span,
-            f"`{rap.name}` changes `{written}` too, and does not say so",
+            f"`{rap.name}` changes `{format_formula(one.formula)}` too, and does not "
+            "say so",
             labels=(Label(one.span, "declared here"),),
-            help=f"add `{written if one.holds else f'(not {written})'}`",
+            help=f"add `{one.written}`",
         )
 
 
@@ -446,18 +436,11 @@ def _unconfirmed(run: Pass, rap: nodes.DefineRap) -> Iterator[Diagnostic]:
         if len(without) == len(rap.methods) and all(whole for _, whole in known):
             continue
         if without:
-            yield _not_confirmed(rap, effect, without[0])
+            yield UNCONFIRMED.at(
+                without[0].span,
+                f"this method of `{rap.name}` is not known to bring "
+                f"`{promised.written}` about",
+                labels=(Label(effect.span, "declared here"),),
+                help="say what its primitives do, or ask for the effect in `succeed`",
+            )
             return
-
-
-def _not_confirmed(
-    rap: nodes.DefineRap, effect: nodes.DeclaredEffect, method: nodes.Method
-) -> Diagnostic:
-    written = format_formula(effect.pattern)
-    return UNCONFIRMED.at(
-        method.span,
-        f"this method of `{rap.name}` is not known to bring "
-        f"`{f'(not {written})' if effect.negated else written}` about",
-        labels=(Label(effect.span, "declared here"),),
-        help="say what its primitives do, or ask for the effect in `succeed`",
-    )

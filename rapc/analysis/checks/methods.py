@@ -32,7 +32,7 @@ from rapc.base.source import Span
 from rapc.ir import clauses, nodes
 from rapc.ir.clauses import Clause
 from rapc.ir.schema import operands
-from rapc.ir.walk import variable_names
+from rapc.ir.walk import given_names, variable_names, ways
 from rapc.library.signature import CONSTANT_DEFAULTS, Signature
 from rapc.library.signatures import Signatures
 
@@ -130,7 +130,7 @@ def never_holds(run: Pass) -> Iterator[Diagnostic]:
 def _rap(
     run: Pass, rap: nodes.DefineRap, never: Container[int]
 ) -> Iterator[Diagnostic]:
-    given = {v.name for v in rap.inputs} | {r.variable.name for r in rap.resources}
+    given = given_names(rap)
     goals = [_goal(formula, given) for formula in _ways_to_succeed(rap)]
     at = _Chosen(run, given, list(_held(rap, given, never)), goals)
     hopeless = _succeeds_first(at, rap) or _apart(at, rap)
@@ -206,8 +206,7 @@ def _held(
         if id(formula) not in never:
             yield from _named_apart(formula, given, clause.word)
     goal = rap.succeed
-    parts = goal.parts if isinstance(goal, nodes.Or) else (goal,)
-    for part in parts:
+    for part in ways(goal):
         if isinstance(part, nodes.Not):
             yield from _named_apart(part.part, given, "succeed")
 
@@ -476,8 +475,7 @@ def settled(run: Pass) -> Iterator[Diagnostic]:
     always = Always(run.signatures)
     for rap in run.library.forms:
         if isinstance(rap, nodes.DefineRap) and rap.methods:
-            given = {v.name for v in rap.inputs}
-            given |= {r.variable.name for r in rap.resources}
+            given = given_names(rap)
             yield from _copies(rap)
             yield from _settled(rap, always, given)
 
@@ -514,8 +512,7 @@ def _settled(
     first = FirstValues(rap.resources)
     if rap.resources:
         yield from _not_at_first(rap, first)
-    parts = succeed.parts if isinstance(succeed, nodes.Or) else (succeed,)
-    if any(part is not None and first.holds(part) for part in parts):
+    if any(first.holds(way) for way in ways(succeed)):
         assert succeed is not None
         yield AT_ONCE.at(
             succeed.span,

@@ -21,13 +21,13 @@ the two can wait for each other for good. Things count that have no variables in
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 
 import msgspec
 
 from rapc.analysis.check import Pass, check
 from rapc.analysis.checks.goals import can_come
-from rapc.analysis.checks.task_nets import TASK_NETS, Net, sure_nets
+from rapc.analysis.checks.task_nets import Net, sure_net, sure_nets
 from rapc.analysis.facts.bindings import MayBeBound
 from rapc.analysis.facts.effects import EFFECTS, Effect, Effects, done, put_in
 from rapc.analysis.facts.logic import (
@@ -37,6 +37,7 @@ from rapc.analysis.facts.logic import (
     is_computed,
     literals,
 )
+from rapc.analysis.facts.statistics import LIMITS
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import clauses, nodes
 from rapc.ir.printer import format_formula, format_goal
@@ -118,13 +119,14 @@ its priority.""",
 @check(THREAT, RACING, needs_whole="method")
 def threats(run: Pass) -> Iterator[Diagnostic]:
     """Find steps that undo what another step protects, or needs to begin."""
-    for every, net in sure_nets(run):
+    for _, method, net in sure_nets(run):
+        every = steps(method)
         yield from (*_threats(run, every, net), *_races(run, every, net))
 
 
 def _threats(run: Pass, steps: Sequence[nodes.Step], net: Net) -> Iterator[Diagnostic]:
     protected = list(_protected(steps))
-    if not protected or net.order is None:
+    if not protected:
         return
     places = {step.tag: at for at, step in enumerate(steps)}
     before, after = net.reach()
@@ -136,7 +138,7 @@ def _threats(run: Pass, steps: Sequence[nodes.Step], net: Net) -> Iterator[Diagn
         if may_come:
             between.append((may_come, note, wanted))
     changes = _changes(run, steps, net) if between else {}
-    changing = {name: _bits(by for by, _ in there) for name, there in changes.items()}
+    changing = {n: _bits({by for by, _ in there}) for n, there in changes.items()}
     for may_come, note, wanted in between:
         if not changing.get(fact_name(wanted), 0) & may_come:
             continue
@@ -162,22 +164,18 @@ def _races(run: Pass, steps: Sequence[nodes.Step], net: Net) -> Iterator[Diagnos
     for at, step in enumerate(steps):
         for one in _needed(run, step.goal):
             needs.setdefault(fact_name(one), []).append((at, one))
-    if not needs or net.order is None:
+    if not needs:
         return
     before, after = net.reach()
     for by, step in enumerate(steps):
         for effect in done(run.library, step.goal) if by not in net.early else ():
-            for at, wanted in needs.get(fact_name(effect), ())[:_MOST_NEEDING]:
+            for at, wanted in needs.get(fact_name(effect), ())[: LIMITS.steps_of_fact]:
                 apart = before[at] | after[at] | 1 << at
                 if apart >> by & 1 or steps[at].priority > step.priority:
                     continue
                 if contradict(run.signatures, wanted, effect):
                     yield _race(wanted, steps[at], step)
                     return
-
-
-_MOST_NEEDING = 20
-"""So many steps that need a fact are held against one that changes it."""
 
 
 def _needed(run: Pass, goal: nodes.Goal) -> Iterator[Literal]:
@@ -198,7 +196,7 @@ def _needed(run: Pass, goal: nodes.Goal) -> Iterator[Literal]:
 def _race(needed: Literal, step: nodes.Step, by: nodes.Step) -> Diagnostic:
     return RACING.at(
         by.goal.span,
-        f"step `{by.tag}` may undo `{_written(needed)}`, which `{step.tag}` needs",
+        f"step `{by.tag}` may undo `{needed.written}`, which `{step.tag}` needs",
         labels=(
             Label(step.goal.span, f"`{format_goal(step.goal)}` may come later"),
             Label(needed.span, "asked here"),
@@ -207,11 +205,8 @@ def _race(needed: Literal, step: nodes.Step, by: nodes.Step) -> Diagnostic:
     )
 
 
-def _bits(numbers: Iterable[int]) -> int:
-    found = 0
-    for one in numbers:
-        found |= 1 << one
-    return found
+def _bits(numbers: set[int]) -> int:
+    return sum(1 << one for one in numbers)
 
 
 def _protected(
@@ -226,15 +221,10 @@ def _protected(
                         yield at, note, one
 
 
-def _written(fact: Literal) -> str:
-    written = format_formula(fact.formula)
-    return written if fact.holds else f"(not {written})"
-
-
 def _threat(note: nodes.For, undone: Literal, step: nodes.Step) -> Diagnostic:
     return THREAT.at(
         note.span,
-        f"step `{step.tag}` may undo `{_written(undone)}` before `{note.tag}` begins",
+        f"step `{step.tag}` may undo `{undone.written}` before `{note.tag}` begins",
         labels=(
             Label(step.goal.span, f"`{format_goal(step.goal)}` may run in between"),
         ),
@@ -274,35 +264,23 @@ step come last.""",
 )
 
 
-_FAR = 5
-"""So many RAPs deep steps are followed."""
-
-_MOST_BELOW = 200
-"""So many goals below the steps of one method are looked at."""
-
-
 @check(BROKEN, needs_whole="method")
 def constraints(run: Pass) -> Iterator[Diagnostic]:
     """Find steps that undo what a constraint above them asks for."""
-    nets = run.result(TASK_NETS)
-    for rap in run.library.raps.values():
-        for method in rap.methods:
-            net = nets.get(id(method.body))
-            asked = [*literals(rap.constraints), *literals(method.constraints)]
-            asked = [one for one in asked if fact_name(one)]
-            if isinstance(method.body, nodes.TaskNet) and net is not None and asked:
-                yield from _broken(run, method.body.steps, net, asked)
+    for rap, method, net in sure_nets(run):
+        asked = [*literals(rap.constraints), *literals(method.constraints)]
+        asked = [one for one in asked if fact_name(one)]
+        if asked:
+            yield from _broken(run, steps(method), net, asked)
 
 
 def _broken(
     run: Pass, steps: Sequence[nodes.Step], net: Net, asked: Sequence[Literal]
 ) -> Iterator[Diagnostic]:
     """Yield the first step that surely undoes what is asked while others are left."""
-    if net.broken or net.order is None:
-        return
     left = _left(net)
     search = _Search(run, asked)
-    for far in (0, _FAR):
+    for far in (0, LIMITS.constraint_depth):
         for at, step in enumerate(steps):
             found = search.undoing(step.goal, left[at], far)
             if found is not None:
@@ -352,8 +330,7 @@ class _Search:
         rap = library.raps.get(goal.name)
         if rap is None or not far or not rap.methods:
             return None
-        pairs = zip(rap.inputs, goal.args, strict=False)
-        given = {variable.name: term for variable, term in pairs}
+        given = input_terms(rap, goal)
         found = [self._in_method(method, given, left, far) for method in rap.methods]
         return found[0] if all(one is not None for one in found) else None
 
@@ -364,15 +341,13 @@ class _Search:
         left: bool,
         far: int,
     ) -> _Undone | None:
-        net = self._run.result(TASK_NETS).get(id(method.body))
-        if not isinstance(method.body, nodes.TaskNet) or net is None:
-            return None
-        if net.broken or net.order is None:
+        net = sure_net(self._run, method)
+        if net is None:
             return None
         more = _left(net)
-        for at, step in enumerate(method.body.steps):
+        for at, step in enumerate(steps(method)):
             self._below += 1
-            if at in net.early or self._below > _MOST_BELOW:
+            if at in net.early or self._below > LIMITS.goals_below:
                 continue
             goal = _handed(step.goal, given, far)
             found = self.undoing(goal, left or more[at], far - 1)
@@ -450,15 +425,10 @@ effect is not declared.""",
 @check(VAIN, needs_whole="form")
 def vain_protection(run: Pass) -> Iterator[Diagnostic]:
     """Find formulas with `for` that no step before them can bring about."""
-    nets = run.result(TASK_NETS)
     known: dict[str, _ByName | None] = {}
-    for rap in run.library.raps.values() if run.complete else ():
-        for method in rap.methods:
-            net = nets.get(id(method.body))
-            if not isinstance(method.body, nodes.TaskNet) or net is None:
-                continue
-            if net.broken or net.order is None or not _protects(method.body):
-                continue
+    for rap, method, net in sure_nets(run) if run.complete else ():
+        notes = [note for step in steps(method) for note in step.annotations]
+        if any(isinstance(n, nodes.For) and n.formula is not None for n in notes):
             yield from _of_net(run, rap, method, net, known)
 
 
@@ -489,11 +459,6 @@ def _asked(rap: nodes.DefineRap) -> set[str]:
 
 _ByName = Mapping[str, Sequence[Effect]]
 """What a RAP may do, by the names of facts."""
-
-
-def _protects(body: nodes.TaskNet) -> bool:
-    notes = [note for step in body.steps for note in step.annotations]
-    return any(isinstance(n, nodes.For) and n.formula is not None for n in notes)
 
 
 def _by_name(effects: Effects, name: str) -> _ByName | None:
@@ -551,7 +516,7 @@ def _of_net(
             for one in literals(note.formula):
                 fact = fact_name(one)
                 there = changers.get(fact, [])
-                if not fact or len(there) > _MOST_CHANGES:
+                if not fact or len(there) > LIMITS.steps_of_fact:
                     continue
                 if not one.holds:
                     others = [change for change in there if change[0] != at]
@@ -567,10 +532,6 @@ def _of_net(
                     or _comes(run, one, there, net, until)
                 ):
                     yield _vain(one, step)
-
-
-_MOST_CHANGES = 20
-"""Where more steps than this change a fact, one of them may well bring it about."""
 
 
 def _is_looked_up(one: Literal, given: Container[str]) -> bool:
@@ -669,9 +630,6 @@ claim in one order everywhere.""",
 """,
 )
 
-_MOST_CLAIMS = 400
-"""So many RAPs, with what is held above them, are looked at below a task."""
-
 _Things = frozenset[nodes.Thing]
 
 
@@ -722,7 +680,7 @@ def _orders(library: Library, goal: str) -> _Orders:
     found: dict[tuple[nodes.Thing, nodes.Thing], list[_Taken]] = {}
     waiting: list[tuple[str, _Things]] = [(goal, frozenset())]
     seen = set(waiting)
-    while waiting and len(seen) < _MOST_CLAIMS:
+    while waiting and len(seen) < LIMITS.claims_below:
         name, held = waiting.pop()
         rap = library.raps.get(name)
         if rap is None or not rap.methods:

@@ -36,6 +36,7 @@ from rapc.base.diagnostics import (
 )
 from rapc.base.names import nearest
 from rapc.ir import nodes
+from rapc.ir.walk import ways
 from rapc.language.heads import CALLS
 
 WRONG_KIND = Rule(
@@ -578,8 +579,7 @@ def _is_awaited(uses: Flow, rap: nodes.DefineRap) -> bool:
 
 def _wanted(goal: nodes.Formula | None, name: str, first: FirstValues) -> int:
     """Which way a counter has to go for `succeed` to hold: -1, 1, or 0 if not known."""
-    parts = goal.parts if isinstance(goal, nodes.Or) else (goal,)
-    for literal in (one for part in parts for one in literals(part)):
+    for literal in (one for way in ways(goal) for one in literals(way)):
         test = literal.formula
         if not isinstance(test, nodes.Compare) or not literal.holds:
             continue

@@ -41,6 +41,7 @@ from rapc.analysis.facts.logic import (
     number_of,
     through,
 )
+from rapc.analysis.facts.statistics import LIMITS, THRESHOLDS
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,
@@ -238,11 +239,8 @@ def is_described(library: Library) -> bool:
     if not told and not library.memory_rules and not library.event_rules:
         return False
     silent = any(datum.on is None for datum in library.data.values())
-    return not silent and told * _OF >= len(forms) * _MOST
-
-
-_MOST, _OF = 3, 4
-"""So many of so many primitives have to say what they do."""
+    share, whole = THRESHOLDS.described
+    return not silent and told * whole >= len(forms) * share
 
 
 class _Changed:
@@ -266,7 +264,7 @@ def _unready(
     library: Library, rap: nodes.DefineRap, changed: _Changed, always: Always
 ) -> Iterator[Diagnostic]:
     """Yield a fact that all methods ask for, though the monitor does not."""
-    if rap.monitor_state is None or rap.succeed is None or not is_never(rap.succeed):
+    if rap.monitor_state is None or not is_never(rap.succeed):
         return
     waking = [rap.monitor_state, rap.repeat_while]
     asked = {n for one in waking if one is not None for n in asked_by(library, one)}
@@ -296,7 +294,7 @@ def _failing(
 ) -> Iterator[Diagnostic]:
     """Yield a condition of a standing task that its monitor does not ask for."""
     monitor = rap.monitor_state
-    if monitor is None or rap.succeed is None or not is_never(rap.succeed):
+    if monitor is None or not is_never(rap.succeed):
         return
     heard = asked_by(library, monitor)
     given = {variable.name for variable in rap.inputs}
@@ -446,7 +444,7 @@ def rivals(run: Pass) -> Iterator[Diagnostic]:
     told: set[tuple[str, str]] = set()
     for agenda in run.library.agendas.values():
         tasks = [one for one in agenda.tasks if one.background]
-        for one, other in combinations(tasks[:_MOST_TASKS], 2):
+        for one, other in combinations(tasks[: LIMITS.standing_tasks], 2):
             if one.goal.name == other.goal.name:
                 continue
             if (agenda.name, other.goal.name) in told:
@@ -454,10 +452,6 @@ def rivals(run: Pass) -> Iterator[Diagnostic]:
             for found in _between(run, one, other):
                 told.add((agenda.name, other.goal.name))
                 yield found
-
-
-_MOST_TASKS = 40
-"""So many standing tasks of an agenda are held against each other."""
 
 
 def _between(
@@ -696,7 +690,7 @@ class _Sensing:
 
 def _pause(rap: nodes.DefineRap) -> _Sensed | None:
     """Return how long a standing RAP surely waits between two rounds."""
-    if rap.succeed is None or not is_never(rap.succeed):
+    if not is_never(rap.succeed):
         return None
     timed = rap.monitor_time
     if timed is not None and timed.reference == "now":

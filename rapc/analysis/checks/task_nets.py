@@ -191,18 +191,19 @@ def task_nets(run: Pass) -> Iterator[Diagnostic]:
         yield from net.faults
 
 
-def sure_nets(run: Pass) -> Iterator[tuple[tuple[nodes.Step, ...], Net]]:
-    """Yield the steps of each task-net with its order, if that is sure.
+def sure_net(run: Pass, method: nodes.Method) -> Net | None:
+    """Return the order of the steps of a method, if it has one that is sure."""
+    net = run.result(TASK_NETS).get(id(method.body))
+    return None if net is None or net.broken or net.order is None else net
 
-    Args:
-        run: the pass.
-    """
-    nets = run.result(TASK_NETS)
+
+def sure_nets(run: Pass) -> Iterator[tuple[nodes.DefineRap, nodes.Method, Net]]:
+    """Yield the methods whose steps have an order that is sure, with it."""
     for rap in run.library.raps.values():
         for method in rap.methods:
-            net = nets.get(id(method.body))
-            if isinstance(method.body, nodes.TaskNet) and net and not net.broken:
-                yield method.body.steps, net
+            net = sure_net(run, method)
+            if net is not None:
+                yield rap, method, net
 
 
 def _net(run: Pass, net: nodes.TaskNet) -> Net:

@@ -158,7 +158,7 @@ def _monitor(timed: nodes.MonitorTime, rap: nodes.DefineRap) -> Iterator[Diagnos
     if start is not None and stop is not None and start > stop:
         yield _turned_round(timed, start, stop)
     waits = rap.monitor_state is not None or timed.reference != "now"
-    stands = rap.succeed is not None and is_never(rap.succeed)
+    stands = is_never(rap.succeed)
     if start is not None and start <= 0 and stands and not waits:
         yield RESTLESS.at(
             timed.start.span,

@@ -48,7 +48,7 @@ def unbindable_output(run: Pass) -> Iterator[Diagnostic]:
     for rap in run.library.forms:
         if not isinstance(rap, nodes.DefineRap) or not rap.outputs or not rap.methods:
             continue
-        if rap.succeed is not None and is_never(rap.succeed):
+        if is_never(rap.succeed):
             continue
         names = {
             site.name

@@ -17,6 +17,7 @@ from rapc.analysis.facts.index import INDEX
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.source import Span
 from rapc.ir import nodes
+from rapc.ir.walk import steps
 
 _WORK = """\
 (define-rap (watch))
@@ -149,15 +150,16 @@ def until(run: Pass) -> Iterator[Diagnostic]:
     if not index.of(nodes.UntilStart) and not index.of(nodes.UntilEnd):
         return
     never_done = endless(run.library.raps)
-    for steps, net in sure_nets(run):
-        places = {step.tag: at for at, step in enumerate(steps)}
+    for _, method, net in sure_nets(run):
+        every = steps(method)
+        places = {step.tag: at for at, step in enumerate(every)}
         marks = [
             _Mark(note, at, places[note.tag])
-            for at, step in enumerate(steps)
+            for at, step in enumerate(every)
             for note in step.annotations
             if isinstance(note, _Until)
         ]
-        yield from _of_net(run, steps, net, marks, never_done) if marks else ()
+        yield from _of_net(run, every, net, marks, never_done) if marks else ()
     for rap in run.library.forms:
         if type(rap) is nodes.DefineRap:
             yield from _by_themselves(rap)
@@ -165,7 +167,7 @@ def until(run: Pass) -> Iterator[Diagnostic]:
 
 def _of_net(
     run: Pass,
-    steps: Sequence[nodes.Step],
+    every: Sequence[nodes.Step],
     net: Net,
     marks: Sequence[_Mark],
     never_done: Mapping[str, Span],
@@ -173,8 +175,8 @@ def _of_net(
     """Yield what is wrong with the `until` of one task-net, one finding for each."""
     starts = {(m.at, m.by): m for m in marks if isinstance(m.note, nodes.UntilStart)}
     for mark in marks:
-        one, by = steps[mark.at], steps[mark.by]
-        if mark.at == mark.by or net.order is None:
+        one, by = every[mark.at], every[mark.by]
+        if mark.at == mark.by:
             continue
         if net.is_before(mark.at, mark.by):
             why = f"`{by.tag}` begins only when `{one.tag}` has ended"
@@ -182,21 +184,20 @@ def _of_net(
         elif net.is_before(mark.by, mark.at):
             why = f"`{by.tag}` has ended when `{one.tag}` could begin"
             yield _idle(mark, by, why)
-        elif (cause := _never_comes(steps, net, mark, never_done)) is not None:
+        elif (cause := _never_comes(every, net, mark, never_done)) is not None:
             yield _never(mark, by, cause)
         elif isinstance(mark.note, nodes.UntilStart):
             back = starts.get((mark.by, mark.at))
             if back is None:
                 yield from _begins_together(run, one, by, mark, net)
             elif mark.note.span.start > back.note.span.start:
-                yield from _each_other(run, steps, net, mark, back)
+                yield from _each_other(run, every, net, mark, back)
 
 
 def _by_themselves(rap: nodes.DefineRap) -> Iterator[Diagnostic]:
     for method in rap.methods:
-        steps = method.body.steps if isinstance(method.body, nodes.TaskNet) else ()
-        often = Counter(step.tag for step in steps)
-        for step in steps:
+        often = Counter(step.tag for step in steps(method))
+        for step in steps(method):
             for note in step.annotations if often[step.tag] == 1 else ():
                 if isinstance(note, _Until) and note.tag == step.tag:
                     does = "ends" if type(note) is nodes.UntilEnd else "starts"
@@ -208,9 +209,9 @@ def _by_themselves(rap: nodes.DefineRap) -> Iterator[Diagnostic]:
 
 
 def _each_other(
-    run: Pass, steps: Sequence[nodes.Step], net: Net, mark: _Mark, back: _Mark
+    run: Pass, every: Sequence[nodes.Step], net: Net, mark: _Mark, back: _Mark
 ) -> Iterator[Diagnostic]:
-    one, other = steps[mark.at], steps[mark.by]
+    one, other = every[mark.at], every[mark.by]
     if any(net.edges[at] for at in (mark.at, mark.by)):
         return
     if not may_wait(run, one) and not may_wait(run, other):
@@ -257,18 +258,18 @@ def _begins_together(
 
 
 def _never_comes(
-    steps: Sequence[nodes.Step],
+    every: Sequence[nodes.Step],
     net: Net,
     mark: _Mark,
     never_done: Mapping[str, Span],
 ) -> Span | None:
     """Return what says that the other step never ends, or never begins, if it does."""
-    before = [at for at in range(len(steps)) if net.is_before(at, mark.by)]
+    before = [at for at in range(len(every)) if net.is_before(at, mark.by)]
     if isinstance(mark.note, nodes.UntilEnd):
         before.append(mark.by)
     for at in before:
-        cause = never_done.get(steps[at].goal.name)
-        if cause is not None and not any(map(may_end, steps[at].annotations)):
+        cause = never_done.get(every[at].goal.name)
+        if cause is not None and not any(map(may_end, every[at].annotations)):
             return cause
     return None
 

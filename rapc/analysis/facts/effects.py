@@ -323,7 +323,7 @@ def endless(raps: Mapping[str, nodes.DefineRap]) -> Mapping[str, Span]:
     found: dict[str, Span] = {}
     for rap in raps.values():
         waits = rap.monitor_state is not None or rap.monitor_time is not None
-        if waits and rap.succeed is not None and is_never(rap.succeed):
+        if waits and rap.succeed and is_never(rap.succeed):
             found[rap.name] = rap.succeed.span
     if not found:
         return found
@@ -361,8 +361,7 @@ class NeverDone(Container[str]):
         rap = self._raps.get(name) if isinstance(name, str) else None
         if rap is None:
             return False
-        goal = rap.succeed
-        return (goal is not None and is_never(goal)) or name in self._endless
+        return is_never(rap.succeed) or name in self._endless
 
     @cached_property
     def _endless(self) -> Mapping[str, Span]:

@@ -34,6 +34,7 @@ from rapc.analysis.facts.statistics import LIMITS
 from rapc.base.source import Span
 from rapc.base.values import Atom, Number
 from rapc.ir import nodes
+from rapc.ir.printer import format_formula
 from rapc.ir.walk import subformulas, substitute, variable_names
 from rapc.library.library import Library
 from rapc.library.signature import CONSTANT_DEFAULTS, Signature
@@ -50,6 +51,12 @@ class Literal(msgspec.Struct, frozen=True):
     def span(self) -> Span:
         """Return where the formula stands."""
         return self.formula.span
+
+    @property
+    def written(self) -> str:
+        """Return the literal in RAP."""
+        written = format_formula(self.formula)
+        return written if self.holds else f"(not {written})"
 
 
 def fact_name(literal: Literal) -> str:
@@ -71,7 +78,7 @@ def literals(formula: nodes.Formula | None) -> Iterator[Literal]:
             yield Literal(here, True)
 
 
-def is_never(formula: nodes.Formula) -> bool:
+def is_never(formula: nodes.Formula | None) -> bool:
     """Whether a formula says itself that it never holds: `nil`, `(not true)`."""
     if isinstance(formula, nodes.Not):
         return isinstance(formula.part, nodes.Truth) and formula.part.value

@@ -32,7 +32,7 @@ class Thresholds(msgspec.Struct, frozen=True):
     failures_alike: int = 2
     #: The share of primitives that have to say what they do, as a fraction.
     described: tuple[int, int] = (3, 4)
-    #: RAPs that have to be there for an item without a name to be taken for a slip.
+    #: Methods of a RAP; if more ask for the name of an item, all of them should.
     unnamed_item: int = 3
 
 
