@@ -7,7 +7,7 @@ remembers the results of its own methods.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from rapc.analysis.check import Pass, check
 from rapc.analysis.facts.effects import EFFECTS, Effects
@@ -156,7 +156,7 @@ primitive was meant, or the test stands in the wrong RAP.""",
 def own_results(run: Pass) -> Iterator[Diagnostic]:
     """Find questions about results that the RAP's own methods cannot have."""
     known = {r for form in run.library.primitives.values() for r in _results(form)}
-    answers: dict[tuple[int, object], Sequence[_Request]] = {}
+    by_rap: dict[int, Mapping[object, Sequence[_Request]]] = {}
     wrong: dict[int, list[tuple[nodes.Const, Sequence[_Request]]]] = {}
     for asked in run.result(INDEX).of(nodes.HistoryTest):
         rap, test = asked.owner, asked.node
@@ -165,12 +165,12 @@ def own_results(run: Pass) -> Iterator[Diagnostic]:
         result = test.args[-1] if test.args else None
         if not isinstance(result, nodes.Const) or result.value not in known:
             continue
-        key = (id(rap), _method_meant(test))
-        if key not in answers:
-            answers[key] = _answers(run.library, rap, key[1])
-        own = {result for _, form in answers[key] for result in _results(form)}
-        if answers[key] and result.value not in {*own, *REASONS}:
-            wrong.setdefault(id(rap), []).append((result, answers[key]))
+        if id(rap) not in by_rap:
+            by_rap[id(rap)] = _answers(run.library, rap)
+        answers = by_rap[id(rap)].get(_method_meant(test), ())
+        own = {name for _, form in answers for name in _results(form)}
+        if answers and result.value not in {*own, *REASONS}:
+            wrong.setdefault(id(rap), []).append((result, answers))
     for found in wrong.values():
         yield _impossible_result(found)
 
@@ -180,12 +180,21 @@ _Request = tuple[nodes.Request, nodes.DeclarePrimitive]
 
 
 def _answers(
-    library: Library, rap: nodes.DefineRap, name: object
-) -> Sequence[_Request]:
-    """Return the requests of the methods of a name; none if one has another body."""
-    meant = [method for method in rap.methods if name in (None, method.name)]
-    found = [one for method in meant for one in _requests(library, method)]
-    return found if len(found) == len(meant) else ()
+    library: Library, rap: nodes.DefineRap
+) -> Mapping[object, Sequence[_Request]]:
+    """Return the requests of the methods of each name, and of all by None.
+
+    There are none where one of these methods has another body.
+    """
+    found: dict[object, list[_Request]] = {}
+    unknown: set[object] = set()
+    for method in rap.methods:
+        asked = list(_requests(library, method))
+        for name in {method.name, None}:
+            found.setdefault(name, []).extend(asked)
+            if not asked:
+                unknown.add(name)
+    return {name: there for name, there in found.items() if name not in unknown}
 
 
 def _requests(library: Library, method: nodes.Method) -> Iterator[_Request]:
