@@ -17,9 +17,10 @@ from rich.text import Text
 from rapc.language.heads import QUERIES
 from rapc.repl.draw import draw
 from rapc.repl.highlight import tokens
-from tests.docs.test_repl_tutorial import PAGE, begun, blocks
+from tests.docs.pages import CHECKOUT
+from tests.docs.test_repl_tutorial import begun, blocks
 
-PICTURE = PAGE.parents[1] / "figures" / "repl.svg"
+PICTURE = CHECKOUT / "docs" / "figures" / "repl.svg"
 
 WIDTH = 92
 
@@ -52,11 +53,11 @@ def svg() -> str:
 def _fill(console: Console) -> None:
     """Type the inputs of the page as far as they are shown."""
     shell = None
-    for language, name, text in blocks():
-        if language == "rap" and not Path(name).exists():
-            Path(name).write_text(text, encoding="utf-8")
-        elif language == "sh":
-            shell = begun(text)
+    for block in blocks():
+        if block.language == "rap" and not Path(block.name).exists():
+            Path(block.name).write_text(block.text, encoding="utf-8")
+        elif block.language == "sh":
+            shell = begun(block.text)
     assert shell is not None
     shell.answer(":show none")
     shell.answer(":run")

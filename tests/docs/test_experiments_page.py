@@ -1,4 +1,4 @@
-"""docs/experiments.md: its example runs, and its tables name every key and measure."""
+"""docs/experiments.md: its example runs, and its query finds the results."""
 
 from __future__ import annotations
 
@@ -6,38 +6,12 @@ import re
 import sqlite3
 from pathlib import Path
 
-import msgspec
 import pytest
 
-from rapc.experiments.definition import Experiment, Reference, Series
-from rapc.experiments.measures import LABELS
-
 from ..cli.command import rapc
+from .pages import CHECKOUT, page
 
-CHECKOUT = Path(__file__).parents[2]
-PAGE = (CHECKOUT / "docs" / "experiments.md").read_text(encoding="utf-8")
-SECTIONS = dict(re.findall(r"^## ([^\n]*)\n(.*?)(?=^## |\Z)", PAGE, re.M | re.S))
-
-
-def _keys(kind: type[msgspec.Struct]) -> list[str]:
-    return [field.encode_name for field in msgspec.structs.fields(kind)]
-
-
-def _told(text: str) -> list[str]:
-    cells = re.findall(r"^\| (`[a-z-]+`(?:, `[a-z-]+`)*) \| ", text, re.M)
-    return [name for cell in cells for name in re.findall(r"`([a-z-]+)`", cell)]
-
-
-def test_tables_name_all_keys_and_no_others() -> None:
-    of_file, _, of_part = SECTIONS["The file"].partition("A part is a series")
-    assert sorted([*_told(of_file), "name"]) == sorted(_keys(Experiment))
-    assert sorted(_told(of_part)) == sorted(_keys(Series))
-    told = of_part.partition("A `reference` has")[2].partition("\n\n")[0]
-    assert all(f"`{key}`" in told for key in _keys(Reference))
-
-
-def test_table_names_all_measures_and_no_others() -> None:
-    assert _told(SECTIONS["What is measured"]) == list(LABELS)
+PAGE = page("experiments")
 
 
 @pytest.fixture

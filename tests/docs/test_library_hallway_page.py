@@ -1,4 +1,4 @@
-"""docs/library-hallway.md names each RAP of the hallway library, and shows a frame.
+"""docs/library-hallway.md names tests of each paragraph, and shows a frame.
 
 python -m tests.docs.test_library_hallway_page    writes the frame anew
 """
@@ -9,8 +9,8 @@ import re
 import tempfile
 from pathlib import Path
 
-from rapc.library.loader import load
 from tests.cli.command import rapc
+from tests.docs.pages import rows, ticked
 
 ROOT = Path(__file__).parents[2]
 FILE = ROOT / "docs" / "library-hallway.md"
@@ -18,21 +18,8 @@ PAGE = FILE.read_text(encoding="utf-8")
 FRAME = re.compile(r"(?<=^```text\n).*?(?=^```$)", re.M | re.S)
 
 
-def test_the_table_of_layers_has_every_rap_in_its_file() -> None:
-    raps = load([ROOT / "stdlib" / "hallway"]).library.raps
-    [table] = re.findall(r"^\| layer \|.*?\n(?=\n)", PAGE, re.M | re.S)
-    told: dict[str, str] = {}
-    file = ""
-    for row in table.strip().splitlines()[2:]:
-        _, named, does, _ = row.strip("|").split("|")
-        file = "".join(re.findall(r"`([^`]+)`", named)) or file
-        told |= dict.fromkeys(re.findall(r"`([^`]+)`", does), file)
-    assert told == {name: Path(rap.span.file).name for name, rap in raps.items()}
-
-
 def test_every_test_of_the_table_of_paragraphs_is_there() -> None:
-    [table] = re.findall(r"^\| paragraph \|.*?\n(?=\n)", PAGE, re.M | re.S)
-    rows = [row.strip("|").split("|") for row in table.strip().splitlines()[2:]]
+    listed = rows(PAGE, "paragraph")
     texts = [
         file.read_text(encoding="utf-8")
         for folder in ("stdlib/hallway", "tests/rap", "tests/hallway")
@@ -42,9 +29,9 @@ def test_every_test_of_the_table_of_paragraphs_is_there() -> None:
     defined = set(
         re.findall(r"^(?:\(define-test|def) ([\w-]+)", "\n".join(texts), re.M)
     )
-    named = {name for row in rows for name in re.findall(r"`([^`]+)`", row[-1])}
+    named = {name for row in listed for name in ticked(row[-1])}
     assert named <= defined
-    paragraphs = {row[0].strip() for row in rows}
+    paragraphs = {row[0].strip() for row in listed}
     assert paragraphs == {"3", "3.1", "3.2", "3.3", "4", "4.1", "4.2", "4.2.1", "4.3"}
 
 

@@ -12,10 +12,8 @@ from rapc.debug.history import History
 from rapc.repl.commands.table import commands
 from rapc.repl.draw import draw
 from rapc.repl.shell import Shell
-from tests.docs.test_tutorial import agrees
-
-PAGE = Path(__file__).parents[2] / "docs" / "tutorial" / "repl.md"
-_BLOCK = re.compile(r"^```(\w+) ?(\S*)\n(.*?)^```$", re.M | re.S)
+from tests.docs import pages
+from tests.docs.pages import agrees
 
 WIDTH = 100
 """How wide the terminal of the page is."""
@@ -27,9 +25,10 @@ def test_tutorial_does_as_it_says(
     monkeypatch.chdir(tmp_path)
     shell: Shell | None = None
     typed = 0
-    for language, name, text in blocks():
+    for block in blocks():
+        language, text = block.language, block.text
         if language == "rap":
-            Path(name).write_text(text, encoding="utf-8")
+            Path(block.name).write_text(text, encoding="utf-8")
         elif language == "sh":
             shell = begun(text)
         elif language == "rapc":
@@ -45,9 +44,9 @@ def test_tutorial_does_as_it_says(
     assert shell.history.run.results()[0].outcome == "succeeded"
 
 
-def blocks() -> list[tuple[str, str, str]]:
-    """Return the blocks of the page: language, file, text."""
-    return _BLOCK.findall(PAGE.read_text(encoding="utf-8"))
+def blocks() -> tuple[pages.Block, ...]:
+    """Return the blocks of the page."""
+    return pages.blocks(pages.page("tutorial/repl"))
 
 
 def begun(command: str) -> Shell:
