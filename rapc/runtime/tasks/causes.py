@@ -6,26 +6,28 @@ is found by asking anew, at once and before anything changes, through a context 
 tells nobody: so the run is the same with and without it. Nothing is done unless events
 tell of causes (`Recorder.tells_causes`).
 
-Not here: why a method has ended badly by itself (`rapc.runtime.tasks.method_causes`),
-and the words in which a cause is printed (`rapc.runtime.events.report`).
+Not here: the words in which a cause is printed (`rapc.runtime.events.report`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from itertools import islice
-from typing import NamedTuple
+from typing import Concatenate, NamedTuple, ParamSpec
 
 import msgspec
 
 from rapc.base.resources import Counter, SetResource, Value
 from rapc.base.source import Span
 from rapc.base.values import format_atom
+from rapc.compiler.compiler import RequestPlan
 from rapc.compiler.query.query import Query
+from rapc.compiler.query.term_value import TermValue
 from rapc.compiler.rap_plan import MethodPlan
+from rapc.errors import FactError
 from rapc.events import Cause
 from rapc.ir import clauses, nodes
-from rapc.ir.printer import format_goal, format_term
+from rapc.ir.printer import format_formula, format_goal, format_term
 from rapc.ir.walk import subterms
 from rapc.runtime.machine import Machine
 from rapc.runtime.query_context import NotingContext, time_of
@@ -34,81 +36,81 @@ from rapc.runtime.state.task import Env, MethodRun, Task
 LONGEST = 16
 """How many links a chain of causes may have before its middle is left out."""
 
+_Args = ParamSpec("_Args")
+
+_Find = Callable[Concatenate[Machine, _Args], Cause | None]
+
+
+def _if_told(find: _Find[_Args]) -> _Find[_Args]:
+    """Let a cause be looked for only where events tell of causes."""
+
+    def found(
+        machine: Machine, *args: _Args.args, **more: _Args.kwargs
+    ) -> Cause | None:
+        return find(machine, *args, **more) if machine.recorder.tells_causes else None
+
+    return found
+
 
 # --- steps 1 to 4: what keeps a task from trying --------------------------------
 
 
+@_if_told
 def of_inputs(machine: Machine, task: Task) -> Cause | None:
     """Return why a task whose inputs are not all bound has failed."""
     step, run = task.step, task.within
-    if not machine.recorder.tells_causes or step is None or run is None:
+    if step is None or run is None:
         return None
-    values = zip(step.node.goal.args, task.goal_args, strict=True)
+    goal = step.node.goal
+    values = zip(goal.args, task.goal_args, strict=True)
     unbound = [format_term(term) for term, value in values if value is None]
-    return Cause(
-        clause=f"inputs of step `{step.node.tag}` of `{run.task.plan.name}`",
-        place=file_and_line(machine, step.node.span),
-        part=format_goal(step.node.goal),
-        note=f"{', '.join(unbound)} not bound",
-        bindings=told_of(run.env, variables_in(step.node.goal.args)),
-    )
+    clause = f"inputs of step `{step.node.tag}` of `{run.task.plan.name}`"
+    note = f"{', '.join(unbound)} not bound"
+    part = format_goal(goal)
+    return _cause(machine, clause, step.node.span, part, note, run.env, goal.args)
 
 
+@_if_told
 def of_set_up(machine: Machine, task: Task) -> Cause | None:
     """Return why no resources or times could be made for a task."""
-    if not machine.recorder.tells_causes:
-        return None
-    context = context_of(machine, task)
+    context, env, name = context_of(machine, task), task.env, task.plan.name
     for resource, initial in task.plan.resources:
-        made = task.env.get(resource.variable.name)
+        made = env.get(resource.variable.name)
         if initial is not None and not isinstance(made, Counter | SetResource):
-            initial.needed(context, task.env)
-            return Cause(
-                clause=f"resources of `{task.plan.name}`",
-                place=file_and_line(machine, resource.span),
-                part=format_term(initial.term),
-                note=context.noted or f"is no {resource.kind}",
-                bindings=told_of(task.env, variables_in([initial.term])),
-            )
-    return _of_times(machine, task, context)
-
-
-def _of_times(machine: Machine, task: Task, context: NotingContext) -> Cause | None:
-    """Return which time of a task's windows or monitor is none."""
+            initial.needed(context, env)
+            note = context.noted or f"is no {resource.kind}"
+            clause = f"resources of `{name}`"
+            return _of_term(machine, clause, resource.span, initial, note, env)
     context.task = task.parent
-    env = {} if task.within is None else task.within.env
+    above: Env = {} if task.within is None else task.within.env
     step = task.step
     for window in () if step is None else step.windows:
         for time in (window.start, window.stop):
-            if step is not None and time_of(context, time, env) is None:
-                return Cause(
-                    clause=f"window of step `{step.node.tag}`",
-                    place=file_and_line(machine, step.node.span),
-                    part=format_term(time.term),
-                    note=context.noted,
-                    bindings=told_of(env, variables_in([time.term])),
-                )
+            if step is not None and time_of(context, time, above) is None:
+                clause, span = f"window of step `{step.node.tag}`", step.node.span
+                return _of_term(machine, clause, span, time, context.noted, above)
     context.task = task
     delay, node = task.plan.monitor_time, task.plan.node.monitor_time
     for time in () if delay is None else (delay.start, delay.stop):
-        if node is not None and time_of(context, time, task.env) is None:
-            return Cause(
-                clause=f"monitor-time of `{task.plan.name}`",
-                place=file_and_line(machine, node.span),
-                part=format_term(time.term),
-                note=context.noted,
-                bindings=told_of(task.env, variables_in([time.term])),
-            )
+        if node is not None and time_of(context, time, env) is None:
+            clause = f"monitor-time of `{name}`"
+            return _of_term(machine, clause, node.span, time, context.noted, env)
     return None
 
 
+def _of_term(
+    machine: Machine, clause: str, span: Span, value: TermValue, note: str, env: Env
+) -> Cause:
+    part = format_term(value.term)
+    return _cause(machine, clause, span, part, note, env, [value.term])
+
+
+@_if_told
 def of_conditions(machine: Machine, task: Task) -> Cause | None:
     """Return which condition of a task does not hold now: the first, as they are asked.
 
     The order is that of step 4: `for` formulas, preconditions, constraints upwards.
     """
-    if not machine.recorder.tells_causes:
-        return None
     for clause, query, asker, env in conditions(task):
         found = _of_query(machine, clause, query, asker, env)
         if found is not None:
@@ -145,9 +147,10 @@ def conditions(task: Task) -> Iterator[Condition]:
         stated = stated.constrained
 
 
+@_if_told
 def of_method_constraints(machine: Machine, run: MethodRun) -> Cause | None:
     """Return why the constraints of a method do not hold."""
-    if not machine.recorder.tells_causes or run.plan.constraints is None:
+    if run.plan.constraints is None:
         return None
     clause = f"constraints of method `{run.plan.name}` of `{run.task.plan.name}`"
     return _of_query(machine, clause, run.plan.constraints, run.task, run.env)
@@ -156,12 +159,10 @@ def of_method_constraints(machine: Machine, run: MethodRun) -> Cause | None:
 # --- steps 5 to 9: what becomes of methods --------------------------------------
 
 
+@_if_told
 def of_no_method(machine: Machine, task: Task) -> Cause | None:
     """Return what ruled out each method of a task, and how the last one ended."""
-    if not machine.recorder.tells_causes:
-        return None
-    plan = task.plan
-    before = _last(task)
+    plan, before = task.plan, _last(task)
     if plan.repeat_while is not None:
         clause = f"repeat-while of `{plan.name}`"
         found = _of_query(machine, clause, plan.repeat_while, task, task.env)
@@ -175,117 +176,208 @@ def of_no_method(machine: Machine, task: Task) -> Cause | None:
             if found is not None:
                 ruled_out.append(found)
     asked = plan.name in machine.solvers
-    cause = Cause(
-        clause=f"methods of `{plan.name}`",
-        place=file_and_line(machine, plan.node.name_span),
-        note="none, from the solver neither" if asked else "" if ruled_out else "none",
-        methods=tuple(ruled_out),
-    )
-    return following(cause, before)
+    note = "none, from the solver neither" if asked else "" if ruled_out else "none"
+    cause = _cause(machine, f"methods of `{plan.name}`", plan.node.name_span, note=note)
+    methods = tuple(ruled_out)
+    return following(msgspec.structs.replace(cause, methods=methods), before)
 
 
+@_if_told
 def of_futile_choice(
     machine: Machine, task: Task, method: MethodPlan, found: Env
 ) -> Cause | None:
     """Return which choice a task has made as often as it may."""
-    if not machine.recorder.tells_causes:
-        return None
+    clause = f"method `{method.name}` of `{task.plan.name}`"
+    note = f"chosen {machine.settings.futile_limit} times with the same bindings"
     env = {**task.env, **found}
-    cause = Cause(
-        clause=f"method `{method.name}` of `{task.plan.name}`",
-        place=file_and_line(machine, method.node.span),
-        note=f"chosen {machine.settings.futile_limit} times with the same bindings",
-        bindings=told_of(env, env),
-    )
+    cause = _cause(machine, clause, method.node.span, note=note, env=env)
     return following(cause, _last(task))
 
 
+@_if_told
 def of_recursion(machine: Machine, step: Task) -> Cause | None:
     """Return which ancestor has the goal that a step's task repeats."""
-    if not machine.recorder.tells_causes or step.step is None:
+    if step.step is None:
         return None
     above = step.parent
     while above is not None and above.identity != step.identity:
         above = above.parent
     node = step.step.node
     who = "a task above it" if above is None else f"{above.goal()} [{above.number}]"
-    return Cause(
-        clause=f"step `{node.tag}`",
-        place=file_and_line(machine, node.span),
-        part=format_goal(node.goal),
-        note=f"repeats {who}",
-        bindings=told_of(
-            step.within.env if step.within else {}, variables_in(node.goal.args)
-        ),
-    )
+    clause, note, part = f"step `{node.tag}`", f"repeats {who}", format_goal(node.goal)
+    env = step.within.env if step.within else {}
+    return _cause(machine, clause, node.span, part, note, env, node.goal.args)
 
 
 # --- ends of steps ----------------------------------------------------------------
 
 
+@_if_told
 def of_step_end(
-    machine: Machine, task: Task, outputs: Mapping[str, object]
+    machine: Machine, task: Task, outputs: Mapping[str, Value]
 ) -> Cause | None:
     """Return why a task whose `succeed` holds fails: its outputs or its effects."""
     step, run = task.step, task.within
-    if not machine.recorder.tells_causes or step is None or run is None:
+    if step is None or run is None:
         return None
+    where = f"of step `{step.node.tag}` of `{run.task.plan.name}`"
     bound = dict(run.env)
     for name, receiver in zip(task.plan.outputs, step.outputs, strict=False):
         value = outputs.get(name)
         if value is None or receiver.anonymous:
             continue
         if receiver.variable is not None and receiver.variable not in bound:
-            bound[receiver.variable] = value  # type: ignore[assignment]  # a value
+            bound[receiver.variable] = value
         elif receiver.term.needed(context_of(machine, run.task), bound) != value:
-            return Cause(
-                clause=f"outputs of step `{step.node.tag}` of `{run.task.plan.name}`",
-                place=file_and_line(machine, step.node.span),
-                part=format_term(receiver.term.term),
-                note=f"is not `{format_atom(value)}`",
-                bindings=told_of(bound, variables_in([receiver.term.term])),
-            )
-    names = [
-        n for e in step.effects for n in variables_in([e.node.resource, e.node.amount])
-    ]
-    return Cause(
-        clause=f"effects of step `{step.node.tag}` of `{run.task.plan.name}`",
-        place=file_and_line(machine, step.node.span),
-        note="one of them cannot be made",
-        bindings=told_of(bound, names),
-    )
+            clause, note = f"outputs {where}", f"is not `{format_atom(value)}`"
+            span = step.node.span
+            return _of_term(machine, clause, span, receiver.term, note, bound)
+    terms = [t for e in step.effects for t in (e.node.resource, e.node.amount)]
+    clause, note = f"effects {where}", "one of them cannot be made"
+    return _cause(machine, clause, step.node.span, "", note, bound, terms)
 
 
+@_if_told
 def of_signal(machine: Machine, task: Task) -> Cause | None:
     """Return which step a signal has failed."""
-    if not machine.recorder.tells_causes or task.step is None:
+    if task.step is None:
         return None
     node = task.step.node
-    return Cause(
-        clause=f"wait-for of step `{node.tag}`",
-        place=file_and_line(machine, node.span),
-        note="its signal came",
-    )
+    clause = f"wait-for of step `{node.tag}`"
+    return _cause(machine, clause, node.span, note="its signal came")
 
 
+@_if_told
 def of_child(
     machine: Machine, task: Task, result: str, because: Cause | None
 ) -> Cause | None:
     """Return why a method has ended badly one of whose steps has failed."""
     step = task.step
-    if not machine.recorder.tells_causes or step is None or task.parent is None:
+    if step is None or task.parent is None:
         return None
-    link = Cause(
-        clause=f"step `{step.node.tag}` of `{task.parent.plan.name}`",
-        place=file_and_line(machine, step.node.span),
-        part=str(task.goal()),
-        note=f"failed: {result}",
-        task=task.number,
-    )
-    return following(link, because)
+    clause = f"step `{step.node.tag}` of `{task.parent.plan.name}`"
+    goal, note = str(task.goal()), f"failed: {result}"
+    link = _cause(machine, clause, step.node.span, goal, note)
+    return following(msgspec.structs.replace(link, task=task.number), because)
+
+
+# --- methods that end by themselves -----------------------------------------------
+
+
+@_if_told
+def of_bad_start(machine: Machine, run: MethodRun) -> Cause | None:
+    """Return which notation of a method cannot be asserted, or which claim made."""
+    for plan in run.plan.notations:
+        note = _unfilled(machine, run, plan) or _refusal(machine, run, plan)
+        if note:
+            return _of_method(machine, run, "notation", plan.node, note)
+    for asked in run.plan.things:
+        note = "" if asked.used else _unfilled(machine, run, asked.plan)
+        if note:
+            what = f"claims of method `{run.plan.name}`"
+            return _of_method(machine, run, what, asked.plan.node, note)
+    return None
+
+
+@_if_told
+def of_result(machine: Machine, run: MethodRun, result: str) -> Cause | None:
+    """Return why a method has ended badly that asks something of the world.
+
+    A request or a skill that cannot be filled in, what the world has answered, or an
+    event that was to fail the primitive.
+    """
+    plan, skills = run.plan.request, run.plan.activation
+    asked = [] if skills is None else list(skills.skills)
+    asked += [] if plan is None else [plan]
+    for one in asked if run.ticket is None else ():
+        note = _unfilled(machine, run, one, sent=True)
+        if note:
+            what = "request" if one is plan else "skill"
+            return _of_method(machine, run, what, one.node, note)
+    if plan is not None:
+        note = f"the world answered `{result}`"
+        return _of_method(machine, run, "primitive", plan.node, note)
+    body = run.plan.node.body
+    for wait in body.waits if isinstance(body, nodes.Skills) else ():
+        if wait.mode == "fail" and wait.signal == f":{result}":
+            signal = nodes.Signal(wait.signal, wait.args, span=wait.span)
+            return _of_method(machine, run, "wait-for", signal, "its event came")
+    return None
+
+
+@_if_told
+def of_refusal(machine: Machine, run: MethodRun) -> Cause | None:
+    """Return what the world has refused, beside nothing that could be waited for."""
+    plan, skills = run.plan.request, run.plan.activation
+    asked = plan if skills is None else skills.skills[0]
+    if asked is None:
+        return None
+    what = "primitive" if skills is None else "skill"
+    note = "the world refused it, and nothing could be waited for"
+    return _of_method(machine, run, what, asked.node, note)
+
+
+def _of_method(
+    machine: Machine, run: MethodRun, what: str, node: nodes.Pattern, note: str
+) -> Cause:
+    clause, part = f"{what} of `{run.task.plan.name}`", format_formula(node)
+    return _cause(machine, clause, node.span, part, note, run.env, node.args)
+
+
+def _unfilled(
+    machine: Machine, run: MethodRun, plan: RequestPlan, sent: bool = False
+) -> str:
+    """Return what keeps a clause from being filled in; nothing if it can be.
+
+    With `sent` its items need sensor names.
+    """
+    context, items = context_of(machine, run.task), machine.memory.items
+    for arg in plan.args:
+        value = arg.needed(context, run.env)
+        if value is None:
+            return context.noted
+        if isinstance(value, Counter | SetResource):
+            return f"{format_term(arg.term)} is a resource"
+        if sent and isinstance(value, str) and items.sensor_of(value) is None:
+            return f"`{format_atom(value)}` has no sensor name now"
+    return ""
+
+
+def _refusal(machine: Machine, run: MethodRun, plan: RequestPlan) -> str:
+    """Return why memory refuses a notation that is filled in, if it does."""
+    context = context_of(machine, run.task)
+    filled = [arg.needed(context, run.env) for arg in plan.args]
+    try:
+        machine.memory.checked((plan.name, *filled))  # type: ignore[arg-type]  # atoms
+    except FactError as error:
+        return str(error)
+    return ""
 
 
 # --- chains and parts -------------------------------------------------------------
+
+
+def _cause(
+    machine: Machine,
+    clause: str,
+    span: Span,
+    part: str = "",
+    note: str = "",
+    env: Mapping[str, Value] = {},  # nobody changes it
+    terms: Iterable[nodes.Term] | None = None,
+) -> Cause:
+    """Return a cause that tells what the variables of `terms`, or all, are bound to."""
+    names: Iterable[str] = env
+    if terms is not None:
+        parts = [inner for term in terms for inner in subterms(term)]
+        names = [inner.name for inner in parts if isinstance(inner, nodes.Var)]
+    return Cause(
+        clause=clause,
+        place=machine.library.compiler.row(span),
+        part=part,
+        note=note,
+        bindings=_as_text(env, names),
+    )
 
 
 def following(link: Cause, because: Cause | None) -> Cause:
@@ -310,21 +402,24 @@ def _of_query(
     machine: Machine, clause: str, query: Query, asker: Task, env: Env
 ) -> Cause | None:
     """Return which part of a query has no solution; None if all of it has one."""
-    bound: Mapping[str, object] = env
+    bound, row = env, machine.library.compiler.row
     for part, text, found in ask_in_parts(machine, query, asker, env, most=1):
         if not found:
-            names = [n for n in Query.names(part) if n in bound]
             given_up = machine.context.told_if_given_up(query.where)
             return Cause(
                 clause=clause,
-                place=file_and_line(machine, part.span)
-                or file_and_line(machine, query.formula.span),
+                place=row(part.span) or row(query.formula.span),
                 part=text,
                 note=given_up or machine.noting.noted,
-                bindings=told_of(bound, names),
+                bindings=_as_text(bound, Query.names(part)),
             )
         bound = {**env, **found[0]}
     return None
+
+
+def _as_text(env: Mapping[str, Value], names: Iterable[str]) -> Mapping[str, str]:
+    """Return the values that variables have, as text."""
+    return {name: format_atom(env[name]) for name in names if name in env}
 
 
 class PartAsked(NamedTuple):
@@ -368,19 +463,3 @@ def context_of(machine: Machine, asker: Task | None) -> NotingContext:
     context = machine.noting
     context.begin(asker)
     return context
-
-
-def file_and_line(machine: Machine, span: Span) -> str:
-    """Return the file and line of `span`, or nothing for one that has none."""
-    return machine.library.compiler.row(span)
-
-
-def variables_in(terms: Iterable[nodes.Term]) -> list[str]:
-    """Return the names of the variables in `terms`."""
-    parts = (part for term in terms for part in subterms(term))
-    return [part.name for part in parts if isinstance(part, nodes.Var)]
-
-
-def told_of(env: Mapping[str, object], names: Iterable[str]) -> Mapping[str, str]:
-    """Return the values that variables have, as text."""
-    return {name: format_atom(env[name]) for name in names if name in env}

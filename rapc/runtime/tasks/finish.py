@@ -27,7 +27,7 @@ from rapc.runtime.state.states import (
     SIGNAL,
 )
 from rapc.runtime.state.task import Env, MethodRun, Task, as_told
-from rapc.runtime.tasks import causes, method_causes
+from rapc.runtime.tasks import causes
 from rapc.runtime.tasks.effects import Change, carry_out, changes_of
 from rapc.runtime.tasks.remove import discount, drop, free, remove, stop, unregister
 from rapc.runtime.tasks.rules import run_finish_rules
@@ -274,7 +274,7 @@ def end_method(
     """
     task, recorder, failed = run.task, machine.recorder, result != OKAY
     if failed and because is None:
-        because = method_causes.of_result(machine, run, result)
+        because = causes.of_result(machine, run, result)
     task.run = None
     if run.steps_left:
         for step in run.steps:

@@ -24,8 +24,8 @@ from rapc.runtime.machine import Machine
 from rapc.runtime.state.states import BLOCKED, INTERFERENCE
 from rapc.runtime.state.task import Env, MethodRun, Task
 from rapc.runtime.state.things import Ask, Hold, Thing, ThingWait, format_thing, words
+from rapc.runtime.tasks.causes import of_refusal
 from rapc.runtime.tasks.finish import end_method
-from rapc.runtime.tasks.method_causes import of_refusal
 from rapc.runtime.tasks.remove import stop
 from rapc.world import Refused
 

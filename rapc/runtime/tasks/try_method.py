@@ -14,7 +14,7 @@ from rapc.runtime.acts.primitives import ground, request
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.states import FUTILE_LOOP, INTERFERENCE, NO_METHOD, RUNNING
 from rapc.runtime.state.task import MethodRun, Task, as_told
-from rapc.runtime.tasks import causes, method_causes
+from rapc.runtime.tasks import causes
 from rapc.runtime.tasks.choose import Key, choice_key, choose
 from rapc.runtime.tasks.finish import end_method, fail
 from rapc.runtime.tasks.hold_things import (
@@ -152,7 +152,7 @@ def _of_refusal(
 ) -> Cause | None:
     """Return why a method ends that was refused; None if it goes on, or waits."""
     failed = run.task.run is run and result == INTERFERENCE
-    return method_causes.of_refusal(machine, run) if failed else None
+    return causes.of_refusal(machine, run) if failed else None
 
 
 def _begins_well(machine: Machine, run: MethodRun, unfilled: bool) -> bool:
@@ -166,7 +166,7 @@ def _begins_well(machine: Machine, run: MethodRun, unfilled: bool) -> bool:
         ground(machine, run, method.request)  # traces what it lacks
     else:
         run.steps = ()
-        because = method_causes.of_bad_start(machine, run)
+        because = causes.of_bad_start(machine, run)
     end_method(machine, run, INTERFERENCE, because)
     return False
 
