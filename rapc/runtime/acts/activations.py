@@ -8,10 +8,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from rapc.base.values import Fact
-from rapc.compiler.compiler import RequestPlan
 from rapc.compiler.rap_plan import ActivationPlan
-from rapc.events import RequestRefused, SkillDisabled, SkillEnabled
-from rapc.runtime.acts.primitives import cancel, filled_in, ground, sensed
+from rapc.events import SkillDisabled, SkillEnabled
+from rapc.runtime.acts.primitives import cancel, filled_in, ground, sensed, tell_refusal
 from rapc.runtime.machine import Machine
 from rapc.runtime.state.activations import Activation
 from rapc.runtime.state.states import INTERFERENCE
@@ -27,13 +26,14 @@ def activate(
     Returns `interference` where one of them cannot be filled in, what the world has
     said if it refuses, else None.
     """
-    skills, sent = [], []
+    skills, sent, items = [], [], machine.memory.items
     for one in plan.skills:
-        filled = _filled(machine, run, one)
-        if filled is None:
+        skill = ground(machine, run, one)
+        named = None if skill is None else sensed(items, skill)
+        if skill is None or named is None:
             return INTERFERENCE
-        skills.append(filled[0])
-        sent.append(filled[1])
+        skills.append(skill)
+        sent.append(named)
     if unfilled:
         return INTERFERENCE
     world = machine.world
@@ -43,29 +43,13 @@ def activate(
     answer = world.activate(ticket, tuple(sent), plan.events)
     machine.sync_clock()
     if answer is not None:
-        return _refused(machine, run.task, skills, sent, answer)
+        return tell_refusal(machine, run.task, zip(skills, sent, strict=True), answer)
     run.ticket = ticket
     run.skills = tuple(skills)
     activation = Activation(ticket, run.task.number, run.task, run, tuple(skills))
     machine.state.activations.begin(activation)
     _tell(machine, run.task, SkillEnabled, skills)
     return None
-
-
-def _refused(
-    machine: Machine, task: Task, skills: list[Fact], sent: list[Fact], answer: Refused
-) -> Refused:
-    """Tell that the world has refused an activation; return what it said."""
-    if machine.recorder.on:
-        for skill, named in zip(skills, sent, strict=True):
-            machine.recorder.emit(
-                RequestRefused,
-                task=task.number,
-                request=skill,
-                sent=named,
-                because=answer.reason or None,
-            )
-    return answer
 
 
 def reactivate(
@@ -94,7 +78,8 @@ def reactivate(
         answer = world.activate(ticket, tuple(sent), plan.events)
         if answer is not None:
             run.ticket = before
-            return _refused(machine, run.task, skills, sent, answer)
+            asked = zip(skills, sent, strict=True)
+            return tell_refusal(machine, run.task, asked, answer)
         run.ticket = ticket
     were = tables.on[before].skills if before is not None else ()
     if skills and run.ticket is not None:
@@ -107,15 +92,6 @@ def reactivate(
     _tell(machine, run.task, SkillDisabled, [s for s in were if s not in skills])
     _tell(machine, run.task, SkillEnabled, [s for s in skills if s not in were])
     return True
-
-
-def _filled(
-    machine: Machine, run: MethodRun, plan: RequestPlan
-) -> tuple[Fact, Fact] | None:
-    """Return a skill in memory names and in sensor names; what it lacks is traced."""
-    skill = ground(machine, run, plan)
-    named = None if skill is None else sensed(machine.memory.items, skill)
-    return None if skill is None or named is None else (skill, named)
 
 
 def _tell(

@@ -7,6 +7,8 @@ method that asked is for `rapc.runtime.tasks.try_method` and `rapc.runtime.intak
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from rapc.base.resources import Counter, SetResource
 from rapc.base.values import Atom, Fact
 from rapc.compiler.compiler import RequestPlan
@@ -35,18 +37,21 @@ def ground(machine: Machine, run: MethodRun, plan: RequestPlan) -> Fact | None:
     return fill_in(machine, plan, run.env)
 
 
-def fill_in(machine: Machine, plan: RequestPlan, env: Env) -> Fact | None:
-    """Return what `ground` returns, with the bindings `env`; faults are traced."""
+def fill_in(
+    machine: Machine, plan: RequestPlan, env: Env, tells: bool = True
+) -> Fact | None:
+    """Return what `ground` returns, with the bindings `env`; it `tells` of faults."""
     context = machine.context
     parts: list[Atom] = [plan.name]
     for arg in plan.args:
         value = env.get(arg.name) if arg.name is not None else None
         if value is None:
-            value = arg.needed(context, env)
+            value = (arg.needed if tells else arg.value)(context, env)
             if value is None:
                 return None
         if isinstance(value, _RESOURCES):
-            context.unfit(plan.where, value, "a symbol, number or string")
+            if tells:
+                context.unfit(plan.where, value, "a symbol, number or string")
             return None
         parts.append(value)
     return tuple(parts)
@@ -54,15 +59,8 @@ def fill_in(machine: Machine, plan: RequestPlan, env: Env) -> Fact | None:
 
 def filled_in(machine: Machine, task: Task, plan: RequestPlan, env: Env) -> Fact | None:
     """Return what `ground` returns for a method of `task`; nothing is traced."""
-    context = machine.context
-    context.task = task
-    parts: list[Atom] = [plan.name]
-    for arg in plan.args:
-        value = arg.value(context, env)
-        if value is None or isinstance(value, _RESOURCES):
-            return None
-        parts.append(value)
-    return tuple(parts)
+    machine.context.task = task
+    return fill_in(machine, plan, env, tells=False)
 
 
 def sendable(machine: Machine, task: Task, plan: RequestPlan, env: Env) -> Fact | None:
@@ -104,7 +102,8 @@ def request(
     else:
         held = world.answer(sent, answer)
         if isinstance(held, Refused):
-            return _refused(machine, task, asked, sent, held)
+            machine.sync_clock()
+            return tell_refusal(machine, task, [(asked, sent)], held)
         reply = held
     now = world.clock()
     if now != machine.recorder.time:
@@ -122,19 +121,22 @@ def request(
     return take_reply(machine, task if task.run is run else None, asked, reply)
 
 
-def _refused(
-    machine: Machine, task: Task, asked: Fact, sent: Fact, reply: Refused
+def tell_refusal(
+    machine: Machine, task: Task, asked: Iterable[tuple[Fact, Fact]], reply: Refused
 ) -> Refused:
-    """Tell that the world has refused a request; return what it said."""
-    machine.sync_clock()
+    """Tell that the world has refused what was `asked`; return what it said.
+
+    A request, or each skill, comes in memory names and in sensor names.
+    """
     if machine.recorder.on:
-        machine.recorder.emit(
-            RequestRefused,
-            task=task.number,
-            request=asked,
-            sent=sent,
-            because=reply.reason or None,
-        )
+        for request, sent in asked:
+            machine.recorder.emit(
+                RequestRefused,
+                task=task.number,
+                request=request,
+                sent=sent,
+                because=reply.reason or None,
+            )
     return reply
 
 

@@ -45,7 +45,7 @@ def _if_told(find: _Find[_Args]) -> _Find[_Args]:
     """Let a cause be looked for only where events tell of causes."""
 
     def found(
-        machine: Machine, *args: _Args.args, **more: _Args.kwargs
+        machine: Machine, /, *args: _Args.args, **more: _Args.kwargs
     ) -> Cause | None:
         return find(machine, *args, **more) if machine.recorder.tells_causes else None
 
