@@ -18,7 +18,7 @@ from rapc.debug.history import History
 from rapc.debug.log import EventLog
 from rapc.debug.recorded import Replay
 from rapc.debug.recording import Playback, Recording
-from rapc.debug.texts import TYPED
+from rapc.debug.reload import TYPED
 from rapc.errors import Error
 from rapc.host import load, loads
 from rapc.library.library import Library, digest

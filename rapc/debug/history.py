@@ -19,7 +19,7 @@ import msgspec
 
 from rapc.base.values import readable
 from rapc.compiler.program import Program
-from rapc.debug.acts import Act, made_with
+from rapc.debug.acts import Act
 from rapc.debug.log import EventLog, Hear, ToldEvent, Want
 from rapc.debug.recording import Playback
 from rapc.debug.reload import TakeUp, changed
@@ -396,9 +396,11 @@ class History:
         at = max((one for one in saves if one <= moment), default=None)
         if at is None:
             raise StateError("there is no saved state before that moment")
-        run = made_with(self.run, saves[at].program, saves[at].settings)
-        run.machine.world.enclose(saves[at].world)
-        run.restore(saves[at].state)
+        run, save = self.run, saves[at]
+        if run.machine.library is not save.program or run.settings != save.settings:
+            run = run.remade(save.program, save.settings)
+        run.machine.world.enclose(save.world)
+        run.restore(save.state)
         self._run, self._done, self._saved = run, at.acts, at.cycle
         aside = self._log.elsewhere is not None
         if not aside:

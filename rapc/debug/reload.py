@@ -1,26 +1,35 @@
-"""Another text of the library while a run goes on.
+"""Another text of the library while a run goes on: files read again, definitions typed.
 
 The run is saved, made over, and taken up by one that is made with the new text. A
 method that is under way keeps the text that it began with: it stays among the methods
 of its RAP, with a context that never holds, so that it is saved and taken up like any
 other. Whatever is chosen from now on is chosen from the new text. What a task has tried
-stays with methods of the same name. What memory holds, and what is under way, must be
-as the new declarations have it (`rapc.debug.declared`).
+stays with methods of the same name. Declarations are built into a run's memory: what
+that holds, and what is under way, must be as the new declarations have it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from typing import NamedTuple
 
 from msgspec.structs import replace
 
+from rapc.analysis.driver import CheckReport, check_library
+from rapc.base.diagnostics import Severity
+from rapc.base.names import plural
+from rapc.base.source import SourceFile
+from rapc.base.values import Fact, format_list
 from rapc.compiler.program import Program
 from rapc.compiler.rap_plan import MethodPlan
 from rapc.debug.acts import Act, taken_up
-from rapc.debug.declared import obstacles
 from rapc.errors import RefusedError
+from rapc.host import CheckedLibrary, CheckError
 from rapc.ir import nodes
 from rapc.library.library import Library, digest
+from rapc.library.loader import Loaded, load, load_sources
+from rapc.library.signature import Signature
+from rapc.parser.parse import parse
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.saving.codecs import Writer, fields_of
 from rapc.runtime.saving.format import RunRecord, TaskRecord, decode_run
@@ -182,3 +191,132 @@ def _methods(
         made = MethodPlan(program.compiler, plan.node, node, len(found))
         found.append((made.name, node))
     return found
+
+
+def obstacles(record: RunRecord, before: Program, after: Program) -> Iterator[str]:
+    """Yield why a run cannot go on with other declarations, a line for each reason.
+
+    Args:
+        record: the run.
+        before: the library that it runs.
+        after: the library with the other declarations.
+    """
+    for name, facts in record.memory.facts:
+        old = before.signatures.relations[str(name)]
+        new = after.signatures.relations.get(str(name))
+        yield from _of_facts(old, new, [fact for fact, _ in facts], after)
+    state = record.state
+    asked = [("is under way", fact) for _, (_, fact) in state.pending]
+    yield from _declared_otherwise(
+        asked, before.library.primitives, after.library.primitives
+    )
+    tables = state.activations
+    activations = [one for _, one in (*tables.on, *tables.off)]
+    on = [("is on", skill) for one in activations for skill in one.skills]
+    yield from _declared_otherwise(on, before.library.skills, after.library.skills)
+    known = {item.kind for item in (*record.memory.items, *record.memory.empty)}
+    old_classes, new_classes = before.library.indistinct, after.library.indistinct
+    for kind in sorted(known):
+        if old_classes.get(kind) != new_classes.get(kind):
+            yield f"items of class `{kind}` are known: what tells them apart must stay"
+
+
+def _of_facts(
+    old: Signature, new: Signature | None, facts: list[Fact], after: Program
+) -> Iterator[str]:
+    """Yield why facts that memory holds cannot stay."""
+    held = f"memory holds {plural(len(facts), 'fact')} of `{old.name}`"
+    away = f"`:erase ({old.name})` takes them away"
+    if new is None:
+        yield f"{held}, which is declared no more; {away}"
+    elif (new.kind, new.most) != (old.kind, old.most):
+        yield f"{held}, which is another {new.kind} now, `{new.written}`; {away}"
+    else:
+        for fact in facts:
+            wrong = after.signatures.wrong_kind("asserted", old.name, fact[1:])
+            if wrong is not None:
+                yield f"memory holds {format_list(fact)}: {wrong}"
+                return
+
+
+def _declared_otherwise(
+    uses: list[tuple[str, Fact]],
+    before: Mapping[str, object],
+    after: Mapping[str, object],
+) -> Iterator[str]:
+    """Yield what is under way by names that are declared otherwise."""
+    for how, fact in uses:
+        name = str(fact[0])
+        if before.get(name) != after.get(name):
+            yield f"{format_list(fact)} {how}: how `{name}` is declared must stay"
+
+
+TYPED = "<typed>"
+"""The file name of definitions that were typed."""
+
+
+class Renewed(NamedTuple):
+    """Another text of a library, and what was found in it."""
+
+    library: CheckedLibrary
+    report: CheckReport
+
+
+def reread(paths: Iterable[str], typed: str, name: str) -> Renewed:
+    """Read files again, with the definitions that were typed in place of theirs.
+
+    Raises:
+        LoadError: for what cannot be read.
+        CheckError: if anything of severity error is found.
+    """
+    loaded = load(list(paths))
+    if typed:
+        loaded = load_sources(_with(loaded.files, typed))
+    return _checked(loaded, name)
+
+
+def typed_in(library: Library, typed: str, name: str) -> Renewed:
+    """Return a library with typed definitions in place of those of the same names.
+
+    Raises:
+        CheckError: if anything of severity error is found.
+    """
+    return _checked(load_sources(_with(library.files, typed)), name)
+
+
+def _checked(loaded: Loaded, name: str) -> Renewed:
+    report = check_library(loaded)
+    errors = [f for f in report.findings if f.severity is Severity.ERROR]
+    if errors:
+        raise CheckError(CheckReport(tuple(errors), report.files))
+    return Renewed(CheckedLibrary(Program(loaded.library, name)), report)
+
+
+def _with(files: Mapping[str, SourceFile], typed: str) -> list[SourceFile]:
+    """Return files without the definitions that were typed anew, and those.
+
+    What is left out is blanked, so that all else stays where it was.
+    """
+    source = SourceFile(TYPED, typed)
+    names = names_of(typed)
+    found = []
+    for file in files.values():
+        if file.name == TYPED:
+            continue
+        text = file.text
+        for form in parse(file).forms:
+            if _named(form) in names:
+                start, end = form.span.start, form.span.end
+                blank = "".join(c if c == "\n" else " " for c in text[start:end])
+                text = text[:start] + blank + text[end:]
+        found.append(file if text == file.text else SourceFile(file.name, text))
+    return [*found, source]
+
+
+def names_of(text: str) -> frozenset[tuple[str, str]]:
+    """Return what tells the definitions of a text from others: kind and name."""
+    return frozenset(map(_named, parse(SourceFile(TYPED, text)).forms))
+
+
+def _named(form: nodes.TopForm) -> tuple[str, str]:
+    return type(form).__name__, str(getattr(form, "name", ""))

@@ -21,8 +21,7 @@ from rapc.debug.arguments import is_balanced, split
 from rapc.debug.breakpoints import Breakpoints
 from rapc.debug.history import Branch, History
 from rapc.debug.log import ToldEvent
-from rapc.debug.reload import changed
-from rapc.debug.texts import TYPED, Renewed, names_of, typed_in
+from rapc.debug.reload import TYPED, Renewed, changed, names_of, typed_in
 from rapc.errors import Error, RefusedError, TextError
 from rapc.events import PrimitiveEnded, PrimitiveRequested
 from rapc.host import CheckError

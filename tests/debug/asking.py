@@ -20,7 +20,7 @@ import msgspec
 
 from rapc import events
 from rapc.base.values import Fact, format_list
-from rapc.debug import find, options, recorded
+from rapc.debug import acts, find, recorded
 from rapc.debug.acts import AssertFact, EraseFacts, FailTask
 from rapc.debug.history import History
 from rapc.debug.questions import (
@@ -185,7 +185,7 @@ OF_RUNS: Mapping[str, Callable[[Asker], object]] = {
     "stack": lambda one: state.stack(one.session),
     "skills": lambda one: state.skills(one.session),
     "names": lambda one: state.names_with_facts(one.session),
-    "options": lambda one: options.changeable_options(one.session.run),
+    "options": lambda one: acts.changeable_options(one.session.run),
 }
 """What can be asked of a run, in the middle of a cycle too."""
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rapc import events
-from rapc.debug.forced import ForcedWorld, ForceResult
+from rapc.debug.acts import ForcedWorld, ForceResult
 from rapc.debug.history import History
 from rapc.errors import ArgumentError
 from tests.debug.sessions import truck

@@ -9,15 +9,11 @@ import rapc
 
 ROOT = Path(rapc.__file__).parent
 
-TAKES_UP = {"debug/acts.py": {"restore"}, "debug/forced.py": {"restore"}}
-"""What else takes up a state: a run that is remade, and a world behind another."""
-
-KEEPS = {
-    "debug/forced.py": {"save"},
-    "debug/options.py": {"save"},
+ALLOWED = {
+    "debug/acts.py": {"save", "restore", "enclose"},
     "debug/reload.py": {"save"},
 }
-"""What else saves: a world behind another, and acts that make a run another."""
+"""Acts that make a run another, and a world put behind one that answers for it."""
 
 
 def _calls(path: Path) -> set[str]:
@@ -31,10 +27,8 @@ def test_states_are_saved_and_restored_by_the_history_alone() -> None:
     for package in ("debug", "repl"):
         for path in (ROOT / package).rglob("*.py"):
             name = path.relative_to(ROOT).as_posix()
-            allowed = TAKES_UP.get(name, set()) | KEEPS.get(name, set())
-            allowed |= {"enclose"} if name == "debug/forced.py" else set()
             if name != "debug/history.py":
-                assert _calls(path) & own <= allowed, name
+                assert _calls(path) & own <= ALLOWED.get(name, set()), name
 
 
 def test_moments_are_gone_to_by_one_class() -> None:

@@ -9,7 +9,7 @@ import pytest
 import rapc
 from rapc.debug.acts import AssertFact
 from rapc.debug.history import History
-from rapc.debug.texts import reread, typed_in
+from rapc.debug.reload import reread, typed_in
 from rapc.errors import RefusedError
 from rapc.host import CheckError
 from rapc.repl.commands.table import commands

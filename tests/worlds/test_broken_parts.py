@@ -8,8 +8,8 @@ import msgspec
 import pytest
 
 import rapc
+from rapc.debug.acts import ChangeOption, changeable_options
 from rapc.debug.history import History
-from rapc.debug.options import ChangeOption, changeable_options
 from rapc.experiments.measures import figures_of
 from rapc.runtime.held_world import HeldWorld
 from rapc.world import Option, Picture, Text

@@ -11,7 +11,7 @@ import pytest
 
 import rapc.runtime
 import rapc.world
-from rapc.debug.forced import ForcedWorld
+from rapc.debug.acts import ForcedWorld
 from rapc.errors import PortError
 from rapc.runtime.held_world import HeldWorld
 from rapc.world import OPTIONAL, Finished, Reply, World, Wrapper, methods_of

@@ -9,14 +9,15 @@ from rapc.debug.acts import (
     CancelTasks,
     EraseFacts,
     FailTask,
+    ForceResult,
     RetryTask,
     SendSignal,
+    change_option,
+    changeable_options,
 )
 from rapc.debug.answer import Answer, command, say, table
 from rapc.debug.arguments import Arguments, read_pattern
-from rapc.debug.forced import ForceResult
-from rapc.debug.options import change_option, changeable_options
-from rapc.debug.texts import reread
+from rapc.debug.reload import reread
 from rapc.errors import TextError
 from rapc.repl.shell import Shell
 
