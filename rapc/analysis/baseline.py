@@ -1,19 +1,23 @@
 """Findings that a project knows of and leaves for later: a baseline.
 
-A baseline is a JSON file with the fingerprints of findings
-(`rapc.analysis.fingerprints`) and enough besides for a reader to see what they are. A
-finding that is in it is not reported; a new one is, on the same line too.
+A baseline is a JSON file with the fingerprints of findings and enough besides for a
+reader to see what they are. A finding that is in it is not reported; a new one is, on
+the same line too. A fingerprint stays the same while the text around a finding changes:
+it depends on the rule, the file as seen from the working folder, the line on which the
+finding stands, without its indent, and how many findings with all this in common stand
+before it: neither on its row nor on other lines.
 """
 
 from __future__ import annotations
 
+import hashlib
 import os
+from collections import Counter
 from pathlib import Path
 
 import msgspec
 
 from rapc.analysis.driver import CheckReport
-from rapc.analysis.fingerprints import fingerprints
 from rapc.base.files import read_text, seen_from
 from rapc.errors import Error
 
@@ -113,3 +117,27 @@ def compare(report: CheckReport, file: Path) -> Compared:
     return Compared(
         msgspec.structs.replace(report, findings=left), left_out, len(known - there)
     )
+
+
+_LENGTH = 20
+"""Hexadecimal digits of a fingerprint: 80 bits."""
+
+
+def fingerprints(report: CheckReport, root: str = "") -> tuple[str, ...]:
+    """Return a fingerprint for each finding of a report, in their order.
+
+    Args:
+        report: the report.
+        root: the folder from which paths are seen; the working folder if empty.
+    """
+    seen: Counter[tuple[str, str, str]] = Counter()
+    prints = []
+    for finding in report.findings:
+        span = finding.diagnostic.span
+        source = report.files.get(span.file)
+        line = source.line(source.row(span.start)).strip() if source else ""
+        key = (finding.rule.name, seen_from(root, span.file), line)
+        text = "\0".join((*key, str(seen[key])))
+        seen[key] += 1
+        prints.append(hashlib.sha256(text.encode()).hexdigest()[:_LENGTH])
+    return tuple(prints)

@@ -8,8 +8,10 @@ one that names no rule.
 from __future__ import annotations
 
 import re
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
+from itertools import accumulate
 
 import msgspec
 
@@ -143,70 +145,30 @@ def apply(
 ) -> tuple[list[Diagnostic], list[Suppression]]:
     """Return the findings left, and the suppressions that silenced none.
 
-    The time is in proportion to the number of both, however they lie: what one rule's
-    suppressions cover in a file is sorted once, and so are the rule's findings there.
+    The time is in proportion to the number of both, however they lie.
     """
-    diagnostics = list(found)
-    covers: dict[tuple[str, str], dict[Stretch, list[Suppression]]] = {}
-    for one in suppressions:
-        there = covers.setdefault((one.covers.file, one.rule), {})
-        there.setdefault((one.covers.start, one.covers.end), []).append(one)
-    places: dict[tuple[str, str], list[tuple[int, int]]] = {key: [] for key in covers}
-    for number, diagnostic in enumerate(diagnostics):
-        here = places.get((diagnostic.span.file, diagnostic.rule))
-        if here is not None:
-            here.append((diagnostic.span.start, number))
-    silent: set[int] = set()
-    idle: set[int] = set()
-    for key, by_stretch in covers.items():
-        inside, used = _meet(sorted(by_stretch, key=_outer_first), sorted(places[key]))
-        silent.update(inside)
-        idle.update(
-            id(o) for s, all_ in by_stretch.items() if s not in used for o in all_
-        )
-    left = [d for number, d in enumerate(diagnostics) if number not in silent]
-    return left, [one for one in suppressions if id(one) in idle]
+    covers: dict[tuple[str, str], list[Span]] = {}
+    for one in sorted(suppressions, key=lambda one: one.covers.start):
+        covers.setdefault((one.covers.file, one.rule), []).append(one.covers)
+    ends = {k: list(accumulate((c.end for c in v), max)) for k, v in covers.items()}
+    places: dict[tuple[str, str], list[int]] = {}
+    left = []
+    for diagnostic in found:
+        key, start = (diagnostic.span.file, diagnostic.rule), diagnostic.span.start
+        places.setdefault(key, []).append(start)
+        before = bisect_right(covers.get(key, ()), start, key=lambda span: span.start)
+        if not before or ends[key][before - 1] <= start:
+            left.append(diagnostic)
+    for starts in places.values():
+        starts.sort()
+    return left, [one for one in suppressions if not _silences(one, places)]
 
 
-Stretch = tuple[int, int]
-"""Where a part of a text begins and ends."""
-
-
-def _outer_first(stretch: Stretch) -> Stretch:
-    return stretch[0], -stretch[1]
-
-
-def _meet(
-    stretches: Sequence[Stretch], places: Iterable[tuple[int, int]]
-) -> tuple[list[int], set[Stretch]]:
-    """Return the numbers of the places in some stretch, and the stretches with places.
-
-    Both are sorted; of two stretches one lies in the other, or they lie apart. Those
-    open at a place are a stack, and below one that has a place all have one.
-    """
-    inside: list[int] = []
-    used: set[Stretch] = set()
-    open_: list[Stretch] = []
-    next_ = 0
-    for start, number in places:
-        while next_ < len(stretches) and stretches[next_][0] <= start:
-            _close(open_, stretches[next_][0])
-            open_.append(stretches[next_])
-            next_ += 1
-        _close(open_, start)
-        if open_:
-            inside.append(number)
-            for stretch in reversed(open_):
-                if stretch in used:
-                    break
-                used.add(stretch)
-    return inside, used
-
-
-def _close(open_: list[Stretch], start: int) -> None:
-    """Take the stretches off that end before `start`."""
-    while open_ and open_[-1][1] <= start:
-        open_.pop()
+def _silences(one: Suppression, places: Mapping[tuple[str, str], list[int]]) -> bool:
+    """Whether a suppression covers a finding, of those that begin at some places."""
+    starts = places.get((one.covers.file, one.rule), [])
+    at = bisect_left(starts, one.covers.start)
+    return at < len(starts) and starts[at] < one.covers.end
 
 
 def unused(suppression: Suppression, source: SourceFile) -> Diagnostic:

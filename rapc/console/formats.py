@@ -14,8 +14,8 @@ from typing import Any
 from urllib.parse import quote
 
 from rapc.analysis import registry
+from rapc.analysis.baseline import fingerprints
 from rapc.analysis.driver import CheckReport, Finding
-from rapc.analysis.fingerprints import fingerprints
 from rapc.base.diagnostics import Applicability, Diagnostic, Fix, Rule, Severity
 from rapc.base.files import seen_from
 from rapc.base.source import SourceFile, Span

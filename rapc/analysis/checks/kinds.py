@@ -17,8 +17,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from rapc.analysis.check import Pass, check
 from rapc.analysis.facts.index import INDEX, Index, NameUse, Occurrence
 from rapc.analysis.facts.kinds import INFERRED, KindClash, Learned
-from rapc.analysis.facts.names import UnknownNames, declared_at
-from rapc.analysis.renaming import renaming
+from rapc.analysis.facts.names import UnknownNames, declared_at, renaming
 from rapc.base.diagnostics import Diagnostic, Fix, Label, Rule, Severity, Subject
 from rapc.base.names import Suggestions
 from rapc.base.source import Span

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from rapc.analysis.check import Pass, check
 from rapc.analysis.facts.index import INDEX, VariableAt
-from rapc.analysis.renaming import renaming
+from rapc.analysis.facts.names import renaming
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity, Subject
 from rapc.base.names import Close
 from rapc.ir import nodes

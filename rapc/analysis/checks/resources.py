@@ -22,8 +22,8 @@ import msgspec
 from rapc.analysis.check import Pass, check
 from rapc.analysis.facts.index import INDEX, Form, Index, Occurrence
 from rapc.analysis.facts.logic import literals, number_of
+from rapc.analysis.facts.names import renaming
 from rapc.analysis.facts.resources import FirstValues, Flow, flows, overall_use
-from rapc.analysis.renaming import renaming
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,

@@ -12,9 +12,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from rapc.analysis.check import Pass, check
 from rapc.analysis.facts.effects import EFFECTS, Effects
 from rapc.analysis.facts.index import INDEX, Form, Index
-from rapc.analysis.facts.names import UnknownNames, declared_at
+from rapc.analysis.facts.names import UnknownNames, declared_at, renaming
 from rapc.analysis.facts.statistics import THRESHOLDS
-from rapc.analysis.renaming import renaming
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.names import Suggestions
 from rapc.base.source import Span

@@ -13,7 +13,7 @@ from itertools import pairwise
 import msgspec
 
 from rapc.analysis.check import Fact, Pass, check
-from rapc.analysis.renaming import renaming
+from rapc.analysis.facts.names import renaming
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.names import Suggestions
 from rapc.base.source import Span

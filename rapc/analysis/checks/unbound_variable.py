@@ -16,7 +16,7 @@ from rapc.analysis.checks.task_nets import TASK_NETS, Net
 from rapc.analysis.facts.bindings import SIGNALS, Site, sites_by_name
 from rapc.analysis.facts.effects import NeverDone
 from rapc.analysis.facts.index import Form
-from rapc.analysis.renaming import renaming
+from rapc.analysis.facts.names import renaming
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity, Subject
 from rapc.base.names import Suggestions
 from rapc.base.source import Span

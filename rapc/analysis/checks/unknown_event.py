@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from rapc import events
 from rapc.analysis.check import Pass, check
 from rapc.analysis.facts.index import INDEX
-from rapc.analysis.renaming import renaming
+from rapc.analysis.facts.names import renaming
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.names import Suggestions
 from rapc.ir import nodes

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from rapc.analysis.check import Pass, check
 from rapc.analysis.facts.index import INDEX, Occurrence
-from rapc.analysis.renaming import renaming
+from rapc.analysis.facts.names import renaming
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.names import Close, Suggestions, is_row, plural
 from rapc.ir import nodes

@@ -7,6 +7,7 @@ its place. The passes `unknown-rap`, `undeclared-predicate`, `functions`, `primi
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import get_args
@@ -16,9 +17,17 @@ import msgspec
 from rapc.analysis.check import Fact, Pass
 from rapc.analysis.facts.index import INDEX, USES, Form, NameUse, Uses
 from rapc.analysis.facts.statistics import THRESHOLDS
-from rapc.analysis.renaming import renaming
-from rapc.base.diagnostics import Diagnostic, Label, Rule, Subject
-from rapc.base.source import Span
+from rapc.base.diagnostics import (
+    Applicability,
+    Diagnostic,
+    Edit,
+    Fix,
+    Label,
+    Rule,
+    Subject,
+)
+from rapc.base.names import is_slip
+from rapc.base.source import SourceFile, Span
 from rapc.ir import nodes
 from rapc.library.library import word_span
 from rapc.library.signature import Signature
@@ -222,3 +231,49 @@ _SAME: Mapping[str, Sequence[Use]] = {
     **dict.fromkeys(("proposition", "property", "function", "query"), _OF_FACTS),
 }
 """For each kind of declaration the uses of its name."""
+
+
+# --- the fix for a name -----------------------------------------------------------
+
+_WORD = r"[^\s()\";']"
+"""What a name is made of, in regular expressions."""
+
+
+def renaming(
+    files: Mapping[str, SourceFile],
+    name: str,
+    meant: str | None,
+    places: Iterable[Span],
+) -> Fix | None:
+    """Return the fix that writes another name at some places, or None.
+
+    A name with too many other letters (`is_slip`) may be a question, but is not a fix.
+
+    Args:
+        files: the files of the library.
+        name: the name that stands there.
+        meant: the name that may be meant; None if there is none.
+        places: the names themselves, or stretches in which the name stands once.
+    """
+    if not meant or not is_slip(name, meant):
+        return None
+    edits = []
+    for place in places:
+        word = _word(files.get(place.file), name, place)
+        if word is None:
+            return None
+        edits.append(Edit(word, meant))
+    return Fix(Applicability.UNSAFE, f"write `{meant}`", tuple(edits))
+
+
+def _word(source: SourceFile | None, name: str, place: Span) -> Span | None:
+    """Return where a name stands at a place; None if that is not certain."""
+    if source is None:
+        return None
+    whole = rf"(?<!{_WORD}){re.escape(name)}(?!{_WORD})"
+    text = source.text[place.start : place.end]
+    found = [match.span() for match in re.finditer(whole, text, re.IGNORECASE)]
+    if len(found) != 1:
+        return None
+    ((start, end),) = found
+    return source.span(place.start + start, place.start + end)
