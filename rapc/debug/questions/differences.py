@@ -10,7 +10,7 @@ import msgspec
 
 from rapc import events
 from rapc.base.values import Fact, format_list, readable
-from rapc.debug.answer import Answer, question, say, table
+from rapc.debug.answer import Answer, bound_to, question, say, table
 from rapc.debug.arguments import Arguments
 from rapc.debug.history import History
 from rapc.debug.recording import Recording
@@ -94,6 +94,5 @@ def _decision(event: _Event | None) -> str:
     at = f"at {readable(event['time'])}"
     if event["event"] == "task-selected":
         return f"{event['goal']} [{event['task']}] came up {at}"
-    bound = " ".join(f"{name} {value}" for name, value in event["bindings"].items())
     chose = f"[{event['task']}] chose {event['method']} of {event['rap']} {at}"
-    return f"{chose} with {bound}" if bound else chose
+    return f"{chose}{bound_to(event['bindings'])}"
