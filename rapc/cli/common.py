@@ -1,7 +1,7 @@
 """What the commands share that work on libraries: reading, and printing findings.
 
-Compiling is in `rapc.cli.checked`, for those that need it. What prints findings is
-imported when there are some: `rapc check` of a sound library has no use for it.
+What compiles, and what prints findings, is imported when it is needed: `rapc check` of
+a sound library has no use for either.
 
 Exit statuses of all commands: 0 for well, 1 for found or failed, 2 for what could not
 be tried. Findings and results go to standard output, everything else to standard error.
@@ -12,7 +12,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any, TextIO
+from typing import TYPE_CHECKING, Any, TextIO
 
 import click
 
@@ -25,6 +25,9 @@ from rapc.cli.options import USAGE, fail, say, say_error, settings
 from rapc.errors import LoadError, WriteError
 from rapc.library.loader import Loaded, load
 from rapc.parser.rewriting import write_back
+
+if TYPE_CHECKING:
+    from rapc.compiler.program import Program
 
 _STYLES: Mapping[str, Mapping[str, Any]] = {
     "passed": {"fg": "green"},
@@ -62,6 +65,25 @@ def read_paths(paths: Iterable[str]) -> Loaded:
     for name in loaded.files:
         say(f"read {name}")
     return loaded
+
+
+def load_checked(path: str) -> Program:
+    """Return a library for a command that runs it, from sources or saved.
+
+    A finding of severity error is printed and ends the command with status 2; others
+    do not stop it.
+    """
+    from rapc.host import CheckError
+    from rapc.host import load as load_program
+
+    try:
+        library = load_program(path)
+    except CheckError as error:
+        print_findings(error.report, "full")
+        raise SystemExit(USAGE) from None
+    for name in library.files:
+        say(f"read {name}")
+    return library.program
 
 
 def refuse_output(

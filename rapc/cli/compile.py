@@ -11,8 +11,12 @@ from rapc.analysis.driver import CheckReport
 from rapc.base.files import read_compiled
 from rapc.base.gc_paused import gc_paused
 from rapc.base.outputs import COMPILED_LIBRARY
-from rapc.cli.checked import load_checked
-from rapc.cli.common import refuse_faulty, refuse_output, write_output
+from rapc.cli.common import (
+    load_checked,
+    refuse_faulty,
+    refuse_output,
+    write_output,
+)
 from rapc.cli.options import command, fail, say
 from rapc.compiler.explain import describe, explain
 from rapc.compiler.program import Program

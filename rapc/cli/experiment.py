@@ -12,8 +12,7 @@ import click
 from rapc.base.interrupts import INTERRUPTED
 from rapc.base.outputs import PNG, RUN_COMMANDS, SVG, TABLES, check_output
 from rapc.base.visible import visible
-from rapc.cli.checked import load_checked
-from rapc.cli.common import print_line, width_of
+from rapc.cli.common import load_checked, print_line, width_of
 from rapc.cli.options import WholeNumber, command, fail, say, settings
 from rapc.console.experiments import output
 from rapc.console.experiments.tables import show

@@ -14,8 +14,7 @@ from rapc.analysis.selection import errors
 from rapc.base.graph import Graph
 from rapc.base.names import did_you_mean
 from rapc.base.values import number, readable
-from rapc.cli.checked import load_checked
-from rapc.cli.common import print_findings, read_paths
+from rapc.cli.common import load_checked, print_findings, read_paths
 from rapc.cli.options import USAGE, Amount, command, fail
 from rapc.cli.run_options import prepared, read_spec, run_options
 from rapc.ir import nodes

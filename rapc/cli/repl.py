@@ -9,8 +9,7 @@ from typing import Any
 
 import click
 
-from rapc.cli.checked import load_checked
-from rapc.cli.common import width_of
+from rapc.cli.common import load_checked, width_of
 from rapc.cli.options import command, fail, settings
 from rapc.cli.run_options import prepared, read_spec, run_options
 from rapc.compiler.program import Program

@@ -15,8 +15,7 @@ from rapc.base.interrupts import interrupts_held
 from rapc.base.outputs import TRACE
 from rapc.base.values import format_list, number, readable
 from rapc.base.visible import visible, visible_lines
-from rapc.cli.checked import load_checked
-from rapc.cli.common import PIPED_WIDTH, refuse_output
+from rapc.cli.common import PIPED_WIDTH, load_checked, refuse_output
 from rapc.cli.options import WholeNumber, command, fail, settings
 from rapc.cli.run_options import prepared, read_spec, run_options
 from rapc.errors import reason

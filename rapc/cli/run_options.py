@@ -114,12 +114,12 @@ def read_spec(  # the options of `run_options`, and of `run`
     if world_name is None and any(not key.startswith("rapc.") for key in named):
         fail("--set: without a world there are no options of a world")
     options, own = read_option("--set", partial(registry.read_values, world), named)
-    settings = read_option("--set", read_settings, own).named()
+    settings = read_option("--set", read_settings, own)
     return RunSpec(
         world=world.name,
         world_class=world_name if world_name and ":" in world_name else "",
         options=options,
-        settings={name: settings[name] for name in own},
+        settings=settings.named(own),
         seed=seed,
         agenda=agenda,
         tasks=tuple(tasks),
@@ -160,9 +160,7 @@ def prepared(
     try:
         return prepare(library, world, spec)
     except RefusedError as refused:
-        others = registry.having(refused.lacking) if refused.lacking else ()
-        meant = [f"the world `{name}` has them all" for name in others]
-        fail(*refused.reasons, *meant)
+        fail(*refused.reasons, *registry.meant(refused))
     except FactError as error:
         fail(f"--fact: {error}")
 

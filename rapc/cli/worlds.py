@@ -7,7 +7,7 @@ import shutil
 import click
 
 from rapc.base.visible import visible_lines
-from rapc.cli.checked import load_checked
+from rapc.cli.common import load_checked
 from rapc.cli.options import WholeNumber, command
 from rapc.console.worlds import describe_world, list_worlds, report, summary_of
 from rapc.errors import WorldError

@@ -113,8 +113,7 @@ def _blamed() -> Iterator[None]:
         raise ExperimentError(error.message, error.help) from error
     except RefusedError as refused:
         first, *more = refused.reasons
-        others = registry.having(refused.lacking) if refused.lacking else ()
-        more += [f"the world `{name}` has them all" for name in others]
+        more += registry.meant(refused)
         raise ExperimentError(first, "; ".join(more)) from refused
 
 

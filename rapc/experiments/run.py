@@ -84,12 +84,12 @@ def resolved(config: PointConfig, values: Mapping[str, str]) -> PointConfig:
     spec = config.spec
     texts = {name: with_draws(text, values) for name, text in config.texts.items()}
     options, own = registry.read_values(registry.find_world(spec.world), texts)
-    settings = read_settings(own).named()
+    settings = read_settings(own).named(own)
     spec = msgspec.structs.replace(
         spec,
         tasks=tuple([with_draws(task, values) for task in spec.tasks]),
         options={**spec.options, **options},
-        settings={**spec.settings, **{name: settings[name] for name in own}},
+        settings={**spec.settings, **settings},
     )
     return msgspec.structs.replace(config, spec=spec, draws={}, texts={})
 

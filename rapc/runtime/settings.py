@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Annotated
 
 import msgspec
@@ -38,10 +38,15 @@ class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     #: Whether handlers are held to what the library declares of them.
     strict: bool = False
 
-    def named(self) -> dict[str, int | float | bool]:
-        """Return the values by the names of the command line (`futile-limit`)."""
-        fields = self.__struct_fields__
-        return {name.replace("_", "-"): getattr(self, name) for name in fields}
+    def named(self, names: Iterable[str] | None = None) -> dict[str, Plain]:
+        """Return the values by the names of the command line (`futile-limit`).
+
+        Args:
+            names: of those that are wanted; all if None.
+        """
+        fields = {name.replace("_", "-"): name for name in self.__struct_fields__}
+        wanted = fields if names is None else names
+        return {name: getattr(self, fields[name]) for name in wanted}
 
 
 _TAKES = {

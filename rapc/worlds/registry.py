@@ -23,7 +23,7 @@ from rapc.base.files import path_named, read_text
 from rapc.base.former import kit_help, module_help
 from rapc.base.names import did_you_mean
 from rapc.base.values import Atom, Text, number
-from rapc.errors import ArgumentError, LoadError, WorldError
+from rapc.errors import ArgumentError, LoadError, RefusedError, WorldError
 from rapc.spec import Plain, RunSpec
 from rapc.world import Kit, Option, World
 
@@ -50,21 +50,21 @@ def available() -> tuple[str, ...]:
     return tuple(sorted({*OWN, *_entry_points().names}))
 
 
-def having(names: Collection[str]) -> tuple[str, ...]:
-    """Return the installed worlds that offer all `names`, sorted.
+def meant(refused: RefusedError) -> list[str]:
+    """Return which installed worlds offer what a world lacks, a line for each, sorted.
 
-    A name is that of a primitive, a sensor datum, a skill or an event. A world that
-    cannot be loaded is not among them.
+    A world that cannot be loaded is not among them.
     """
     found = []
-    for name in available():
+    for name in available() if refused.lacking else ():
         try:
             offer = find_world(name).kit.offer
         except WorldError:
             continue
-        if {*offer.primitives, *offer.data, *offer.skills, *offer.events} >= {*names}:
-            found.append(name)
-    return tuple(found)
+        offered = {*offer.primitives, *offer.data, *offer.skills, *offer.events}
+        if offered >= {*refused.lacking}:
+            found.append(f"the world `{name}` has them all")
+    return found
 
 
 def find_permitted(name: str, modules: Collection[str]) -> type[World]:
