@@ -131,7 +131,7 @@ def measured(script: Path, quick: bool) -> Results:
 
 def _made() -> str:
     """Whether the modules of a cycle have been compiled."""
-    crank = find_spec("rapc.runtime.loop")
+    crank = find_spec("rapc.runtime.interpreter")
     assert crank is not None
     return "in pure Python" if (crank.origin or "").endswith(".py") else "compiled"
 

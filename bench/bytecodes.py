@@ -68,7 +68,7 @@ def cycle(seed: int = 1) -> float:
 
     begin().run(until=20_000)
     run = begin()
-    return count(lambda: run.run(until=20_000)) / run.machine.recorder.cycle
+    return count(lambda: run.run(until=20_000)) / run.recorder.cycle
 
 
 def figures() -> Iterator[Figure]:

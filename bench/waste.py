@@ -29,7 +29,7 @@ from bench.chapter6 import session
 from rapc.events import Cause
 from rapc.experiments.measures import Measures
 from rapc.experiments.run import PointConfig, measure
-from rapc.runtime.machine import Machine
+from rapc.runtime.run import Run
 from rapc.runtime.state.states import FUTILE_LOOP
 from rapc.runtime.state.task import Env, Task
 from rapc.runtime.tasks import cycle, finish, try_method
@@ -60,7 +60,7 @@ def rule(name: str) -> Iterator[None]:
 
 
 def _hand_up(
-    machine: Machine, task: Task, reason: str, because: Cause | None = None
+    machine: Run, task: Task, reason: str, because: Cause | None = None
 ) -> None:
     """Fail a task; after a futile loop its parent has made its choice for good."""
     parent = task.within.task if task.within is not None else None
@@ -78,19 +78,19 @@ class _Family:
         self.failed: Counter[tuple[int, str]] = Counter()
 
     def fail(
-        self, machine: Machine, task: Task, reason: str, because: Cause | None = None
+        self, machine: Run, task: Task, reason: str, because: Cause | None = None
     ) -> None:
         """Fail a task, and count that if it asks the world."""
         if _asks_world(task):
             self.failed[_key(task)] += 1
         finish.fail(machine, task, reason, because)
 
-    def succeed(self, machine: Machine, task: Task, found: Env) -> None:
+    def succeed(self, machine: Run, task: Task, found: Env) -> None:
         """End a task well: its failures are forgotten."""
         self.failed.pop(_key(task), None)
         finish.succeed(machine, task, found)
 
-    def try_method(self, machine: Machine, task: Task) -> None:
+    def try_method(self, machine: Run, task: Task) -> None:
         """Try a method of a task, unless its like has failed too often."""
         if _asks_world(task) and self.failed[_key(task)] >= LIMIT:
             finish.fail(machine, task, FUTILE_LOOP)

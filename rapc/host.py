@@ -27,13 +27,12 @@ from rapc.errors import ArgumentError, Error, RefusedError, TextError
 from rapc.events import TaskResult
 from rapc.ir.nodes import DefineRap, Method
 from rapc.ir.printer import format_node
+from rapc.language.atoms import kind, need_fact
 from rapc.library import loader, saved, saved_check
 from rapc.library.loader import Loaded
 from rapc.parser.parse import parse
 from rapc.runtime.arguments import (
-    kind,
     need_count,
-    need_fact,
     need_program,
     need_seed,
     need_settings,
@@ -43,7 +42,6 @@ from rapc.runtime.arguments import (
 )
 from rapc.runtime.events.recorder import Listener
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.prepare import prepare
 from rapc.runtime.settings import Settings
 from rapc.runtime.task_request import TaskRequest, as_text
 from rapc.spec import RunSpec
@@ -186,7 +184,7 @@ class CheckedLibrary:
             tasks=tuple([_task(task) for task in _listed(tasks, "tasks")]),
             facts=tuple([_fact(fact) for fact in _listed(facts, "facts")]),
         )
-        run = prepare(
+        run = Interpreter.prepared(
             self.program,
             made,
             spec,
@@ -195,8 +193,9 @@ class CheckedLibrary:
             comparators=comparators,
         )
         for listener in listeners:
-            run.interpreter.listen(listener)
-        return run.begin()
+            run.listen(listener)
+        run.start()
+        return run
 
 
 class RunResult(msgspec.Struct, frozen=True):
@@ -331,10 +330,10 @@ def rap_text(run: Interpreter, name: str) -> str:
         raise ArgumentError(f"`run` is {kind(run)}, no run")
     if not isinstance(name, str):
         raise ArgumentError(f"`name` is {kind(name)}, no text")
-    rap = run.machine.library.library.raps.get(name)
+    rap = run.library.library.raps.get(name)
     if rap is None:
         raise RefusedError([f"there is no RAP `{name}`"])
-    added = tuple(m.node for m in run.machine.state.added_methods.get(name, ()))
+    added = tuple(m.node for m in run.state.added_methods.get(name, ()))
     return format_node(msgspec.structs.replace(rap, methods=rap.methods + added))
 
 

@@ -2,7 +2,7 @@
 
 The command line, a Python program, a test, an experiment and a trace hold one `RunSpec`
 each. Python callables, listeners and a world that a host has made are handed in beside
-it. How a run is made of a spec is in `rapc.runtime.prepare`.
+it. How a run is made of a spec is in `rapc.runtime.interpreter`.
 """
 
 from __future__ import annotations

@@ -96,9 +96,9 @@ def _is_of_rapc(node: ast.Import | ast.ImportFrom) -> bool:
 
 
 def test_all_runs_begin_in_one_way(modules: Sequence[Module]) -> None:
-    """A run is made by `rapc.runtime.prepare`, or of another run (save, fork)."""
+    """A run is prepared, or made of another run (save, fork)."""
     makers = [m.name for m in modules if re.search(r"\bInterpreter\(", m.text)]
-    assert makers == ["rapc/runtime/interpreter.py", "rapc/runtime/prepare.py"]
+    assert makers == ["rapc/runtime/interpreter.py"]
 
 
 def _python_files() -> list[Path]:

@@ -118,12 +118,13 @@ def graph(  # noqa: PLR0912  # a branch for each view
 
 def _network(path: str, world_name: str, moment: float, spec: RunSpec) -> Graph:
     """Return the network of skills at a time of a run; else end the command."""
-    ready = prepared(load_checked(path), spec, world_name)
-    world = inspect.unwrap(ready.world)  # type: ignore[arg-type]  # an object, too
+    run = prepared(load_checked(path), spec, world_name)
+    world = inspect.unwrap(run.world)  # type: ignore[arg-type]  # an object, too
     if not isinstance(world, SkillWorld):
         fail(f"the world `{world.name}` has no network of skills to be drawn")
     found: list[Graph] = []
-    run, time = ready.begin(), number(moment)
+    time = number(moment)
+    run.start()
     run.call_at(time, lambda: found.append(world.network()))
     reason = run.run(until=time)
     if not found:

@@ -24,7 +24,7 @@ from rapc.library.library import Library, digest
 from rapc.repl.commands.table import commands
 from rapc.repl.script import inputs, run_script
 from rapc.repl.shell import Shell
-from rapc.runtime.prepare import PreparedRun
+from rapc.runtime.interpreter import Interpreter
 from rapc.spec import RunSpec
 from rapc.worlds.registry import find_world
 from rapc.worlds.scripted import ScriptedWorld
@@ -160,8 +160,9 @@ def _at_hand(begun: RunSpec, world_name: str | None, path: Path) -> Program | st
     return program
 
 
-def _session(ready: PreparedRun) -> History:
+def _session(ready: Interpreter) -> History:
     """Begin the run, and put it under a debugger."""
     log = EventLog()
-    ready.interpreter.listen(log)
-    return History(ready.begin(), log)
+    ready.listen(log)
+    ready.start()
+    return History(ready, log)

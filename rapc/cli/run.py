@@ -95,10 +95,10 @@ def run(
     library = load_checked(path)
     end = _time(until)
     spec = read_spec(world_name, until=end, **more)
-    ready = prepared(library, spec, world_name)
-    _tell_what_ends_it(ready.tasks, library.library, end)
-    interpreter, world = ready.interpreter, ready.world
-    drawn = _drawable(interpreter.machine.world, world_name) if show else None
+    interpreter = prepared(library, spec, world_name)
+    world = interpreter.world
+    _tell_what_ends_it(interpreter.first_tasks, library.library, end)
+    drawn = _drawable(interpreter.port, world_name) if show else None
     report = RunReport()
     with ExitStack() as stack, _ended_by_interrupts(interpreter):
         with interrupts_held():
@@ -114,7 +114,7 @@ def run(
                 interpreter.listen(_tell_deadlock, Deadlock)
                 if not settings().quiet:
                     interpreter.listen(TextTrace(_Shown(sys.stdout)))
-            ready.begin()
+            interpreter.start()
         interpreter.run(until=end)
     for line in report.lines():
         click.echo(visible(line))

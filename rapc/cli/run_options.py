@@ -14,7 +14,7 @@ from rapc.errors import FactError, RefusedError, SettingError, TextError
 from rapc.library.library import Library
 from rapc.library.signatures import Signatures
 from rapc.parser.parse import parse_fact
-from rapc.runtime.prepare import PreparedRun, prepare
+from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import read_settings
 from rapc.runtime.task_request import read_task_request
 from rapc.spec import RunSpec
@@ -139,7 +139,7 @@ def _world_class(name: str | None) -> type[World]:
 
 def prepared(
     library: Program, spec: RunSpec, world_name: str | None = None
-) -> PreparedRun:
+) -> Interpreter:
     """Return a run of a library that can begin; else end the command.
 
     Args:
@@ -158,7 +158,7 @@ def prepared(
         world = registry.build_world(found, spec.seed, options)
     world = _with_faults(world, library.library, spec)
     try:
-        return prepare(library, world, spec)
+        return Interpreter.prepared(library, world, spec)
     except RefusedError as refused:
         fail(*refused.reasons, *registry.meant(refused))
     except FactError as error:

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from msgspec.structs import replace
+
 from rapc.compiler.compiler import Compiler
-from rapc.compiler.rap_plan import RapPlan
+from rapc.compiler.rap_plan import MethodPlan, RapPlan
 from rapc.compiler.rules import EventRulePlan, event_rules
+from rapc.ir import nodes
 from rapc.library.library import Library
+from rapc.library.saved_check import Verifier
 from rapc.library.signatures import Signatures
 
 
@@ -66,3 +70,12 @@ class Program:
         if plan is None:
             raise LookupError(f"no RAP is called `{name}`")
         return plan
+
+    def added_method(self, rap: RapPlan, node: nodes.Method, index: int) -> MethodPlan:
+        """Return the plan of a method that no text of the library has.
+
+        Raises:
+            UnsoundError: for a method with names that the library does not declare so.
+        """
+        Verifier(self.signatures).rap(replace(rap.node, methods=(node,)))
+        return MethodPlan(self._compiler, rap.node, node, index)

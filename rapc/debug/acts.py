@@ -144,10 +144,10 @@ class FailTask(Act, frozen=True):
 
     def do(self, run: Interpreter) -> None:
         """Fail the task; a method that it is at ends first."""
-        machine, task = run.machine, live_task(run, self.task)
+        machine, task = run, live_task(run, self.task)
         if task.run is not None:
             end_method(machine, task.run, INTERFERENCE, None, "cancelled")
-        machine.agenda.discard(task)
+        machine.eligible.discard(task)
         fail(machine, task, INTERFERENCE)
 
     def __str__(self) -> str:
@@ -168,7 +168,7 @@ class RetryTask(Act, frozen=True):
         task = live_task(run, self.task)
         if task.run is None:
             raise ArgumentError(f"task [{self.task}] is at work on no method")
-        end_method(run.machine, task.run, INTERFERENCE, None, "cancelled")
+        end_method(run, task.run, INTERFERENCE, None, "cancelled")
 
     def __str__(self) -> str:
         return f"retry [{self.task}]"
@@ -180,10 +180,10 @@ def live_task(run: Interpreter, number: int) -> Task:
     Raises:
         ArgumentError: if there is none.
     """
-    for task in run.machine.state.live_tasks():
+    for task in run.state.live_tasks():
         if task.number == number:
             return task
-    top = run.machine.state.numbers
+    top = run.state.numbers
     if 0 < number <= top:
         raise ArgumentError(f"task [{number}] has ended: ask at an earlier moment")
     raise ArgumentError(f"there is no task [{number}]")
@@ -208,8 +208,8 @@ class ChangeOption(Act, frozen=True):
         if self.owner == OWN_SETTINGS:
             settings = replace(run.settings, **{_field(self.name): self.value})
             record = replace(decode_run(run.save()), settings=settings)
-            return taken_up(run, run.machine.library, record)
-        world = run.machine.world
+            return taken_up(run, run.library, record)
+        world = run.port
         if not isinstance(world, Adjustable):
             raise ArgumentError(
                 f"the world `{world.name}` lets no option be changed while it runs"
@@ -240,7 +240,7 @@ def changeable_options(run: Interpreter) -> dict[str, Atom | bool]:
     own = {
         f"{OWN_SETTINGS}.{n.replace('_', '-')}": getattr(run.settings, n) for n in names
     }
-    world = run.machine.world
+    world = run.port
     known = world.adjustable() if isinstance(world, Adjustable) else {}
     return own | {f"{world.name}.{name}": value for name, value in known.items()}
 
@@ -259,7 +259,7 @@ def change_option(run: Interpreter, owner: str, name: str, text: str) -> Act:
         WorldError: for an option that the world has not, or a value of another kind.
         ArgumentError: for another owner, or an option of a world that stays as it is.
     """
-    world = run.machine.world
+    world = run.port
     if owner == OWN_SETTINGS:
         value = getattr(read_settings({name: text}), _field(name))
         return ChangeOption(owner, name, value)
@@ -333,7 +333,7 @@ class ForceResult(Act, frozen=True):
             ArgumentError: for a request or a result that the world does not offer, and
                 for a world of skills or one that cannot be saved.
         """
-        held = run.machine.world
+        held = run.port
         world: World = held.behind
         wrong = problem(
             InjectedFault(self.pattern, self.result),

@@ -203,13 +203,13 @@ class History:
     def cycle(self) -> int:
         """The number of the cycle that was run last."""
         run = self._run
-        return run.cycle if isinstance(run, Playback) else run.machine.recorder.cycle
+        return run.cycle if isinstance(run, Playback) else run.recorder.cycle
 
     @property
     def serial(self) -> int:
         """The serial number that the next event will get."""
         run = self._run
-        return run.serial if isinstance(run, Playback) else run.machine.recorder.serial
+        return run.serial if isinstance(run, Playback) else run.recorder.serial
 
     @property
     def now(self) -> Time:
@@ -326,8 +326,8 @@ class History:
         if self.no_way_back or isinstance(run, Playback):
             return
         try:
-            world = run.machine.world.behind
-            save = Save(run.save(), run.machine.library, run.settings, world)
+            world = run.port.behind
+            save = Save(run.save(), run.library, run.settings, world)
             self.branch.keep(self.moment, save)
         except (StateError, PortError) as error:
             self.no_way_back = error.message
@@ -397,9 +397,9 @@ class History:
         if at is None:
             raise StateError("there is no saved state before that moment")
         run, save = self.run, saves[at]
-        if run.machine.library is not save.program or run.settings != save.settings:
+        if run.library is not save.program or run.settings != save.settings:
             run = run.remade(save.program, save.settings)
-        run.machine.world.enclose(save.world)
+        run.port.enclose(save.world)
         run.restore(save.state)
         self._run, self._done, self._saved = run, at.acts, at.cycle
         aside = self._log.elsewhere is not None
@@ -446,7 +446,7 @@ class History:
         """
         self._look_back()
         run, here, done, saved = self.run, self.run.save(), self._done, self._saved
-        world = run.machine.world.behind
+        world = run.port.behind
         log, before = self._log, self._log.elsewhere
         log.elsewhere = _nobody
         try:
@@ -454,7 +454,7 @@ class History:
                 self._put_back(self.branch.moment_after(cycle))
             yield self.run
         finally:
-            run.machine.world.enclose(world)
+            run.port.enclose(world)
             run.restore(here)
             self._run, self._done, self._saved = run, done, saved
             log.elsewhere = before
@@ -639,7 +639,7 @@ class History:
     @property
     def library(self) -> CheckedLibrary:
         """The library that runs now."""
-        return CheckedLibrary(self.run.machine.library)
+        return CheckedLibrary(self.run.library)
 
     def take_up(self, library: CheckedLibrary) -> TakeUp:
         """Go on with another text of the library, and return what was done.
@@ -648,7 +648,7 @@ class History:
             RefusedError: if the run cannot go on with it; then nothing has changed.
             StateError: if the run cannot be saved.
         """
-        before, after = self.run.machine.library.library, library.program.library
+        before, after = self.run.library.library, library.program.library
         act = TakeUp(library.program, changed(before, after))
         self.act(act)
         return act

@@ -25,7 +25,7 @@ from rapc.debug.log import MOST, ToldEvent, Want
 from rapc.debug.recorded_lines import Count, Number, as_told, event_lines
 from rapc.errors import LoadError, reason
 from rapc.events import Event
-from rapc.runtime.begin_and_end import FORMAT
+from rapc.runtime.interpreter import TRACE_FORMAT
 from rapc.spec import RunSpec
 from rapc.world import Time
 
@@ -62,7 +62,7 @@ class _Started(msgspec.Struct, frozen=True):
 class _Format(msgspec.Struct, frozen=True):
     """The version of the trace format, in the first line."""
 
-    format: int = FORMAT
+    format: int = TRACE_FORMAT
 
 
 class _Tag(msgspec.Struct, frozen=True):
@@ -163,8 +163,8 @@ class Recording:
         if not line or self._decoded(line, 0, _TAG).event != _STARTED:
             raise LoadError(said)
         version = self._decoded(line, 0, _FORMAT).format
-        if version != FORMAT:
-            found = f"trace format {version}, not {FORMAT}"
+        if version != TRACE_FORMAT:
+            found = f"trace format {version}, not {TRACE_FORMAT}"
             raise LoadError(f"`{self.path}` was written by another rapc: {found}")
         return self._decoded(line, 0, _BEGUN).spec
 

@@ -55,7 +55,7 @@ class TakeUp(Act, frozen=True):
             RefusedError: if the run cannot go on with it; then nothing has changed.
             StateError: if the run cannot be saved.
         """
-        record, before = decode_run(run.save()), run.machine.library
+        record, before = decode_run(run.save()), run.library
         found = list(obstacles(record, before, self.program))
         if found:
             raise RefusedError(found)

@@ -23,7 +23,7 @@ from rapc.experiments.definition import Experiment, ExperimentError, Series
 from rapc.experiments.draws import Value, drawn, extremes, names_in, with_draws
 from rapc.experiments.measures import LABELS, figures_of
 from rapc.experiments.run import PointConfig, counted_tasks, digest_of_code, resolved
-from rapc.runtime.prepare import prepare
+from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import read_settings
 from rapc.runtime.task_request import TaskRequest, as_text, of_agenda, read_task_request
 from rapc.spec import RunSpec
@@ -230,7 +230,7 @@ def _try(library: Program, config: PointConfig) -> None:
         settled = resolved(config, values)
         _uncounted(settled, _tasks(settled.spec.tasks))
         made = registry.world_of(settled.spec)
-        prepare(library, made, settled.spec)
+        Interpreter.prepared(library, made, settled.spec)
         _figures(made, config.figures)
 
 

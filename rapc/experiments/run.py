@@ -26,7 +26,7 @@ from rapc.experiments.draws import Draws, drawn, with_draws
 from rapc.experiments.measures import Measures, figures_of, tasks_told
 from rapc.library.loader import load_sources
 from rapc.runtime.events.report import RunReport
-from rapc.runtime.prepare import prepare
+from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import read_settings
 from rapc.runtime.task_request import TaskRequest
 from rapc.spec import RunSpec
@@ -177,12 +177,15 @@ def measure(config: PointConfig, seed: int) -> Measures:
         raise OtherCode("the worker has another version of rapc or of the world")
     world = registry.world_of(spec)
     library = _compiled(spec.library, config.sources, threading.get_ident())
-    ready = prepare(library, world, spec)
+    interpreter = Interpreter.prepared(library, world, spec)
     report = RunReport()
-    ready.interpreter.listen(report, *RunReport.kinds, TaskSucceeded)
-    interpreter = ready.begin()
+    interpreter.listen(report, *RunReport.kinds, TaskSucceeded)
+    interpreter.start()
     reason = interpreter.run(until=spec.until)
-    raps = [str(task.goal[0]) for task in counted_tasks(ready.tasks, config.counted)]
+    raps = [
+        str(task.goal[0])
+        for task in counted_tasks(interpreter.first_tasks, config.counted)
+    ]
     told = tasks_told(raps, interpreter.results())
     ends = [task.outcome for task in told]
     completed, given_up = ends.count("succeeded"), ends.count("failed")

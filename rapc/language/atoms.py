@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import re
 from functools import lru_cache
-from math import isfinite
+from math import isfinite, isnan
 
 from rapc.base.limits import MAX_NAME
 from rapc.base.values import Text
+from rapc.errors import ArgumentError
 from rapc.language.grammar import TERMINALS
 
 _SYMBOL = re.compile(f"(?:{TERMINALS['SYMBOL']}|{TERMINALS['KEYWORD']})")
@@ -42,3 +43,45 @@ def is_atom(value: object) -> bool:
     if kind is not Text or type(value.value) is not str:  # type: ignore[attr-defined]
         return False
     return not _HALF_CHARACTER.search(value.value)  # type: ignore[attr-defined]
+
+
+def need_atoms(values: object, what: str) -> None:
+    """Raise ArgumentError unless `values` are a name and what follows it.
+
+    Args:
+        values: what a caller hands over as a fact, the front of one, or a goal.
+        what: what it is told of as.
+    """
+    if not isinstance(values, tuple):
+        raise ArgumentError(f"{what} is {kind(values)}, no tuple", '("name", arg...)')
+    if not values or not isinstance(values[0], str):
+        found = kind(values[0]) if values else "missing"
+        raise ArgumentError(f"the name of {what} is {found}")
+    for value in values[1:]:
+        if value is not None and not isinstance(value, str | int | float | Text):
+            raise ArgumentError(f"an argument of {what} is {kind(value)}")
+
+
+def need_fact(values: object, what: str) -> None:
+    """Raise ArgumentError unless `values` are a name and values that a run can hold.
+
+    Args:
+        values: what a caller hands over as a signal or a goal, without variables.
+        what: what it is told of as.
+    """
+    need_atoms(values, what)
+    assert isinstance(values, tuple)
+    for value in values:
+        if not is_atom(value):
+            wanted = "symbols, numbers and `rapc.world.Text` can be held"
+            raise ArgumentError(f"a value of {what} is `{value!a:.60}`", wanted)
+
+
+def kind(value: object) -> str:
+    """Return in words what `value` is: `a text`, `None`, `of type int`."""
+    if isinstance(value, float) and isnan(value):
+        return "nan"
+    words: dict[type, str] = {type(None): "None", str: "a text", list: "a list"}
+    found = type(value)
+    name = f"of type {found.__module__}.{found.__qualname__}"
+    return words.get(found, name.replace("builtins.", ""))

@@ -167,7 +167,7 @@ def _arguments(shell: Shell, name: str, before: list[str], prefix: str) -> Named
 
 
 def _library(shell: Shell) -> Library:
-    return shell.history.run.machine.library.library
+    return shell.history.run.library.library
 
 
 def _of_break(library: Library, kind: str) -> Named:
@@ -190,7 +190,7 @@ def _of_methods(library: Library, before: list[str]) -> Named:
 
 
 def _items(shell: Shell) -> Named:
-    known = shell.history.run.machine.memory.items.known
+    known = shell.history.run.beliefs.items.known
     return [(item.name, item.kind) for item in known.values()]
 
 
@@ -279,13 +279,13 @@ def _values(shell: Shell, text: str) -> Iterator[Candidate]:
     words = text[start + 1 :].split(" ") if start >= 0 else []
     if len(words) < 2 or ")" in text[start:]:
         return
-    machine = shell.history.run.machine
+    machine = shell.history.run
     name, prefix, at = words[0].lower(), words[-1], len([w for w in words[:-1] if w])
     if name not in machine.library.signatures.relations:
         return
     seen = {
         format_atom(fact[at])
-        for fact in machine.memory.facts.table(name).stamps
+        for fact in machine.beliefs.facts.table(name).stamps
         if at < len(fact)
     }
     yield from _matching(((value, "") for value in seen), prefix)

@@ -86,8 +86,8 @@ class Shell:
             WriteError: as `rapc.base.outputs.check_output`, also for a file of the
                 library or of the world.
         """
-        machine = self.history.run.machine
-        world = innermost(machine.world)
+        machine = self.history.run
+        world = innermost(machine.port)
         module = getattr(sys.modules.get(type(world).__module__), "__file__", None)
         read = (*self.paths, *machine.library.library.files, module)
         check_output(path, output, (read, "is a file of the library or of the world"))
@@ -199,7 +199,7 @@ class Shell:
         names = names_of(text)
         kept = {old: said for old, said in self.typed.items() if old.isdisjoint(names)}
         typed = {**kept, names: text}
-        program = self.history.run.machine.library
+        program = self.history.run.library
         renewed = typed_in(program.library, "\n\n".join(typed.values()), program.name)
         answer = self.renew(renewed, TYPED)
         self.typed = typed
@@ -208,7 +208,7 @@ class Shell:
     def renew(self, renewed: Renewed, file: str = "") -> Answer:
         """Go on with another text of the library; say what was found in `file`."""
         if not changed(
-            self.history.run.machine.library.library, renewed.library.program.library
+            self.history.run.library.library, renewed.library.program.library
         ):
             return say("nothing has changed")
         branch = self.history.branch
@@ -232,7 +232,7 @@ class Shell:
         request = read_task_request(text)
         self.history.act(SubmitTask(request))
         later = request.at is not None and request.at > self.history.now
-        number = self.history.run.machine.state.numbers
+        number = self.history.run.state.numbers
         return say(f"submitted for later: {text}" if later else f"[{number}] {text}")
 
     def ask(self, text: str) -> Answer:

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import inf, isnan
+from math import inf
 
 import msgspec
 
 from rapc.base.former import kit_help
-from rapc.base.values import Text
 from rapc.compiler.program import Program
 from rapc.errors import ArgumentError, SettingError, WorldError
-from rapc.language.atoms import is_atom
+from rapc.language.atoms import kind, need_fact
 from rapc.runtime.settings import Settings
 from rapc.runtime.task_request import TaskRequest
 from rapc.world import Kit, World
@@ -33,38 +32,6 @@ def need_count(value: object, what: str) -> None:
     """Raise ArgumentError unless `value`, told of as `what`, is a whole number."""
     if type(value) is not int:
         raise ArgumentError(f"{what} is {kind(value)}, no whole number")
-
-
-def need_atoms(values: object, what: str) -> None:
-    """Raise ArgumentError unless `values` are a name and what follows it.
-
-    Args:
-        values: what a caller hands over as a fact, the front of one, or a goal.
-        what: what it is told of as.
-    """
-    if not isinstance(values, tuple):
-        raise ArgumentError(f"{what} is {kind(values)}, no tuple", '("name", arg...)')
-    if not values or not isinstance(values[0], str):
-        found = kind(values[0]) if values else "missing"
-        raise ArgumentError(f"the name of {what} is {found}")
-    for value in values[1:]:
-        if value is not None and not isinstance(value, str | int | float | Text):
-            raise ArgumentError(f"an argument of {what} is {kind(value)}")
-
-
-def need_fact(values: object, what: str) -> None:
-    """Raise ArgumentError unless `values` are a name and values that a run can hold.
-
-    Args:
-        values: what a caller hands over as a signal or a goal, without variables.
-        what: what it is told of as.
-    """
-    need_atoms(values, what)
-    assert isinstance(values, tuple)
-    for value in values:
-        if not is_atom(value):
-            wanted = "symbols, numbers and `rapc.world.Text` can be held"
-            raise ArgumentError(f"a value of {what} is `{value!a:.60}`", wanted)
 
 
 def need_task(task: object) -> None:
@@ -133,13 +100,3 @@ def need_settings(settings: object) -> None:
         raise SettingError(
             f"a setting has a value that it does not take: {error}"
         ) from None
-
-
-def kind(value: object) -> str:
-    """Return in words what `value` is: `a text`, `None`, `of type int`."""
-    if isinstance(value, float) and isnan(value):
-        return "nan"
-    words: dict[type, str] = {type(None): "None", str: "a text", list: "a list"}
-    found = type(value)
-    name = f"of type {found.__module__}.{found.__qualname__}"
-    return words.get(found, name.replace("builtins.", ""))

@@ -21,9 +21,8 @@ from rapc.ir.nodes import Formula
 from rapc.ir.walk import subformulas, subterms, terms
 from rapc.library.signatures import Fault, Signatures
 from rapc.parser.parse import parse_formula
-from rapc.runtime.machine import Machine
 from rapc.runtime.query_context import HostContext, QueryContext
-from rapc.runtime.tasks.rename_items import with_names
+from rapc.runtime.run import Run
 
 Answer = dict[str, Value]
 """What an answer binds besides what was given; a variable it leaves free is absent."""
@@ -37,7 +36,7 @@ class HostQuery:
     the list of all answers in the order of [L 2], `holds` whether there is one.
 
     Args:
-        machine: the run whose memory is asked.
+        run: the run whose memory is asked.
         formula: what is asked.
         given: the variables, with their question marks, that get values.
         context: what the query asks of the run; without one it leaves no mark there.
@@ -51,9 +50,9 @@ class HostQuery:
     __slots__ = (
         "_context",
         "_formula",
-        "_machine",
         "_query",
         "_renamings",
+        "_run",
         "all",
         "first",
         "given",
@@ -62,21 +61,21 @@ class HostQuery:
 
     def __init__(
         self,
-        machine: Machine,
+        run: Run,
         formula: Formula,
         given: Sequence[str] = (),
         context: QueryContext | None = None,
     ) -> None:
         self.given = tuple(given)
-        self._machine = machine
+        self._run = run
         self._formula = formula
-        functions = machine.context.functions
-        signatures = machine.library.signatures
+        functions = run.context.functions
+        signatures = run.library.signatures
         _check_names(formula, signatures)
         if context is None:
             _check_kinds(formula, signatures)
-            most = machine.settings.query_steps
-            context = HostContext(machine.memory, machine.recorder, functions, most)
+            most = run.settings.query_steps
+            context = HostContext(run.beliefs, run.recorder, functions, most)
         self._context = context
         self._renamings = -1
         self._query = self._compiled()
@@ -88,7 +87,7 @@ class HostQuery:
 
     def _ready(self, mode: ResultMode) -> Callable[..., Any]:
         """The function that asks, until items get other names."""
-        items = self._machine.memory.items
+        items = self._run.beliefs.items
         renamed: dict[Query, Callable[..., Any]] = {}
 
         def aliased(*values: Value) -> Any:
@@ -106,13 +105,13 @@ class HostQuery:
 
     def _compiled(self) -> Query:
         """The query; made anew once items named in it have got other names."""
-        items = self._machine.memory.items
+        items = self._run.beliefs.items
         if items.renamings != self._renamings:
             self._renamings = items.renamings
             formula = self._formula
             if items.aliases:
-                formula = with_names(formula, items.canonical)
-            compiler = self._machine.library.compiler
+                formula = _with_names(formula, items.canonical)
+            compiler = self._run.library.compiler
             self._query = compiler.query(formula, "question", formula.span)
         return self._query
 
@@ -123,10 +122,10 @@ class HandlerQuestions:
     What a handler asks is a part of the run: a fault in it is traced, as in a clause.
     """
 
-    def __init__(self, machine: Machine) -> None:
-        self._machine = machine
-        functions, most = machine.context.functions, machine.settings.query_steps
-        self._context = QueryContext(machine.memory, machine.recorder, functions, most)
+    def __init__(self, run: Run) -> None:
+        self._run = run
+        functions, most = run.context.functions, run.settings.query_steps
+        self._context = QueryContext(run.beliefs, run.recorder, functions, most)
         self._ready: dict[tuple[str | Formula, tuple[str, ...]], HostQuery] = {}
 
     def ask(
@@ -142,9 +141,25 @@ class HandlerQuestions:
         ready = self._ready.get(key)
         if ready is None:
             read = parse_formula(formula) if isinstance(formula, str) else formula
-            ready = HostQuery(self._machine, read, tuple(given), self._context)
+            ready = HostQuery(self._run, read, tuple(given), self._context)
             self._ready[key] = ready
         return ready.all(*given.values())
+
+
+def _with_names(node: Any, name_of: Callable[[Atom], Atom]) -> Any:
+    """A formula in which every constant has the name that stands for it now.
+
+    Formulas nest as deep as the reader allows, a hundred levels.
+    """
+    if isinstance(node, nodes.Const):
+        return nodes.Const(name_of(node.value), span=node.span)
+    if isinstance(node, tuple):
+        return tuple([_with_names(part, name_of) for part in node])
+    if isinstance(node, nodes.Node):
+        fields = {name: getattr(node, name) for name in node.__struct_fields__}
+        named = {key: _with_names(part, name_of) for key, part in fields.items()}
+        return type(node)(**named)
+    return node
 
 
 def _check_names(formula: Formula, signatures: Signatures) -> None:

@@ -1,7 +1,9 @@
-"""The interpreter: a library, a world and tasks put together and run.
+"""The interpreter: a run with its loop and with all that a host may do to it.
 
-What a host may do to a run, before it and while it goes on. How the parts of a run are
-made is in `rapc.runtime.put_together`, how it goes on in `rapc.runtime.loop`.
+The loop takes in messages, tests monitors, chooses a task and processes it. Where
+nothing is eligible, the clock goes on to the next time at which something can happen; a
+run ends when there is none [T figure 3.3; L 4]. Not here: what a cycle does to its task
+(`rapc.runtime.tasks.cycle`).
 """
 
 from __future__ import annotations
@@ -9,22 +11,30 @@ from __future__ import annotations
 import copy
 import heapq
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from typing import Any, NoReturn
 
-from rapc.base.values import Atom, Fact
+import msgspec
+
+from rapc.base.values import Atom, Fact, format_list, number
 from rapc.compiler.program import Program
-from rapc.errors import ArgumentError, PortError
-from rapc.events import Event, Goal, TaskResult
+from rapc.errors import ArgumentError, PortError, RefusedError
+from rapc.events import Event, Goal, RunEnded, RunStarted, TaskResult
 from rapc.ir.nodes import Formula, Node
-from rapc.parser.parse import parse_formula
-from rapc.runtime import snapshot
-from rapc.runtime.admission import refuse_extension, refuse_tasks
+from rapc.language.atoms import kind, need_atoms, need_fact
+from rapc.library.library import digest
+from rapc.parser.parse import parse_fact, parse_formula
+from rapc.runtime import snapshot, strict
+from rapc.runtime.admission import (
+    misfitting,
+    refusals,
+    refuse_extension,
+    refuse_other_world,
+    refuse_tasks,
+)
 from rapc.runtime.arguments import (
-    kind,
-    need_atoms,
     need_call,
     need_count,
-    need_fact,
     need_program,
     need_seed,
     need_settings,
@@ -34,25 +44,30 @@ from rapc.runtime.arguments import (
     need_world,
 )
 from rapc.runtime.authors import code_of_authors
-from rapc.runtime.begin_and_end import end_run, tell_start
 from rapc.runtime.events.recorder import Listener, Recording
-from rapc.runtime.host_query import HostQuery
-from rapc.runtime.loop import Loop
-from rapc.runtime.machine import ContextListener, Machine
+from rapc.runtime.held_world import HeldWorld
+from rapc.runtime.host_query import HandlerQuestions, HostQuery
 from rapc.runtime.memory.gate import MemoryView
-from rapc.runtime.put_together import put_together
+from rapc.runtime.run import ContextListener, Run
 from rapc.runtime.saving.save import restore, save
-from rapc.runtime.settings import Settings
+from rapc.runtime.settings import Settings, read_settings
 from rapc.runtime.snapshot import AgendaEntry
-from rapc.runtime.task_request import TaskRequest, read_task_request
-from rapc.runtime.tasks.remove import cancel_matching
+from rapc.runtime.task_request import TaskRequest, as_text, of_agenda, read_task_request
+from rapc.runtime.tasks.cycle import run_cycle
+from rapc.runtime.tasks.hold_things import resume_skills
+from rapc.runtime.tasks.messages import take_in
+from rapc.runtime.tasks.remove import cancel_matching, remove
+from rapc.runtime.tasks.rename_items import rename
 from rapc.runtime.tasks.signals import signal
-from rapc.runtime.tasks.start import create_top
+from rapc.runtime.tasks.start import create_top, release
 from rapc.spec import RunSpec
-from rapc.world import Time, World
+from rapc.world import NOT_KNOWN, Callables, Time, World
+
+TRACE_FORMAT = 2
+"""The version of the trace format."""
 
 
-class Interpreter:
+class Interpreter(Run):
     """One run of a compiled library against a world.
 
     Args:
@@ -88,22 +103,91 @@ class Interpreter:
         need_table(functions, "`functions`")
         need_table(solvers, "`solvers`")
         need_table(comparators, "`comparators`")
-        self.seed = seed
+        settings = Settings() if settings is None else settings
+        need_settings(settings)
+        #: What the run is begun with, for the trace, and the tasks and facts of that.
+        self.spec = RunSpec(seed=seed)
+        self.first_tasks: tuple[TaskRequest, ...] = ()
+        self.first_facts: tuple[Fact, ...] = ()
         self._registered = (functions, solvers, comparators)
         self._world = world
-        if settings is None:
-            settings = Settings()
-        need_settings(settings)
         code = code_of_authors(world.kit, functions, solvers, comparators)
-        self._machine = put_together(library, world, seed, settings, code)
-        self._loop = Loop(self._machine)
+        port = HeldWorld(world, library, code, settings.strict)
+        _refuse(misfitting(library, port))
+        refuse_other_world(library, world)
+        try:
+            super().__init__(library, port, seed, settings)
+            wire(self)
+            found = refusals(library, port)
+        except BaseException as error:
+            port.blame(error)
+        _refuse(found)
+        #: What the loop looks at in each turn; it stays the same for the run's life.
+        self._looked_at = (
+            self.recorder,
+            self.eligible,
+            self.monitors,
+            self.monitors.to_test,
+            self.host_timers,
+            self.recognizer.unsettled,
+            self.things.changed,
+        )
+
+    @classmethod
+    def prepared(
+        cls,
+        library: Program,
+        world: World,
+        spec: RunSpec,
+        *,
+        later: Sequence[TaskRequest] = (),
+        functions: Callables | None = None,
+        solvers: Callables | None = None,
+        comparators: Callables | None = None,
+    ) -> Interpreter:
+        """Return a run that can begin: what cannot be run is refused by now.
+
+        Who is to hear its first event listens then; `start` begins it.
+
+        Args:
+            library: the library.
+            world: the world, made with the seed, options and faults of the spec.
+            spec: what the run is begun with.
+            later: tasks that may be submitted later, checked with the others.
+            functions: Python code besides that of the world, as are the others.
+            solvers: see `functions`.
+            comparators: see `functions`.
+
+        Raises:
+            TextError: for a task or a fact that cannot be read.
+            SettingError: for a setting that there is not, or a value it does not take.
+            RefusedError: if the library or a task cannot be run in the world, or there
+                is no such agenda.
+            FactError: for a fact that the declarations do not allow.
+        """
+        agenda = () if spec.agenda is None else of_agenda(library.library, spec.agenda)
+        tasks = (*agenda, *map(read_task_request, spec.tasks))
+        facts = tuple([parse_fact(text) for text in spec.facts])
+        settings = read_settings(spec.settings)
+        run = cls(library, world, spec.seed, settings, functions, solvers, comparators)
+        run.check([*tasks, *later])
+        for fact in facts:
+            run.check_fact(*fact)
+        run.first_tasks, run.first_facts = tasks, facts
+        run.spec = msgspec.structs.replace(
+            spec,
+            agenda=None,
+            tasks=tuple([as_text(task) for task in tasks]),
+            facts=tuple([format_list(fact) for fact in facts]),
+        )
+        return run
 
     # --- before and while it runs -------------------------------------------------
 
     @property
     def memory(self) -> MemoryView:
         """Return what the robot believes, to be read."""
-        return self._machine.context.view
+        return self.context.view
 
     @property
     def world(self) -> World:
@@ -111,29 +195,24 @@ class Interpreter:
         return self._world
 
     @property
-    def machine(self) -> Machine:
-        """The parts of the run, for tools that look into it: they change nothing."""
-        return self._machine
+    def machine(self) -> Interpreter:
+        """The run with its parts, for tools that look into it: they change nothing."""
+        return self
 
     @property
     def now(self) -> Time:
         """Return the time of the world's clock, as last looked at."""
-        return self._machine.recorder.time
-
-    @property
-    def settings(self) -> Settings:
-        """The settings of the interpreter."""
-        return self._machine.settings
+        return self.recorder.time
 
     @property
     def succeeded(self) -> int:
         """Return how many tasks of all levels have succeeded so far."""
-        return self._machine.state.succeeded
+        return self.state.succeeded
 
     @property
     def reason(self) -> str | None:
         """Return why the run is over, or None while it is not."""
-        return self._machine.state.reason
+        return self.state.reason
 
     def listen(self, listener: Listener, *kinds: type[Event]) -> None:
         """Call `listener` with every event from now on, or with those of `kinds`."""
@@ -141,16 +220,16 @@ class Interpreter:
         for one in kinds:
             if not isinstance(one, type):
                 raise ArgumentError(f"a kind of events is {kind(one)}, no class")
-        self._machine.recorder.listen(listener, *kinds)
+        self.recorder.listen(listener, *kinds)
 
     def record(self) -> Recording:
         """Keep every event from now on, to be read later."""
-        return Recording(self._machine.recorder)
+        return Recording(self.recorder)
 
     def watch_contexts(self, listener: ContextListener) -> None:
         """Tell `listener` whenever the context of a method is asked, and the answer."""
         need_call(listener, "a listener")
-        self._machine.context_asked = listener
+        self.context_asked = listener
 
     def assert_fact(self, *fact: Atom) -> None:
         """Assert a fact on behalf of the user.
@@ -158,14 +237,13 @@ class Interpreter:
         Raises:
             FactError: if the declarations do not allow it.
         """
-        machine = self._machine
-        machine.access.assert_for("user", fact)
-        if machine.recognizer.unsettled:
-            machine.access.recognise()
+        self.access.assert_for("user", fact)
+        if self.recognizer.unsettled:
+            self.access.recognise()
 
     def check_fact(self, *fact: Atom) -> None:
         """Look at a fact without asserting it. Raises FactError as `assert_fact`."""
-        self._machine.access.checked(fact)
+        self.access.checked(fact)
 
     def erase(self, *prefix: Atom) -> None:
         """Erase every fact that starts so, on behalf of the user.
@@ -173,10 +251,9 @@ class Interpreter:
         Raises:
             FactError: if the prefix names nothing declared.
         """
-        machine = self._machine
-        machine.access.erase_for("user", prefix)
-        if machine.recognizer.unsettled:
-            machine.access.recognise()
+        self.access.erase_for("user", prefix)
+        if self.recognizer.unsettled:
+            self.access.recognise()
 
     def move(self, item: str, place: Atom | None) -> None:
         """Let an introduced item be at another place; None: it is lost.
@@ -184,8 +261,11 @@ class Interpreter:
         Raises:
             FactError: for a name that no handler introduced.
         """
-        with (access := self._machine.access).batch():
-            access.lose(item) if place is None else access.move(item, place)
+        with self.access.batch():
+            if place is None:
+                self.access.lose(item)
+            else:
+                self.access.move(item, place)
 
     def signal(self, *content: Atom) -> None:
         """Send a signal `(:name arg...)` now.
@@ -194,8 +274,8 @@ class Interpreter:
             FactError: if no event is called so, or it has other arguments.
         """
         need_fact(content, "the signal")
-        self._machine.world.check_signal(content)
-        signal(self._machine, self._machine.memory.canonical(content))
+        self.port.check_signal(content)
+        signal(self, self.beliefs.canonical(content))
 
     def call_at(self, time: Time, action: Callable[[], None]) -> None:
         """Do something at a time: first of all that falls on it.
@@ -208,15 +288,13 @@ class Interpreter:
         """
         need_time(time, "`time`")
         need_call(action, "`action`")
-        self._machine.state.requests += 1
-        heapq.heappush(
-            self._machine.host_timers, (time, self._machine.state.requests, action)
-        )
+        self.state.requests += 1
+        heapq.heappush(self.host_timers, (time, self.state.requests, action))
 
     def call_at_end(self, action: Callable[[], None]) -> None:
         """Do something when the run is over, before live tasks are removed."""
         need_call(action, "`action`")
-        self._machine.at_end.append(action)
+        self.at_end.append(action)
 
     def call_when_waiting(self, action: Callable[[], None]) -> None:
         """Do something each time the run has nothing to do but to let time pass.
@@ -225,7 +303,7 @@ class Interpreter:
         do changes nothing.
         """
         need_call(action, "`action`")
-        self._machine.when_waiting.append(action)
+        self.when_waiting.append(action)
 
     def submit(self, task: TaskRequest | str) -> None:
         """Give the robot a task, as text or as an object, now or for a later time.
@@ -241,15 +319,15 @@ class Interpreter:
         self.check([task])
         self.start()
         if task.at is not None and task.at > self.now:
-            self._machine.state.requests += 1
-            self._machine.state.expected += not task.background
+            self.state.requests += 1
+            self.state.expected += not task.background
             heapq.heappush(
-                self._machine.state.scheduled,
-                (task.at, self._machine.state.requests, task),
+                self.state.scheduled,
+                (task.at, self.state.requests, task),
             )
-            self._machine.monitors.look_by(task.at)
+            self.monitors.look_by(task.at)
         else:
-            create_top(self._machine, task)
+            create_top(self, task)
 
     def cancel(self, goal: Fact) -> int:
         """Cancel every live top-level task that a goal matches; how many they were.
@@ -257,7 +335,7 @@ class Interpreter:
         Its variables (`?x`, `?`) match anything.
         """
         need_atoms(goal, "`goal`")
-        return cancel_matching(self._machine, goal)
+        return cancel_matching(self, goal)
 
     def check(self, tasks: Sequence[TaskRequest]) -> None:
         """Look at tasks without running anything. Raises RefusedError as `submit`."""
@@ -265,7 +343,7 @@ class Interpreter:
         for task in tasks if isinstance(tasks, Iterable) else [tasks]:
             need_task(task)
             goals.append(task.goal)
-        refuse_tasks(self._machine.library, goals)
+        refuse_tasks(self.library, goals)
 
     def extend(self, library: Program) -> None:
         """Go on with more RAPs than before, made by `rapc.extend` (T 4.10.1).
@@ -276,8 +354,8 @@ class Interpreter:
             RefusedError: if the library is not the one that runs with some RAPs added.
         """
         need_program(library, "`library`")
-        refuse_extension(self._machine.library.library, library.library)
-        self._machine.library = library
+        refuse_extension(self.library.library, library.library)
+        self.library = library
 
     # --- running --------------------------------------------------------------------
 
@@ -295,18 +373,18 @@ class Interpreter:
             need_time(until, "`until`")
         if cycles is not None:
             need_count(cycles, "`cycles`")
-        self._machine.state.until = until
+        self.state.until = until
         self.start()
-        if self._machine.state.reason is None:
+        if self.state.reason is None:
             most = None if cycles is None else max(cycles, 0)
             try:
                 if until is not None and most != 0:
-                    self._machine.set_clock(self.now)  # it may not go on
-                reason = self._loop.run(most, wait=True) or self._loop.reason()
+                    self.set_clock(self.now)  # it may not go on
+                reason = self._turn(most, wait=True) or self._why_over()
             except BaseException as error:
                 self._break(error)
             self.end(reason or "cycles")
-        return self._machine.state.reason or "done"
+        return self.state.reason or "done"
 
     def step(self, wait: bool = True) -> bool:
         """Run one cycle, after its time has come; return False once the run is over.
@@ -329,23 +407,23 @@ class Interpreter:
         ended, if there is none to make.
         """
         self.start()
-        if self._machine.state.reason is None:
+        if self.state.reason is None:
             try:
-                reason = self._loop.run(1, wait=True, choose=False)
+                reason = self._turn(1, wait=True, choose=False)
             except BaseException as error:
                 self._break(error)
             if reason is not None:
                 self.end(reason)
-        return self._machine.state.reason is None
+        return self.state.reason is None
 
     def _go(self, most: int | None, wait: bool) -> int:
-        state, recorder = self._machine.state, self._machine.recorder
+        state, recorder = self.state, self.recorder
         if not state.started:
             self.start()
         before = recorder.cycle
         if state.reason is None:
             try:
-                reason = self._loop.run(most, wait)
+                reason = self._turn(most, wait)
             except BaseException as error:
                 self._break(error)
             if reason is not None:
@@ -358,32 +436,221 @@ class Interpreter:
         Raises:
             PortError: see `HeldWorld.blame`.
         """
-        self._machine.turning, self._machine.broken = False, True
+        self.turning, self.broken = False, True
         try:
-            self._machine.world.blame(error)
+            self.port.blame(error)
         except PortError as told:
             self.end("broken", told.message)
             raise
 
-    def start(self, spec: RunSpec | None = None) -> None:
-        """Begin the run: emit `run-started` and assert the world's first facts.
+    def start(self) -> None:
+        """Begin the run: emit `run-started`, assert first facts, submit first tasks.
 
         The first task or step begins a run that was not begun before.
 
-        Args:
-            spec: what the run is begun with, for the trace; library, world and
-                settings are those of the run.
+        Raises:
+            PortError: if the world breaks.
         """
-        if self._machine.state.started:
+        if self.state.started:
             return
-        machine = self._machine
-        machine.state.started = True
-        tell_start(machine, spec or RunSpec(seed=self.seed))
+        self.state.started = True
+        if self.recorder.on and self.recorder.wants(RunStarted):
+            told = msgspec.structs.replace(
+                self.spec,
+                library=self.library.name,
+                digest=digest(self.library.library),
+                world=self.port.name,
+                settings=self.settings.named(),
+            )
+            self.recorder.emit(RunStarted, format=TRACE_FORMAT, spec=told)
         try:
-            for fact in machine.world.facts():
+            for fact in self.port.facts():
                 self.assert_fact(*fact)
         except BaseException as error:
-            machine.world.blame(error)
+            self.port.blame(error)
+        for fact in self.first_facts:
+            self.assert_fact(*fact)
+        for task in self.first_tasks:
+            self.submit(task)
+
+    # --- the loop -------------------------------------------------------------------
+
+    def _turn(self, most: int | None, wait: bool, choose: bool = True) -> str | None:
+        """Turn until the run is over, and return why, or `most` cycles are done.
+
+        Without `wait` also until no task can go on now, without `choose` until one is
+        about to be chosen. Each of these returns None.
+        """
+        state, port, cost = self.state, self.port, self.settings.cycle_cost
+        recorder, eligible, monitors, to_test, timers, unsettled, changed = (
+            self._looked_at
+        )
+        gone, cycle = state.activations.off, recorder.cycle
+        clock, receive = port.clock, port.receive
+        patience = self.settings.idle_cycles
+        # A world that may end the run by itself is asked in each turn.
+        ended, may_end = port.ended, port.may_end
+        last = -1 if most is None else cycle + most
+        # The last cycle that the clock may stand still; it moved `patience` before.
+        limit = cycle - state.idle + patience
+        reason: str | None = None
+        self.turning = True
+        while cycle != last and not state.over:
+            now = clock()
+            if now != recorder.time and self.set_clock(now):
+                reason = "until"
+                break
+            if timers or unsettled:
+                self.run_host_timers()
+                self.access.recognise()
+            messages = receive()
+            if messages or gone or messages is None:
+                take_in(self, port.listed(messages))
+            look = monitors.next_look
+            if to_test or changed or (look is not None and recorder.time >= look):
+                self._wake()
+            if (
+                cycle > limit
+                or not state.foreground
+                or (may_end and ended() is not None)
+            ):
+                state.idle = cycle - limit + patience
+                reason = self._why_over()
+                if reason is not None:
+                    break
+            task = eligible.choose() if choose else None
+            if task is None:
+                if not wait or len(eligible):
+                    break
+                state.idle = cycle - limit + patience
+                reason = self._wait()
+                limit = cycle - state.idle + patience
+                if reason is not None:
+                    break
+                continue
+            recorder.cycle = cycle = cycle + 1
+            state.waits = 0
+            run_cycle(self, task)
+            if cost:
+                self._spend(cost)
+            if recorder.time != now:
+                limit = cycle + patience
+        state.idle = cycle - limit + patience
+        self.turning = self.broken = False
+        return reason
+
+    def _why_over(self) -> str | None:
+        """Return why the run is over, or None if it is not."""
+        state = self.state
+        if state.past_until:
+            return "until"
+        if self.port.ended() is not None:
+            return "world"
+        if not (state.foreground or state.expected or self.host_timers):
+            return "done"
+        return "runaway" if state.idle > self.settings.idle_cycles else None
+
+    def _wake(self) -> None:
+        """Start what has waited for this time, and test what has changed."""
+        monitors, things = self.monitors, self.things
+        look = monitors.next_look
+        if look is not None and self.recorder.time >= look:
+            self._start_due()
+        monitors.test_changed()
+        while things.resumable:
+            resume_skills(self)
+            monitors.test_changed()
+        if self.state.scheduled:
+            monitors.look_by(self.state.scheduled[0][0])
+
+    def _start_due(self) -> None:
+        """Create the tasks, and start the steps, that have waited for this time."""
+        scheduled = self.state.scheduled
+        while scheduled and scheduled[0][0] <= self.recorder.time:
+            submission = heapq.heappop(scheduled)[2]
+            self.state.expected -= not submission.background
+            create_top(self, submission)
+        for task in self.monitors.due():
+            release(self, task, again=True)
+
+    def _spend(self, cost: Time) -> None:
+        """Let a cycle take its time."""
+        port = self.port
+        port.advance(number(port.now() + cost))
+        self.sync_clock()
+
+    def _wait(self) -> str | None:
+        """Move time on to what comes next, as nothing is eligible, or say what ends.
+
+        Where the clock does not move, the turn counts as idle.
+        """
+        until = self.state.until
+        now = self.recorder.time
+        known = self._coming_times()
+        if not known or self.waited_in_vain():
+            return "stuck"
+        target = max(min(known), now)
+        end = None
+        if target == NOT_KNOWN:
+            target = end = number(now + self.settings.patience)
+        if until is not None and target > until:
+            if now == until:
+                return "until"
+            target = until
+        for action in self.when_waiting:
+            action()
+        self.state.waits += 1
+        self.port.advance(target)
+        moved = self.port.now() != now
+        self.state.idle = 0 if moved else self.state.idle + 1
+        if target == end:
+            return self._wait_is_over(end)
+        if not moved:
+            self._take_what_is_due(target)
+        return None
+
+    def _wait_is_over(self, end: Time) -> str | None:
+        """Take in what has come of a wait until `end` at most; `stuck` if nothing has.
+
+        Raises:
+            PortError: for a world that has stopped before, and sent nothing.
+        """
+        port = self.port
+        self.sync_clock()
+        messages = port.messages()
+        if messages:
+            take_in(self, messages)
+        elif port.ended() is None:
+            port.check_stop(self.recorder.time, end)
+            return "stuck"
+        return None
+
+    def _take_what_is_due(self, target: Time) -> None:
+        """Take in what the world has sent where waiting has not moved its clock.
+
+        Raises:
+            PortError: for a world that should have moved it, or sent something.
+        """
+        port = self.port
+        messages = port.messages()
+        if messages:
+            take_in(self, messages)
+        else:
+            port.check_wait(self.recorder.time, target)
+
+    def _coming_times(self) -> list[Time]:
+        """Return the times at which something is known to come.
+
+        Raises:
+            PortError: for a world whose next time is no time, or has been.
+        """
+        due = self.port.next_time(self.recorder.time)
+        times = [self.monitors.next_time(), due]
+        if self.state.scheduled:
+            times.append(self.state.scheduled[0][0])
+        if self.host_timers:
+            times.append(self.host_timers[0][0])
+        return [time for time in times if time is not None]
 
     # --- saving ---------------------------------------------------------------------
 
@@ -397,7 +664,7 @@ class Interpreter:
                 the host is to be called (`call_at`, `call_at_end`).
             PortError: if the world breaks while it is saved.
         """
-        return save(self._machine, self.seed)
+        return save(self, self.seed)
 
     def restore(self, saved: bytes) -> None:
         """Take up a run that `save` returned, in place of this one.
@@ -412,7 +679,7 @@ class Interpreter:
         """
         if not isinstance(saved, bytes):
             raise ArgumentError(f"`saved` is {kind(saved)}, no bytes of `save`")
-        self.seed = restore(self._machine, saved)
+        self.seed = restore(self, saved)
 
     def fork(self, world: World | None = None) -> Interpreter:
         """Return a second run that stands where this one stands.
@@ -426,9 +693,9 @@ class Interpreter:
         Raises:
             StateError: as `save`.
         """
-        saved, machine = self.save(), self._machine
-        made = copy.deepcopy(machine.world.behind) if world is None else world
-        other = self._made_with(machine.library, machine.settings, made)
+        saved = self.save()
+        made = copy.deepcopy(self.port.behind) if world is None else world
+        other = self._made_with(self.library, self.settings, made)
         other.restore(saved)
         return other
 
@@ -441,10 +708,10 @@ class Interpreter:
         Raises:
             RefusedError: if the library cannot be run in the world.
         """
-        other = self._made_with(library, settings, self._machine.world.behind)
-        other._machine.recorder.take_over(self._machine.recorder)
-        if self._machine.context_asked is not None:
-            other.watch_contexts(self._machine.context_asked)
+        other = self._made_with(library, settings, self.port.behind)
+        other.recorder.take_over(self.recorder)
+        if self.context_asked is not None:
+            other.watch_contexts(self.context_asked)
         return other
 
     def _made_with(
@@ -465,20 +732,46 @@ class Interpreter:
             reason: why it is over, in a word.
             because: more of it, where somebody knows more.
         """
-        if self._machine.state.reason is None:
-            end_run(self._machine, reason, because)
+        state = self.state
+        if state.reason is not None:
+            return
+        state.reason, state.over = reason, True
+        for action in self.at_end:
+            action()
+        results = self.results()
+        if reason == "world":
+            because = self.port.ended()
+        if reason == "runaway" and self.recorder.on:
+            because = snapshot.looping(self) or None
+        if reason == "stuck" and self.waited_in_vain():
+            because = f"no cycle in {state.waits} waits (`rapc.idle-waits`)"
+        waiting = snapshot.deadlocks_in_words(self)
+        if reason != "done":
+            waiting += self.waiting()
+        for given in state.top_level:
+            if given.task.live:
+                remove(self, given.task, "run-over")
+        assert not state.activations.on, "skills are on that nobody has"
+        if self.recorder.on:
+            self.recorder.emit(
+                RunEnded,
+                reason=reason,
+                because=because,
+                results=results,
+                waiting=waiting,
+            )
 
     def results(self) -> tuple[TaskResult, ...]:
         """Return what has become of each task given so far, in order of arrival."""
-        return snapshot.results(self._machine.state.top_level)
+        return snapshot.results(self.state.top_level)
 
     def agenda(self) -> tuple[AgendaEntry, ...]:
         """All live tasks as they stand now, by number, each with its slack."""
-        return snapshot.agenda(self._machine)
+        return snapshot.agenda(self)
 
     def goals(self) -> dict[int, Goal]:
         """The goals of all live tasks by number, with the inputs that are known."""
-        return snapshot.goals(self._machine)
+        return snapshot.goals(self)
 
     def question(self, formula: Formula | str, *given: str) -> HostQuery:
         """A formula, or its text, made ready to be asked of memory again and again.
@@ -496,8 +789,21 @@ class Interpreter:
         for name in given:
             if not isinstance(name, str):
                 raise ArgumentError(f"a variable is {kind(name)}", 'as text: "?x"')
-        return HostQuery(self._machine, formula, given)
+        return HostQuery(self, formula, given)
 
     def waiting(self) -> tuple[str, ...]:
         """Each task that is not done, and what it waits for, for a person to read."""
-        return snapshot.waiting(self._machine)
+        return snapshot.waiting(self)
+
+
+def wire(run: Run) -> None:
+    """Let the handlers of a run ask memory, and hold them to their word if wanted."""
+    run.recognizer.renamed = partial(rename, run)
+    run.access.answers = HandlerQuestions(run).ask
+    if run.settings.strict:
+        strict.hold_handlers(run, lambda *asked: HostQuery(run, *asked).holds)
+
+
+def _refuse(found: list[str]) -> None:
+    if found:
+        raise RefusedError(found)

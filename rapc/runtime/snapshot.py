@@ -11,7 +11,7 @@ import msgspec
 from rapc.base.values import format_list, number
 from rapc.events import Goal, TaskResult
 from rapc.ir.printer import format_formula
-from rapc.runtime.machine import Machine
+from rapc.runtime.run import Run
 from rapc.runtime.state.deadlocks import deadlocks, held, in_words
 from rapc.runtime.state.states import BLOCKED, ELIGIBLE, UNTESTED, WAITING
 from rapc.runtime.state.task import MethodRun, Task
@@ -42,12 +42,12 @@ class AgendaEntry(msgspec.Struct, frozen=True):
     waits_for: str
 
 
-def agenda(machine: Machine) -> tuple[AgendaEntry, ...]:
+def agenda(machine: Run) -> tuple[AgendaEntry, ...]:
     """All live tasks by number; a value that the run leaves alone."""
     return tuple(_entry(machine, task) for task in machine.state.live_tasks())
 
 
-def _entry(machine: Machine, task: Task) -> AgendaEntry:
+def _entry(machine: Run, task: Task) -> AgendaEntry:
     deadline = None if task.limit == math.inf else number(task.limit)
     duration = 0 if task.wait is None else task.wait.duration
     slack = None
@@ -68,7 +68,7 @@ def _entry(machine: Machine, task: Task) -> AgendaEntry:
     )
 
 
-def _obstacle(machine: Machine, task: Task) -> str:
+def _obstacle(machine: Run, task: Task) -> str:
     if task.run is not None:
         awaited = _under_way(machine, task.run)
         return "its method" if awaited is None else awaited
@@ -104,12 +104,12 @@ def _result(given: TopLevelTask) -> TaskResult:
     )
 
 
-def goals(machine: Machine) -> dict[int, Goal]:
+def goals(machine: Run) -> dict[int, Goal]:
     """The goals of all live tasks by number, with the inputs that are known."""
     return {task.number: task.goal() for task in machine.state.live_tasks()}
 
 
-def waiting(machine: Machine) -> tuple[str, ...]:
+def waiting(machine: Run) -> tuple[str, ...]:
     """Each task that is not done, and what it waits for, for a person to read.
 
     Tasks that wait for their own steps, or for steps before them, are left out.
@@ -121,13 +121,13 @@ def waiting(machine: Machine) -> tuple[str, ...]:
     )
 
 
-def _is_told(machine: Machine, task: Task) -> bool:
+def _is_told(machine: Run, task: Task) -> bool:
     if task.run is not None:
         return _under_way(machine, task.run) is not None
     return not task.waiting or (task.wait is not None and task.wait.awaits_signal)
 
 
-def _under_way(machine: Machine, run: MethodRun) -> str | None:
+def _under_way(machine: Run, run: MethodRun) -> str | None:
     """Return the request, or the signals, by which a method will end, if there are."""
     ticket = run.ticket
     if ticket is None:
@@ -140,17 +140,17 @@ def _under_way(machine: Machine, run: MethodRun) -> str | None:
     return " or ".join(format_formula(wait.pattern, run.env) for wait in plan.waits)
 
 
-def _awaited(machine: Machine, task: Task) -> str:
+def _awaited(machine: Run, task: Task) -> str:
     obstacle = _obstacle(machine, task)
     return f"waits for {obstacle}" if obstacle else "could go on"
 
 
-def _things_in_the_way(machine: Machine, wait: ThingWait) -> str:
+def _things_in_the_way(machine: Run, wait: ThingWait) -> str:
     hold = machine.things.obstacle_of(wait)
     return "" if hold is None else held(hold)
 
 
-def deadlocks_in_words(machine: Machine) -> tuple[str, ...]:
+def deadlocks_in_words(machine: Run) -> tuple[str, ...]:
     """Return a line for each deadlock: circle of tasks that wait for each other."""
     found = deadlocks(machine.things)
     return tuple(f"deadlock: {'; '.join(in_words(one))}" for one in found)
@@ -160,7 +160,7 @@ _FEW = 10
 """Below this a count says nothing of why a run does not end."""
 
 
-def looping(machine: Machine) -> str:
+def looping(machine: Run) -> str:
     """Return what has kept a run going without the clock moving, as far as is seen.
 
     A task that chooses again and again, tasks of one RAP that stand below each other
@@ -175,6 +175,6 @@ def looping(machine: Machine) -> str:
         return f"{chooser.goal()} [{chooser.number}] has chosen a method {most} times"
     if deep >= _FEW:
         return f"{deep} tasks of `{name}` are under way at once"
-    family = machine.agenda.last_family
+    family = machine.eligible.last_family
     top = next((task for task in tasks if task.number == family), None)
     return "" if top is None else f"all for {top.goal()} [{top.number}]"

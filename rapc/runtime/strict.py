@@ -10,7 +10,7 @@ counting, expiry) needs no word, nor does what an exclusion takes away.
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -21,10 +21,12 @@ from rapc.base.code_places import place_of
 from rapc.base.values import Atom, Fact, format_list, match_pattern
 from rapc.errors import PortError
 from rapc.ir import nodes
-from rapc.runtime.host_query import HostQuery
-from rapc.runtime.machine import Machine
 from rapc.runtime.memory.gate import Gate
+from rapc.runtime.run import Run
 from rapc.world import DatumHandler, Handlers, ResultHandler, Time
+
+Question = Callable[[nodes.Formula, Sequence[str]], Callable[..., bool]]
+"""Makes a formula with given variables ready to be asked whether it holds."""
 
 
 class _Change(msgspec.Struct, frozen=True):
@@ -40,9 +42,9 @@ class NotingMemory:
     It does all that `rapc.world.HandlerMemory` says, through the gate behind it.
     """
 
-    def __init__(self, machine: Machine) -> None:
-        self._gate: Gate = machine.access
-        self._memory = machine.memory
+    def __init__(self, run: Run) -> None:
+        self._gate: Gate = run.access
+        self._memory = run.beliefs
         #: What was asserted, and what was erased that had been there, in order.
         self.made: list[_Change] = []
         self.taken: list[_Change] = []
@@ -123,12 +125,14 @@ class _Held:
     """Holds the handlers of one run.
 
     Args:
-        machine: the run, whose handlers are looked at.
+        run: the run, whose handlers are looked at.
+        question: makes what is declared ready to be asked.
     """
 
-    def __init__(self, machine: Machine) -> None:
-        self._machine = machine
-        self._questions: dict[int, HostQuery] = {}
+    def __init__(self, run: Run, question: Question) -> None:
+        self._run = run
+        self._question = question
+        self._questions: dict[int, Callable[..., bool]] = {}
 
     def result(
         self,
@@ -143,12 +147,12 @@ class _Held:
         Raises:
             PortError: if not, or for another result that is not declared.
         """
-        noting = NotingMemory(self._machine)
+        noting = NotingMemory(self._run)
         other = None
         if handler is not None:
             other = handler(noting, request, result)
         if handler is not None and other is not None:
-            result = other = self._machine.world.result_told(request, other, handler)
+            result = other = self._run.port.result_told(request, other, handler)
         self._hold(told, handler, noting, request, result)
         return other
 
@@ -158,7 +162,7 @@ class _Held:
         Raises:
             PortError: if not.
         """
-        noting = NotingMemory(self._machine)
+        noting = NotingMemory(self._run)
         handler(noting, datum)
         self._hold(told, handler, noting, datum, "")
 
@@ -185,18 +189,18 @@ class _Held:
                 raise self._breach(told, f"{whose}{behind} {said}")
 
         if result:
-            self._machine.access.closing.append(look)
+            self._run.access.closing.append(look)
         else:
             look()
 
     def _breach(self, told: _Told, said: str) -> PortError:
         """Return what to raise for a handler that does not do what is told of it."""
-        source = self._machine.library.library.files.get(told.form.span.file)
+        source = self._run.library.library.files.get(told.form.span.file)
         declared = "its declaration"
         if source is not None:
             row = source.position(told.form.span.start).row
             declared = f"{told.form.span.file}:{row}"
-        world = self._machine.world.name
+        world = self._run.port.name
         return PortError(f"in the world `{world}` {said}; see {declared}")
 
     def _surplus(
@@ -205,8 +209,8 @@ class _Held:
         patterns: Sequence[tuple[nodes.DeclaredEffect, Fact]],
     ) -> Iterator[tuple[str, str]]:
         """Yield what a handler did that is not told of it, and where it did that."""
-        relations = self._machine.memory.signatures.relations
-        now_called = self._machine.memory.canonical
+        relations = self._run.beliefs.signatures.relations
+        now_called = self._run.beliefs.canonical
         for change in noting.made:
             fact = now_called(change.fact)
             if not any(
@@ -240,13 +244,13 @@ class _Held:
 
     def _named(self, value: Atom) -> Atom:
         """Return the memory name for a sensor name that the handler may have given."""
-        name_of = self._machine.memory.items.name_of
+        name_of = self._run.beliefs.items.name_of
         return name_of(value) if isinstance(value, str) else value
 
     def _filled(self, effect: nodes.DeclaredEffect, given: Mapping[str, Atom]) -> Fact:
         """Return the pattern of an effect with the values of the arguments put in."""
         pattern = effect.pattern
-        signature = self._machine.memory.signatures.relations[pattern.name]
+        signature = self._run.beliefs.signatures.relations[pattern.name]
         parts: list[Atom] = [pattern.name]
         for term in signature.full(pattern.args):
             if isinstance(term, nodes.Var):
@@ -255,11 +259,11 @@ class _Held:
                 parts.append(term.value)
             else:
                 parts.append("?")
-        return self._machine.memory.canonical(tuple(parts))
+        return self._run.beliefs.canonical(tuple(parts))
 
     def _matching(self, pattern: Fact) -> Fact | None:
         """Return the oldest fact in memory that matches `pattern`."""
-        facts = self._machine.memory.facts.starting((pattern[0],))
+        facts = self._run.beliefs.facts.starting((pattern[0],))
         return next(
             (fact for fact in facts if match_pattern(pattern, fact) is not None), None
         )
@@ -271,9 +275,9 @@ class _Held:
         names = [name for name in given if name in used]
         ready = self._questions.get(id(effect))
         if ready is None:
-            ready = HostQuery(self._machine, formula, names)
+            ready = self._question(formula, names)
             self._questions[id(effect)] = ready
-        return ready.holds(*[given[name] for name in names])
+        return ready(*[given[name] for name in names])
 
 
 def _takes(
@@ -286,18 +290,21 @@ def _takes(
     return replaced and match_pattern(pattern[:-1], fact[:-1]) is not None
 
 
-def hold_handlers(machine: Machine) -> None:
-    """Have the handlers of a run held to what its library declares, from now on."""
-    held, handlers = _Held(machine), machine.handlers
-    library = machine.library.library
+def hold_handlers(run: Run, question: Question) -> None:
+    """Have the handlers of a run held to what its library declares, from now on.
+
+    `question` makes the formulas of declared effects ready to be asked.
+    """
+    held, handlers = _Held(run, question), run.handlers
+    library = run.library.library
     for name, form in library.primitives.items():
         if form.on:
             told = _Told(form, f"the handler of `{name}`")
             handler = handlers.results.get(name)
-            machine.result_handlers[name] = partial(held.result, told, handler)
+            run.result_handlers[name] = partial(held.result, told, handler)
     data = dict(handlers.data)
     for name, datum in library.data.items():
         if datum.on is not None and name in data:
             told = _Told(datum, f"the handler of the datum `{name}`")
             data[name] = partial(held.datum, told, data[name])
-    machine.handlers = Handlers(handlers.results, data)
+    run.handlers = Handlers(handlers.results, data)

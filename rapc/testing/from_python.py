@@ -11,7 +11,8 @@ import msgspec
 from rapc.base.source import place
 from rapc.errors import ArgumentError
 from rapc.host import CheckError
-from rapc.runtime.arguments import kind, need_call, need_seed
+from rapc.language.atoms import kind
+from rapc.runtime.arguments import need_call, need_seed
 from rapc.runtime.events.recorder import Listener
 from rapc.testing.discover import find
 from rapc.testing.run import Outcome, run_case

@@ -18,7 +18,7 @@ from rapc.compiler.program import Program
 from rapc.errors import FactError, PortError, RefusedError, WorldError
 from rapc.ir import nodes
 from rapc.runtime.events.recorder import Listener
-from rapc.runtime.prepare import prepare
+from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.task_request import TaskRequest, as_text, of_node
 from rapc.spec import RunSpec
 from rapc.testing.coverage import Coverage
@@ -167,8 +167,9 @@ class _Run:
         )
         world = scripted if wrap is None else wrap(scripted, seed)
         later, known = _later_tasks(test), functions(test.answers)
-        self._ready = prepare(case.library, world, spec, later=later, functions=known)
-        self.interpreter = self._ready.interpreter
+        self.interpreter = Interpreter.prepared(
+            case.library, world, spec, later=later, functions=known
+        )
 
     # --- while it runs -----------------------------------------------------------
 
@@ -182,7 +183,7 @@ class _Run:
         try:
             for number, at in enumerate(test.ats):
                 interpreter.call_at(at.time, self._action(number, at))
-            self._ready.begin()
+            self.interpreter.start()
             interpreter.run(until=until.time, cycles=cycles)
         except (UnansweredRequest, UnansweredQuestion) as error:
             self._fail(test.name_span, str(error))

@@ -82,7 +82,7 @@ def test_a_run_imports_nothing_that_few_runs_need(tmp_path: Path) -> None:
     file.write_text('(require "truck") (define-rap (wait) (succeed (= 1 1)))\n')
     words = ("run", str(file), "--world", "truck", "--task", "(wait)", "--quiet")
     found = _imported("from rapc.cli.main import main; main()", *words)
-    assert {"rapc.runtime.loop", "rapc.worlds.truck.world"} <= found
+    assert {"rapc.runtime.interpreter", "rapc.worlds.truck.world"} <= found
     assert found.isdisjoint((*FOREIGN, *FOR_FEW, *_of_rapc(SELDOM)))
 
 

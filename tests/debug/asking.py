@@ -61,7 +61,7 @@ class Asker:
 
     def task(self) -> int:
         """Return the number of a live task, or now and then of any."""
-        machine = self.session.run.machine
+        machine = self.session.run
         live = machine.state.live_tasks()
         if live and self.dice.random() < 0.7:
             return self.dice.choice(live).number
@@ -73,7 +73,7 @@ class Asker:
 
     def fact(self) -> Fact:
         """Return a fact that is believed and says something of something."""
-        facts = self.session.run.machine.memory.facts
+        facts = self.session.run.beliefs.facts
         return self.dice.choice([fact for fact in facts if len(fact) > 1])
 
     def pattern(self) -> str:
@@ -85,7 +85,7 @@ class Asker:
 
 def _formulas(session: History) -> Iterator[str]:
     """The formulas that stand in the clauses of the library."""
-    for rap in session.run.machine.library.library.raps.values():
+    for rap in session.run.library.library.raps.values():
         contexts = [method.context for method in rap.methods]
         for formula in (rap.succeed, rap.preconditions, *contexts):
             if formula is not None:
@@ -111,7 +111,7 @@ def _memory(one: Asker) -> None:
         memory.value(name, *args[:-1])
         memory.kind(arg)
         memory.count("rock", arg)
-    for relation in one.session.run.machine.library.signatures.relations:
+    for relation in one.session.run.library.signatures.relations:
         memory.query(relation)
         memory.spread(relation)
         state.beliefs(one.session, relation)
@@ -154,7 +154,7 @@ def _there_and_back(one: Asker) -> None:
 
 
 def _world(one: Asker) -> None:
-    world = one.session.run.machine.world
+    world = one.session.run.port
     if isinstance(world, Drawable):
         world.picture()
     if isinstance(world, Truthful):

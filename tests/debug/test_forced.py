@@ -42,7 +42,7 @@ def test_what_is_forced_is_taken_back_and_done_again() -> None:
     results = _grasps(session)
     for cycle in (21, 60, 90, max(states)):
         session.goto(5)
-        assert not isinstance(session.run.machine.world.behind, ForcedWorld)
+        assert not isinstance(session.run.port.behind, ForcedWorld)
         session.goto(cycle)
         assert session.run.save() == states[cycle]
         session.goto(cycle - 1)

@@ -32,7 +32,7 @@ def _session(*rows: str) -> History:
 
 
 def _typed(session: History, text: str) -> None:
-    library = session.run.machine.library
+    library = session.run.library
     session.take_up(typed_in(library.library, text, library.name).library)
 
 
@@ -73,7 +73,7 @@ def test_what_a_task_has_tried_stays_with_methods_of_the_same_name() -> None:
           (method loud (primitive (say loudly))))
         """,
     )
-    [task] = [t for t in session.run.machine.state.live_tasks() if t.number == 2]
+    [task] = [t for t in session.run.state.live_tasks() if t.number == 2]
     failed = {m.name: task.failures_of(m) for m in task.plan.methods}
     assert sorted(failed.values()) == [0, 1]
     session.go()

@@ -128,7 +128,7 @@ def test_why_not_of_a_task_that_has_ended_is_of_its_last_cycle() -> None:
 def _answers(session: History) -> list[tuple[int, ClauseAsked]]:
     """Return clauses and contexts that fail now, with their tasks."""
     found = []
-    for task in session.run.machine.state.live_tasks():
+    for task in session.run.state.live_tasks():
         answer = task_asked(session, task.number)
         asked = [*answer.clauses, *(m.context for m in answer.methods if m.context)]
         found += [(task.number, one) for one in asked if one.missing]

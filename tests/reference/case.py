@@ -227,7 +227,7 @@ def begin(case: Case, interpreter: Interpreter, told: list[Any] | None = None) -
     `told` hears of what is refused.
     """
     interpreter.start()
-    library = interpreter.machine.library.library
+    library = interpreter.library.library
     given = of_agenda(library, case.agenda) if case.agenda else ()
     _give(case, interpreter, given, interpreter.call_at, [] if told is None else told)
 

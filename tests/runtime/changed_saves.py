@@ -102,7 +102,7 @@ def saves(make: Callable[[], Interpreter], cycles: Sequence[int]) -> Iterator[by
     """Yield what a run is saved as after each of so many cycles."""
     run = make()
     for cycle in cycles:
-        while run.machine.recorder.cycle < cycle and run.step():
+        while run.recorder.cycle < cycle and run.step():
             pass
         yield run.save()
 

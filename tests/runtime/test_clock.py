@@ -182,7 +182,7 @@ def test_waits_of_a_monitor_for_its_own_times_are_bounded() -> None:
     run, world, events = _run(_Clock, text, "(older)", idle_waits=9)
     run.assert_fact("p", "a")
     world.advance(5)
-    run.machine.sync_clock()
+    run.sync_clock()
     run.assert_fact("q", "a", "b")
     assert (run.run(), run.now) == ("stuck", 50)
     assert isinstance(events[-1], RunEnded)

@@ -202,7 +202,7 @@ def test_only_the_last_choices_count_for_a_futile_loop(
     assert len(play.told("chosen")) == chosen_times
     assert other.run(cycles=39) == play.interpreter.reason
     assert other.succeeded == 0
-    assert other.machine.recorder.cycle == play.interpreter.machine.recorder.cycle
+    assert other.recorder.cycle == play.interpreter.recorder.cycle
 
 
 def test_a_monitor_that_blocks_starts_the_futile_loop_afresh() -> None:

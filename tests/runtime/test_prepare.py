@@ -10,7 +10,7 @@ import pytest
 import rapc
 from rapc import events
 from rapc.errors import FactError, RefusedError, SettingError, TextError
-from rapc.runtime.prepare import prepare
+from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.task_request import TaskRequest
 from rapc.spec import RunSpec
 from rapc.testing import discover
@@ -76,11 +76,14 @@ def test_what_cannot_be_run_is_refused_before_anything_happens(
 ) -> None:
     world = ScriptedWorld([], declared=LIBRARY.library)
     with pytest.raises(error, match=message):
-        prepare(LIBRARY, world, spec, later=later)
+        Interpreter.prepared(LIBRARY, world, spec, later=later)
 
 
 def test_tasks_of_later_are_not_submitted() -> None:
     world = ScriptedWorld([], declared=LIBRARY.library)
-    ready = prepare(LIBRARY, world, RunSpec(tasks=("(do a)",)), later=[DO_B])
-    assert ready.interpreter.agenda() == ()
-    assert [str(entry.goal) for entry in ready.begin().agenda()] == ["(do a)"]
+    ready = Interpreter.prepared(
+        LIBRARY, world, RunSpec(tasks=("(do a)",)), later=[DO_B]
+    )
+    assert ready.agenda() == ()
+    ready.start()
+    assert [str(entry.goal) for entry in ready.agenda()] == ["(do a)"]

@@ -252,11 +252,11 @@ def test_bindings_stand_in_the_json_in_their_order() -> None:
 def test_a_silent_run_does_the_same_as_one_that_is_watched() -> None:
     ran = play(USE + TWO, "(top a)", "(top b)", seed=5)
     silent = Play(USE + TWO, "(top a)", "(top b)", seed=5)
-    silent.interpreter._machine.recorder.on = False
+    silent.interpreter.recorder.on = False
     silent.run()
     one, other = ran.interpreter.results(), silent.interpreter.results()
     assert [(r.outcome, r.goal) for r in one] == [(r.outcome, r.goal) for r in other]
-    assert silent.interpreter._machine.recorder.cycle == ran.events[-1].cycle
+    assert silent.interpreter.recorder.cycle == ran.events[-1].cycle
 
 
 def test_a_recording_gives_the_events_that_a_listener_gets() -> None:

@@ -104,7 +104,7 @@ def test_deadlock_that_a_merge_of_items_closes_is_reported() -> None:
     """
     )
     ran = Play(text, "(left)", "(right)", "(other)", rows=ROWS)
-    machine = ran.interpreter.machine
+    machine = ran.interpreter
     ran.interpreter.call_at(3, lambda: rename(machine, "item-3", "item-2"))
     ran.run()
     [told] = ran.of(Deadlock)
@@ -158,7 +158,7 @@ def test_a_method_that_is_undone_was_never_tried_though_others_were() -> None:
         return Play(BODY + RETRY, *tasks, rows=rows, times=[at(1, "(p free)")])
 
     def tried(ran: Play) -> tuple[object, ...]:
-        task = ran.interpreter._machine.state.live_top[1].task
+        task = ran.interpreter.state.live_top[1].task
         grip = task.plan.methods[1]
         return task.method, task.has_tried("grip"), task.times_tried(grip), task.choices
 
@@ -167,7 +167,7 @@ def test_a_method_that_is_undone_was_never_tried_though_others_were() -> None:
             ran.interpreter.step()
 
     whole = play()
-    act = whole.interpreter._machine.library.known_rap("either").methods[0]
+    act = whole.interpreter.library.known_rap("either").methods[0]
     suspend(whole)
     assert tried(whole) == (act, False, 0, 1)
     begun, other = play(), play()
@@ -208,7 +208,7 @@ def test_things_follow_their_items() -> None:
     ran = Play(BODY, *tasks, rows=rows)
     ran.interpreter.run_ready()
     assert ran.interpreter.agenda()[2].waits_for.startswith("(arm right), held by")
-    rename(ran.interpreter._machine, "right", "left")
+    rename(ran.interpreter, "right", "left")
     waits = ran.interpreter.agenda()[2].waits_for
     assert waits == "(arm left), held by (hold left) [1]"
     ran.run()

@@ -14,10 +14,10 @@ import pytest
 import rapc
 from rapc import events
 from rapc.base.values import Fact
-from rapc.runtime.acts import activations
 from rapc.runtime.events.trace import JsonTrace
 from rapc.runtime.memory import gate
 from rapc.runtime.memory.recognition import item_events
+from rapc.runtime.tasks import activations
 
 PACKAGE = Path(rapc.__file__).parent
 COMMON = len(events.Event.__struct_fields__)

@@ -78,11 +78,11 @@ def commitment(history: History, number: int) -> Commitment:
         run.come_to_choice()
         before = live_task(run, number)
         if not before.bound:
-            read_inputs(run.machine, before)
-        plans = run.machine.state.methods(before.plan)
+            read_inputs(run, before)
+        plans = run.state.methods(before.plan)
         plan = next((m for m in plans if m.name == told.keys["method"]), None)
-        facts = tuple(method_supports(run.machine, before, plan))
-    machine, task = history.run.machine, live_task(history.run, number)
+        facts = tuple(method_supports(run, before, plan))
+    machine, task = history.run, live_task(history.run, number)
     query = None if task.run is None else task.run.plan.choice
     now = "its context now"
     return Commitment(
@@ -90,7 +90,7 @@ def commitment(history: History, number: int) -> Commitment:
         goal=str(task.goal()),
         chosen=told,
         rested_on=facts,
-        gone=tuple(fact for fact in facts if fact not in machine.memory.facts),
+        gone=tuple(fact for fact in facts if fact not in machine.beliefs.facts),
         now=None if query is None else ask(machine, now, query, task, task.env),
         would=tuple(
             (one.name, {} if one.context is None else one.context.bindings)
@@ -104,7 +104,7 @@ def stale(history: History) -> list[Commitment]:
     """Return the methods under way whose choice rested on what is no longer so."""
     found = [
         commitment(history, task.number)
-        for task in history.run.machine.state.live_tasks()
+        for task in history.run.state.live_tasks()
         if task.run is not None and task.run.plan.choice is not None
     ]
     return [one for one in found if one.gone]

@@ -94,7 +94,7 @@ def _names_of(history: History, name: str) -> set[str]:
         merged = history.scan(events.ItemMerged)
         pairs = [{told.keys["item"], told.keys["with_"]} for told in merged]
         return {name}.union(*(pair for pair in pairs if name in pair))
-    items = history.run.machine.memory.items
+    items = history.run.beliefs.items
     kept = str(items.canonical(name))
     return {name, kept} | {n for n in items.aliases if items.canonical(n) == kept}
 
@@ -150,12 +150,12 @@ _USES: tuple[Use, ...] = ("test", "believed", "asserted", "erased")
 def who(history: History, args: Arguments) -> Answer:
     """Tell who asserted a fact, who asks for it, and who waits for it."""
     pattern = read_pattern(args.word("a fact"))
-    machine, name = history.run.machine, str(pattern[0])
+    machine, name = history.run, str(pattern[0])
     if name not in machine.library.signatures.relations:
         raise ArgumentError(str(machine.library.signatures.unknown("test", name)))
     facts = [
         fact
-        for fact in machine.memory.facts.table(name).stamps
+        for fact in machine.beliefs.facts.table(name).stamps
         if match_pattern(pattern, fact[: len(pattern)]) is not None
     ]
     stamps = {fact: last_asserted(machine, fact) for fact in facts}
@@ -177,8 +177,8 @@ def _believed(origin: Origin) -> _Row:
 
 def _noted_by(history: History, facts: list[Fact]) -> Iterator[_Row]:
     """Yield the methods under way that have noted some of the facts, by task."""
-    notations = history.run.machine.memory.notations
-    for task in history.run.machine.state.live_tasks():
+    notations = history.run.beliefs.notations
+    for task in history.run.state.live_tasks():
         if task.run is not None and task.run.notations:
             noted = notations.facts(task.run.notations)
             if any(fact in noted for fact in facts):
@@ -188,7 +188,7 @@ def _noted_by(history: History, facts: list[Fact]) -> Iterator[_Row]:
 def _listening(history: History, pattern: Fact) -> Iterator[_Row]:
     """Yield the tasks whose monitor hears of changes of the fact."""
     entries = {entry.task: entry for entry in history.run.agenda()}
-    for task in history.run.machine.state.live_tasks():
+    for task in history.run.state.live_tasks():
         keys = () if task.wait is None else task.wait.keys or ()
         if any(_hears(key, pattern) for key in keys):
             entry = entries[task.number]

@@ -17,7 +17,7 @@ from rapc.world import Drawable, Thing
 
 def names_with_facts(history: History) -> Answer:
     """Return the names that facts of memory have, each with how many they are."""
-    tables = sorted(history.run.machine.memory.facts.tables.items())
+    tables = sorted(history.run.beliefs.facts.tables.items())
     rows = [(name, len(found.stamps)) for name, found in tables if found.stamps]
     return table(("facts of", "number"), rows, none="memory is empty")
 
@@ -29,7 +29,7 @@ def beliefs(history: History, name: str, *values: Atom | None) -> Answer:
         ArgumentError: if nothing is declared by that name, or a value is not of the
             declared kind.
     """
-    machine = history.run.machine
+    machine = history.run
     signatures = machine.library.signatures
     if name not in signatures.relations:
         raise ArgumentError(str(signatures.unknown("test", name)))
@@ -37,7 +37,7 @@ def beliefs(history: History, name: str, *values: Atom | None) -> Answer:
     if wrong is not None:
         raise ArgumentError(wrong)
     rows = []
-    for fact, stamp in machine.memory.facts.table(name).stamps.items():
+    for fact, stamp in machine.beliefs.facts.table(name).stamps.items():
         given = zip(values, fact[1:], strict=False)
         if all(want is None or want == value for want, value in given):
             since = None if stamp is None or stamp == NEVER else number(stamp)
@@ -49,7 +49,7 @@ def beliefs(history: History, name: str, *values: Atom | None) -> Answer:
 @question()
 def items(history: History, args: Arguments) -> Answer:
     """List the items that memory knows."""
-    memory = history.run.machine.memory
+    memory = history.run.beliefs
     rows = []
     for item in memory.items.known.values():
         place = memory.facts.asserted(("location", item.name))
@@ -64,7 +64,7 @@ def items(history: History, args: Arguments) -> Answer:
 @question()
 def monitors(history: History, args: Arguments) -> Answer:
     """List the tasks with monitors, and what each waits for."""
-    machine = history.run.machine
+    machine = history.run
     entries = {entry.task: entry for entry in history.run.agenda()}
     rows = []
     for task in machine.state.live_tasks():
@@ -84,7 +84,7 @@ def claims(history: History, args: Arguments) -> Answer:
 
     Circles of tasks that wait for each other are named below.
     """
-    things = history.run.machine.things
+    things = history.run.things
     rows = []
     for hold in (hold for _, holds in sorted(things.held.items()) for hold in holds):
         task, thing = hold.run.task, hold.ask.thing
@@ -97,7 +97,7 @@ def claims(history: History, args: Arguments) -> Answer:
         told = (hold.said or format_thing(thing), task.number, str(task.goal()), how)
         rows.append((*told, " ".join(f"[{number}]" for number in waiters) or None))
     columns = ("thing", "held by", "goal", "how", "waited for by")
-    notes = deadlocks_in_words(history.run.machine)
+    notes = deadlocks_in_words(history.run)
     return table(columns, rows, none="no thing is held", notes=notes)
 
 
@@ -105,7 +105,7 @@ def claims(history: History, args: Arguments) -> Answer:
 def requests(history: History, args: Arguments) -> Answer:
     """List the requests under way: sent, neither ended nor cancelled."""
     # A world may answer what was cancelled once more, or never.
-    pending = sorted(history.run.machine.state.pending.items())
+    pending = sorted(history.run.state.pending.items())
     rows = [
         (ticket, task.number, format_list(asked))
         for ticket, (task, asked) in pending
@@ -120,7 +120,7 @@ def stack(history: History, args: Arguments) -> Answer:
     goals = history.run.goals()
     rows = [
         (priority, f"[{family}]", str(goals.get(family, "has ended")))
-        for priority, family in reversed(history.run.machine.agenda.stack)
+        for priority, family in reversed(history.run.eligible.stack)
     ]
     columns = ("priority", "family", "goal")
     return table(columns, rows, none="no family has been chosen yet")
@@ -129,7 +129,7 @@ def stack(history: History, args: Arguments) -> Answer:
 @question()
 def skills(history: History, args: Arguments) -> Answer:
     """List the skills that methods have switched on."""
-    activations = history.run.machine.state.activations
+    activations = history.run.state.activations
     rows = [
         (
             one.ticket,
@@ -145,7 +145,7 @@ def skills(history: History, args: Arguments) -> Answer:
 @question()
 def world(history: History, args: Arguments) -> Answer:
     """Show what is true in the world, which the robot need not know."""
-    shown = history.run.machine.world
+    shown = history.run.port
     if not isinstance(shown, Drawable):
         raise ArgumentError(f"the world `{shown.name}` has no picture of itself")
     picture = shown.picture()

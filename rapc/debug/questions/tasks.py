@@ -56,7 +56,7 @@ def tree(history: History, args: Arguments) -> Answer:
 
 def _live(run: Interpreter) -> Mapping[int, _Member]:
     """Return the live tasks of a run, by number."""
-    tasks = {task.number: task for task in run.machine.state.live_tasks()}
+    tasks = {task.number: task for task in run.state.live_tasks()}
     found: dict[int, _Member] = {}
     for entry in run.agenda():
         task = tasks[entry.task]
@@ -136,7 +136,7 @@ def task(history: History, args: Arguments) -> Answer:
     run, number = history.run, args.task(history)
     found = live_task(run, number)
     entry = next(one for one in run.agenda() if one.task == number)
-    place = run.machine.library.compiler.row(found.plan.node.name_span)
+    place = run.library.compiler.row(found.plan.node.name_span)
     rows: list[tuple[str, object]] = [
         ("goal", str(entry.goal)),
         ("state", entry.state),
@@ -156,7 +156,7 @@ def task(history: History, args: Arguments) -> Answer:
     rows += [(name, format_atom(bound[name])) for name in order]
     notes: tuple[str, ...] = ()
     if found.history is not None:
-        plans = run.machine.state.methods(found.plan)
+        plans = run.state.methods(found.plan)
         counts = found.history.failures.items()
         rows += [(f"failures of {plans[at].name}", count) for at, count in counts]
         notes = tuple(cause_lines(found.history.because))

@@ -32,7 +32,7 @@ from rapc.debug.questions.why_not import (
 from rapc.errors import ArgumentError
 from rapc.events import Cause, Event
 from rapc.runtime.events.report import cause_lines
-from rapc.runtime.machine import Machine
+from rapc.runtime.run import Run
 from rapc.runtime.state.task import Task
 from rapc.runtime.tasks.start import read_inputs
 from rapc.world import Time
@@ -168,7 +168,7 @@ def reasons(
     with history.at(last - 1) as run:
         run.come_to_choice()
         choice = _choice(history, task)
-        doing, rests_on = _doing(run.machine, live_task(run, task), settled)
+        doing, rests_on = _doing(run, live_task(run, task), settled)
     known = origins(history, rests_on, last)
     return choice, msgspec.structs.replace(doing, rests_on=known)
 
@@ -184,14 +184,14 @@ _RULES = (
 
 def _choice(history: History, task: int) -> Choice:
     """Return why a task is the next to come up; the run is about to choose."""
-    machine = history.run.machine
+    machine = history.run
     live = {one.number: one for one in machine.state.live_tasks()}
-    sole, others = machine.agenda.entries()
+    sole, others = machine.eligible.entries()
     late = {number: (start, failed) for number, start, failed in others}
     if sole is not None:
         late[sole] = 0, False
     highest = max(live[n].priority for n in late)
-    open_to = [family for level, family in machine.agenda.stack if level <= highest]
+    open_to = [family for level, family in machine.eligible.stack if level <= highest]
     keys = {
         n: (-live[n].priority, *late[n], live[n].family not in open_to[-1:])
         for n in late
@@ -210,7 +210,7 @@ def _choice(history: History, task: int) -> Choice:
 
 
 def _doing(
-    machine: Machine, task: Task, settled: ToldEvent | None
+    machine: Run, task: Task, settled: ToldEvent | None
 ) -> tuple[Doing, Supports]:
     """Return what a task did, and what that rested on; the run stands before it."""
     if not task.bound:
@@ -235,14 +235,12 @@ def _doing(
     return Doing(outcome, keys["on"]), {}
 
 
-def method_supports(
-    machine: Machine, task: Task, method: MethodPlan | None
-) -> Supports:
+def method_supports(machine: Run, task: Task, method: MethodPlan | None) -> Supports:
     """Return the facts that the context of a method rests on now."""
     return _supports_of(machine, task, None if method is None else method.choice)
 
 
-def _supports_of(machine: Machine, task: Task, query: Query | None) -> Supports:
+def _supports_of(machine: Run, task: Task, query: Query | None) -> Supports:
     if query is None:
         return {}
     machine.noting.begin(task)
@@ -319,7 +317,7 @@ def why_failed(history: History, number: int | None = None) -> Answer:
     Raises:
         ArgumentError: if none has, or this one has not.
     """
-    numbers = history.run.machine.state.numbers
+    numbers = history.run.state.numbers
 
     def wanted(told: ToldEvent) -> bool:
         if told.kind is events.TaskFailed:

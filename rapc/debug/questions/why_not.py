@@ -26,9 +26,9 @@ from rapc.events import Goal, TaskSelected
 from rapc.ir import clauses, nodes
 from rapc.parser.parse import parse_formula
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.machine import Machine
 from rapc.runtime.memory.facts import NEVER
 from rapc.runtime.memory.memory import EXTERNAL
+from rapc.runtime.run import Run
 from rapc.runtime.snapshot import AgendaEntry
 from rapc.runtime.state.task import Env, Task
 from rapc.runtime.tasks.causes import ask_in_parts, conditions
@@ -219,7 +219,7 @@ def task_asked(history: History, number: int) -> TaskAnswer:
         ArgumentError: if there is no such task.
         StateError: for one that has ended, if the run cannot be taken back in time.
     """
-    live = {task.number: task for task in history.run.machine.state.live_tasks()}
+    live = {task.number: task for task in history.run.state.live_tasks()}
     if number in live:
         if history.no_way_back and live[number].bound:
             return _answer(history.run, number, history.cycle, past=False)
@@ -236,7 +236,7 @@ def last_cycle(history: History, number: int) -> int:
     Raises:
         ArgumentError: if it never was.
     """
-    if not 0 < number <= history.run.machine.state.numbers:
+    if not 0 < number <= history.run.state.numbers:
         raise ArgumentError(f"there is no task [{number}]")
     found = history.last(TaskSelected, want=lambda told: told.keys["task"] == number)
     if found is None:
@@ -245,7 +245,7 @@ def last_cycle(history: History, number: int) -> int:
 
 
 def _answer(run: Interpreter, number: int, cycle: int, *, past: bool) -> TaskAnswer:
-    machine, task = run.machine, live_task(run, number)
+    machine, task = run, live_task(run, number)
     entries = {entry.task: entry for entry in run.agenda()}
     own = entries[number]
     if not task.bound:
@@ -275,7 +275,7 @@ def _stands(
         yield f"  method {task.run.plan.name} is under way"
 
 
-def _clauses(machine: Machine, task: Task) -> Iterator[ClauseAsked]:
+def _clauses(machine: Run, task: Task) -> Iterator[ClauseAsked]:
     """Ask the clauses of a task that a cycle asks before methods."""
     plan, env = task.plan, task.env
     for clause in clauses.RAP if task.bound else ():
@@ -292,7 +292,7 @@ def _clauses(machine: Machine, task: Task) -> Iterator[ClauseAsked]:
         run = run.task.within
 
 
-def methods(machine: Machine, task: Task) -> Iterator[MethodAnswer]:
+def methods(machine: Run, task: Task) -> Iterator[MethodAnswer]:
     """Ask each method of a task whether it could be chosen now."""
     held = False
     for method in machine.state.methods(task.plan):
@@ -313,7 +313,7 @@ def methods(machine: Machine, task: Task) -> Iterator[MethodAnswer]:
 
 
 def _held_by(
-    machine: Machine, task: Task, method: MethodPlan, context: ClauseAsked | None
+    machine: Run, task: Task, method: MethodPlan, context: ClauseAsked | None
 ) -> str:
     """Return what a method would have to wait for, and whose it is."""
     if not method.things or (context is not None and not context.holds):
@@ -339,13 +339,13 @@ def why_not_query(history: History, text: str) -> ClauseAsked:
         ValueError: for names that the library does not declare.
     """
     history.run.question(text)  # looks at the names
-    formula, machine = parse_formula(text), history.run.machine
+    formula, machine = parse_formula(text), history.run
     query = machine.library.compiler.query(formula, "question", formula.span)
     return ask(machine, "the question", query, None, {})
 
 
 def ask(
-    machine: Machine, clause: str, query: Query, asker: Task | None, env: Env
+    machine: Run, clause: str, query: Query, asker: Task | None, env: Env
 ) -> ClauseAsked:
     """Ask a clause as a task would, conjunct by conjunct.
 
@@ -380,7 +380,7 @@ _Facts = tuple[Fact, ...]
 
 
 def _facts_about(
-    machine: Machine, part: nodes.Formula, known: list[dict[str, Value]]
+    machine: Run, part: nodes.Formula, known: list[dict[str, Value]]
 ) -> tuple[_Facts, _Facts, _Facts]:
     """Return facts that a conjunct without a solution lacks, that negate it, and near.
 
@@ -396,7 +396,7 @@ def _facts_about(
         return (), (), ()
     patterns = [_with_values(machine, inner, one) for one in known]
     if isinstance(part, nodes.Not):
-        facts = machine.memory.facts
+        facts = machine.beliefs.facts
         found = [fact for one in patterns[:_NEAR] for fact in facts.matching(one)]  # type: ignore[arg-type]
         return (), tuple(dict.fromkeys(found))[:_NEAR], ()
     ground = dict.fromkeys(pattern for pattern in patterns if None not in pattern)
@@ -404,7 +404,7 @@ def _facts_about(
     return missing, (), tuple(_nearest(machine, patterns[0]))
 
 
-def _in_memory(machine: Machine, part: nodes.Proposition) -> bool:
+def _in_memory(machine: Run, part: nodes.Proposition) -> bool:
     return part.name in machine.library.signatures.relations
 
 
@@ -413,15 +413,15 @@ Pattern = tuple[object, ...]
 
 
 def _with_values(
-    machine: Machine, part: nodes.Proposition, env: Mapping[str, Value]
+    machine: Run, part: nodes.Proposition, env: Mapping[str, Value]
 ) -> Pattern:
     """Return a proposition with the values that variables have, None for the others."""
     relation = machine.library.signatures.relations[part.name]
     values = [_value(term, env) for term in relation.full(part.args)]
-    place = machine.memory.place
+    place = machine.beliefs.place
     if part.name == "location" and values[-1:] == [EXTERNAL] and place is not None:
         values[-1] = place
-    known: Pattern = machine.memory.canonical((part.name, *values))
+    known: Pattern = machine.beliefs.canonical((part.name, *values))
     return known
 
 
@@ -432,14 +432,14 @@ def _value(term: nodes.Term, env: Mapping[str, Value]) -> object:
     return env.get(term.name) if isinstance(term, nodes.Var) else None
 
 
-def _nearest(machine: Machine, pattern: Pattern) -> Iterable[Fact]:
+def _nearest(machine: Run, pattern: Pattern) -> Iterable[Fact]:
     """Return the facts that agree with a pattern in most arguments."""
 
     def agreement(fact: Fact) -> int:
         given = zip(pattern[1:], fact[1:], strict=False)
         return sum(1 for want, value in given if want is not None and want == value)
 
-    facts = machine.memory.facts.table(str(pattern[0])).stamps
+    facts = machine.beliefs.facts.table(str(pattern[0])).stamps
     agreeing = sorted(filter(agreement, facts), key=agreement, reverse=True)
     return agreeing[:_NEAR]
 
@@ -449,7 +449,7 @@ Supports = dict[Fact, Time | None]
 
 
 def supports(
-    machine: Machine, formula: nodes.Formula, env: Mapping[str, Value]
+    machine: Run, formula: nodes.Formula, env: Mapping[str, Value]
 ) -> Supports:
     """Return the facts that make a formula hold, with these bindings, in its order."""
     found: Supports = {}
@@ -467,7 +467,7 @@ def supports(
 
 
 def _rests_on(
-    machine: Machine, part: nodes.Proposition, env: Mapping[str, Value]
+    machine: Run, part: nodes.Proposition, env: Mapping[str, Value]
 ) -> Iterable[Fact]:
     """Return the first fact that a proposition matches; those of a named query."""
     query = machine.library.library.queries.get(part.name)
@@ -478,11 +478,11 @@ def _rests_on(
         return supports(machine, query.formula, inner)  # type: ignore[arg-type]
     if not _in_memory(machine, part):
         return ()
-    facts = machine.memory.facts.matching(_with_values(machine, part, env))  # type: ignore[arg-type]
+    facts = machine.beliefs.facts.matching(_with_values(machine, part, env))  # type: ignore[arg-type]
     return facts[:1]
 
 
-def last_asserted(machine: Machine, fact: Fact) -> Time | None:
+def last_asserted(machine: Run, fact: Fact) -> Time | None:
     """Return when a fact was last asserted; None if it never was, or is a default."""
-    stamp = machine.memory.facts.stamp(fact)
+    stamp = machine.beliefs.facts.stamp(fact)
     return None if stamp is None or stamp == NEVER else stamp

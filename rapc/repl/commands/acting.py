@@ -111,7 +111,7 @@ def _option(shell: Shell, args: Arguments) -> Answer:
     given, _, value = args.word("an option").partition("=")
     owner, dot, name = given.partition(".")
     if not (owner and dot and name):
-        raise TextError(f"an option is `{run.machine.world.name}.NAME` or `rapc.NAME`")
+        raise TextError(f"an option is `{run.port.name}.NAME` or `rapc.NAME`")
     if not value:
         value = args.word(f"a value of `{given}`").removeprefix("=")
         value = value or args.word(f"a value of `{given}`")
@@ -127,6 +127,6 @@ def _reload(shell: Shell, args: Arguments) -> Answer:
     """
     if not shell.paths:
         raise TextError("it is not known which files the library was read from")
-    name = shell.history.run.machine.library.name
+    name = shell.history.run.library.name
     typed = "\n\n".join(shell.typed.values())
     return shell.renew(reread(shell.paths, typed, name))

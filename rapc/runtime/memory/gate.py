@@ -10,10 +10,10 @@ from rapc.base.values import Atom, Fact, format_list
 from rapc.errors import FactError
 from rapc.events import ItemEvent, ItemIntroduced, ItemLost, ItemMoved
 from rapc.ir.nodes import Formula
+from rapc.language.atoms import need_atoms
 from rapc.library.kinds import Test
 from rapc.library.library import Library
 from rapc.library.signatures import Signatures
-from rapc.runtime.arguments import need_atoms
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.memory.facts import NEVER
 from rapc.runtime.memory.items import Item

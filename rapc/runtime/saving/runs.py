@@ -12,9 +12,9 @@ from typing import Any
 from rapc.base.chance import stream_in, stream_state
 from rapc.library.library import digest
 from rapc.library.saved_check import UnsoundError
-from rapc.runtime.machine import Machine
 from rapc.runtime.memory.saving import capture_memory
 from rapc.runtime.memory.validation import WrongRecordError, need
+from rapc.runtime.run import Run
 from rapc.runtime.saving.codecs import Reader, Writer, fields_of
 from rapc.runtime.saving.format import RunRecord
 from rapc.runtime.state.agenda import Agenda
@@ -22,11 +22,10 @@ from rapc.runtime.state.run_state import RunState
 from rapc.runtime.state.states import ENDED, RUNNING
 from rapc.runtime.state.task import MethodRun, Task
 from rapc.runtime.state.things import Things
-from rapc.runtime.tasks.choose import added_method
 from rapc.world import World
 
 
-def capture(machine: Machine, seed: int, world: bytes) -> RunRecord:
+def capture(machine: Run, seed: int, world: bytes) -> RunRecord:
     """Return all that a run holds now; `world` is what the world says of itself.
 
     Nothing changes by it: no event, no serial, no draw.
@@ -35,7 +34,7 @@ def capture(machine: Machine, seed: int, world: bytes) -> RunRecord:
     writer = Writer()
     tasks = [given.task for given in state.top_level]
     records = tuple([_written(writer, task, tasks) for task in tasks])  # `tasks` grows
-    notations = machine.memory.notations
+    notations = machine.beliefs.notations
     noted = [
         (task.number, tuple(notations.facts(task.run.notations)))
         for task in tasks
@@ -43,8 +42,8 @@ def capture(machine: Machine, seed: int, world: bytes) -> RunRecord:
     ]
     return RunRecord(
         library=digest(machine.library.library),
-        world_name=machine.world.name,
-        options=options_of(machine.world),
+        world_name=machine.port.name,
+        options=options_of(machine.port),
         settings=machine.settings,
         seed=seed,
         random=stream_state(machine.rng),
@@ -58,7 +57,7 @@ def capture(machine: Machine, seed: int, world: bytes) -> RunRecord:
         ),
         tasks=records,
         state=fields_of(RunState).write(writer, state),
-        agenda=fields_of(Agenda).write(writer, machine.agenda),
+        agenda=fields_of(Agenda).write(writer, machine.eligible),
         things=fields_of(Things).write(writer, machine.things),
         to_test=tuple(
             # a running task is tested when its method ends, whether it is here or not
@@ -107,7 +106,7 @@ class RestoredRun:
             library.
     """
 
-    def __init__(self, machine: Machine, record: RunRecord) -> None:
+    def __init__(self, machine: Run, record: RunRecord) -> None:
         self.machine, self.record = machine, record
         try:
             self._random = stream_in(record.random)
@@ -136,7 +135,7 @@ class RestoredRun:
             plan = library.known_rap(name)
             try:
                 index = len(state.methods(plan))
-                method = added_method(library, plan, node, index)
+                method = library.added_method(plan, node, index)
             except UnsoundError as error:
                 raise WrongRecordError(str(error)) from error
             state.added_methods.setdefault(name, []).append(method)
@@ -176,12 +175,12 @@ class RestoredRun:
         """
         machine, record = self.machine, self.record
         for run, facts in self.noted.items():
-            run.notations = machine.memory.notations.of(facts)
+            run.notations = machine.beliefs.notations.of(facts)
         machine.rng.setstate(self._random.getstate())
         machine.state = self.state
         machine.recount_identities()
         machine.recorder.jump(record.time, record.cycle, record.serial)
-        machine.agenda.take_up(self.agenda)
+        machine.eligible.take_up(self.agenda)
         machine.things.take_up(self.things, self.runs)
         machine.monitors.load(
             self.live.values(), self.to_test, self.missed, record.tested_at

@@ -15,10 +15,10 @@ from rapc.base.values import Atom, Fact, format_atom
 from rapc.errors import StateError
 from rapc.library.library import digest
 from rapc.runtime.held_world import OF_THE_BYTES
-from rapc.runtime.machine import Machine
 from rapc.runtime.memory import saving as memory_saving
 from rapc.runtime.memory.saving import MemoryState
 from rapc.runtime.memory.validation import WrongRecordError
+from rapc.runtime.run import Run
 from rapc.runtime.saving.checks import check
 from rapc.runtime.saving.format import RunRecord, decode_run, encode_run, not_a_run
 from rapc.runtime.saving.runs import RestoredRun, capture, options_of
@@ -29,7 +29,7 @@ _Noted = list[tuple[MethodRun, list[Fact]]]
 """Methods with the facts that they note."""
 
 
-def save(machine: Machine, seed: int) -> bytes:
+def save(machine: Run, seed: int) -> bytes:
     """Return a whole run as bytes; nothing changes by it.
 
     Raises:
@@ -42,10 +42,10 @@ def save(machine: Machine, seed: int) -> bytes:
     if machine.broken:
         raise StateError("the run broke off in the middle of a cycle")
     _look_for_callbacks(machine, "saved")
-    return encode_run(capture(machine, seed, _savable(machine.world).save()))
+    return encode_run(capture(machine, seed, _savable(machine.port).save()))
 
 
-def restore(machine: Machine, saved: bytes) -> int:
+def restore(machine: Run, saved: bytes) -> int:
     """Put a saved run in place of the one that `machine` holds; return its seed.
 
     Raises:
@@ -57,7 +57,7 @@ def restore(machine: Machine, saved: bytes) -> int:
     if machine.turning:
         raise StateError("a run cannot be replaced in the middle of a cycle")
     _look_for_callbacks(machine, "replaced")
-    world = _savable(machine.world)
+    world = _savable(machine.port)
     record = decode_run(saved)
     _look_whose(machine, record)
     try:
@@ -70,7 +70,7 @@ def restore(machine: Machine, saved: bytes) -> int:
     try:
         memory_saving.restore_memory(machine.access, record.memory)
         world.restore(record.world)
-        early = machine.world.now() < record.time
+        early = machine.port.now() < record.time
     except BaseException as error:
         _put_back(machine, before, noted)
         if isinstance(error, OF_THE_BYTES):
@@ -85,16 +85,16 @@ def restore(machine: Machine, saved: bytes) -> int:
     return record.seed
 
 
-def _put_back(machine: Machine, before: MemoryState, noted: _Noted) -> None:
+def _put_back(machine: Run, before: MemoryState, noted: _Noted) -> None:
     """Restore memory as it was, with the notations of methods."""
     memory_saving.restore_memory(machine.access, before)
     for run, facts in noted:
-        run.notations = machine.memory.notations.of(facts)
+        run.notations = machine.beliefs.notations.of(facts)
 
 
-def _noted(machine: Machine) -> _Noted:
+def _noted(machine: Run) -> _Noted:
     """Return the methods that note facts, and which."""
-    notations = machine.memory.notations
+    notations = machine.beliefs.notations
     return [
         (task.run, notations.facts(task.run.notations))
         for task in machine.state.live_tasks()
@@ -102,23 +102,23 @@ def _noted(machine: Machine) -> _Noted:
     ]
 
 
-def _look_whose(machine: Machine, record: RunRecord) -> None:
+def _look_whose(machine: Run, record: RunRecord) -> None:
     """See that a saved run is one of this library, world and settings."""
     if record.library != digest(machine.library.library):
         raise StateError("the saved run is one of another library")
-    if record.world_name != machine.world.name:
+    if record.world_name != machine.port.name:
         raise StateError(
             f"the saved run is one in the world `{record.world_name}`, "
-            f"not `{machine.world.name}`"
+            f"not `{machine.port.name}`"
         )
     if record.settings != machine.settings:
         raise StateError("the saved run is one with other settings")
-    mine, its = options_of(machine.world), record.options
+    mine, its = options_of(machine.port), record.options
     for name in sorted({*mine, *its}):
         if mine.get(name) != its.get(name):
             raise StateError(
                 f"the saved run is one with another value of the option "
-                f"`{machine.world.name}.{name}`: {_option(its.get(name))}, "
+                f"`{machine.port.name}.{name}`: {_option(its.get(name))}, "
                 f"not {_option(mine.get(name))}"
             )
 
@@ -136,7 +136,7 @@ def _savable(world: World) -> Savable:
     return world
 
 
-def _look_for_callbacks(machine: Machine, done: str) -> None:
+def _look_for_callbacks(machine: Run, done: str) -> None:
     """Refuse a run that would lose what its host is to do."""
     timers = sorted((time, number) for time, number, _ in machine.host_timers)
     actions = {number: action for _, number, action in machine.host_timers}

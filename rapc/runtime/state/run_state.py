@@ -3,7 +3,7 @@
 What a save holds is here, in the tasks reached from here, and in what memory, agenda,
 monitors and recorder say of themselves; `rapc.runtime.saving` puts it together.
 Nothing here can be called. Not here: what a host has registered (listeners, timers),
-which no save can hold (`rapc.runtime.machine`).
+which no save can hold (`rapc.runtime.run`).
 """
 
 from __future__ import annotations

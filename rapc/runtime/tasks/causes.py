@@ -29,8 +29,8 @@ from rapc.events import Cause
 from rapc.ir import clauses, nodes
 from rapc.ir.printer import format_formula, format_goal, format_term
 from rapc.ir.walk import subterms
-from rapc.runtime.machine import Machine
 from rapc.runtime.query_context import NotingContext, time_of
+from rapc.runtime.run import Run
 from rapc.runtime.state.task import Env, MethodRun, Task
 
 LONGEST = 16
@@ -38,15 +38,13 @@ LONGEST = 16
 
 _Args = ParamSpec("_Args")
 
-_Find = Callable[Concatenate[Machine, _Args], Cause | None]
+_Find = Callable[Concatenate[Run, _Args], Cause | None]
 
 
 def _if_told(find: _Find[_Args]) -> _Find[_Args]:
     """Let a cause be looked for only where events tell of causes."""
 
-    def found(
-        machine: Machine, /, *args: _Args.args, **more: _Args.kwargs
-    ) -> Cause | None:
+    def found(machine: Run, /, *args: _Args.args, **more: _Args.kwargs) -> Cause | None:
         return find(machine, *args, **more) if machine.recorder.tells_causes else None
 
     return found
@@ -56,7 +54,7 @@ def _if_told(find: _Find[_Args]) -> _Find[_Args]:
 
 
 @_if_told
-def of_inputs(machine: Machine, task: Task) -> Cause | None:
+def of_inputs(machine: Run, task: Task) -> Cause | None:
     """Return why a task whose inputs are not all bound has failed."""
     step, run = task.step, task.within
     if step is None or run is None:
@@ -71,7 +69,7 @@ def of_inputs(machine: Machine, task: Task) -> Cause | None:
 
 
 @_if_told
-def of_set_up(machine: Machine, task: Task) -> Cause | None:
+def of_set_up(machine: Run, task: Task) -> Cause | None:
     """Return why no resources or times could be made for a task."""
     context, env, name = context_of(machine, task), task.env, task.plan.name
     for resource, initial in task.plan.resources:
@@ -99,14 +97,14 @@ def of_set_up(machine: Machine, task: Task) -> Cause | None:
 
 
 def _of_term(
-    machine: Machine, clause: str, span: Span, value: TermValue, note: str, env: Env
+    machine: Run, clause: str, span: Span, value: TermValue, note: str, env: Env
 ) -> Cause:
     part = format_term(value.term)
     return _cause(machine, clause, span, part, note, env, [value.term])
 
 
 @_if_told
-def of_conditions(machine: Machine, task: Task) -> Cause | None:
+def of_conditions(machine: Run, task: Task) -> Cause | None:
     """Return which condition of a task does not hold now: the first, as they are asked.
 
     The order is that of step 4: `for` formulas, preconditions, constraints upwards.
@@ -148,7 +146,7 @@ def conditions(task: Task) -> Iterator[Condition]:
 
 
 @_if_told
-def of_method_constraints(machine: Machine, run: MethodRun) -> Cause | None:
+def of_method_constraints(machine: Run, run: MethodRun) -> Cause | None:
     """Return why the constraints of a method do not hold."""
     if run.plan.constraints is None:
         return None
@@ -160,7 +158,7 @@ def of_method_constraints(machine: Machine, run: MethodRun) -> Cause | None:
 
 
 @_if_told
-def of_no_method(machine: Machine, task: Task) -> Cause | None:
+def of_no_method(machine: Run, task: Task) -> Cause | None:
     """Return what ruled out each method of a task, and how the last one ended."""
     plan, before = task.plan, _last(task)
     if plan.repeat_while is not None:
@@ -184,7 +182,7 @@ def of_no_method(machine: Machine, task: Task) -> Cause | None:
 
 @_if_told
 def of_futile_choice(
-    machine: Machine, task: Task, method: MethodPlan, found: Env
+    machine: Run, task: Task, method: MethodPlan, found: Env
 ) -> Cause | None:
     """Return which choice a task has made as often as it may."""
     clause = f"method `{method.name}` of `{task.plan.name}`"
@@ -195,7 +193,7 @@ def of_futile_choice(
 
 
 @_if_told
-def of_recursion(machine: Machine, step: Task) -> Cause | None:
+def of_recursion(machine: Run, step: Task) -> Cause | None:
     """Return which ancestor has the goal that a step's task repeats."""
     if step.step is None:
         return None
@@ -213,9 +211,7 @@ def of_recursion(machine: Machine, step: Task) -> Cause | None:
 
 
 @_if_told
-def of_step_end(
-    machine: Machine, task: Task, outputs: Mapping[str, Value]
-) -> Cause | None:
+def of_step_end(machine: Run, task: Task, outputs: Mapping[str, Value]) -> Cause | None:
     """Return why a task whose `succeed` holds fails: its outputs or its effects."""
     step, run = task.step, task.within
     if step is None or run is None:
@@ -238,7 +234,7 @@ def of_step_end(
 
 
 @_if_told
-def of_signal(machine: Machine, task: Task) -> Cause | None:
+def of_signal(machine: Run, task: Task) -> Cause | None:
     """Return which step a signal has failed."""
     if task.step is None:
         return None
@@ -249,7 +245,7 @@ def of_signal(machine: Machine, task: Task) -> Cause | None:
 
 @_if_told
 def of_child(
-    machine: Machine, task: Task, result: str, because: Cause | None
+    machine: Run, task: Task, result: str, because: Cause | None
 ) -> Cause | None:
     """Return why a method has ended badly one of whose steps has failed."""
     step = task.step
@@ -265,7 +261,7 @@ def of_child(
 
 
 @_if_told
-def of_bad_start(machine: Machine, run: MethodRun) -> Cause | None:
+def of_bad_start(machine: Run, run: MethodRun) -> Cause | None:
     """Return which notation of a method cannot be asserted, or which claim made."""
     for plan in run.plan.notations:
         note = _unfilled(machine, run, plan) or _refusal(machine, run, plan)
@@ -280,7 +276,7 @@ def of_bad_start(machine: Machine, run: MethodRun) -> Cause | None:
 
 
 @_if_told
-def of_result(machine: Machine, run: MethodRun, result: str) -> Cause | None:
+def of_result(machine: Run, run: MethodRun, result: str) -> Cause | None:
     """Return why a method has ended badly that asks something of the world.
 
     A request or a skill that cannot be filled in, what the world has answered, or an
@@ -306,7 +302,7 @@ def of_result(machine: Machine, run: MethodRun, result: str) -> Cause | None:
 
 
 @_if_told
-def of_refusal(machine: Machine, run: MethodRun) -> Cause | None:
+def of_refusal(machine: Run, run: MethodRun) -> Cause | None:
     """Return what the world has refused, beside nothing that could be waited for."""
     plan, skills = run.plan.request, run.plan.activation
     asked = plan if skills is None else skills.skills[0]
@@ -318,20 +314,20 @@ def of_refusal(machine: Machine, run: MethodRun) -> Cause | None:
 
 
 def _of_method(
-    machine: Machine, run: MethodRun, what: str, node: nodes.Pattern, note: str
+    machine: Run, run: MethodRun, what: str, node: nodes.Pattern, note: str
 ) -> Cause:
     clause, part = f"{what} of `{run.task.plan.name}`", format_formula(node)
     return _cause(machine, clause, node.span, part, note, run.env, node.args)
 
 
 def _unfilled(
-    machine: Machine, run: MethodRun, plan: RequestPlan, sent: bool = False
+    machine: Run, run: MethodRun, plan: RequestPlan, sent: bool = False
 ) -> str:
     """Return what keeps a clause from being filled in; nothing if it can be.
 
     With `sent` its items need sensor names.
     """
-    context, items = context_of(machine, run.task), machine.memory.items
+    context, items = context_of(machine, run.task), machine.beliefs.items
     for arg in plan.args:
         value = arg.needed(context, run.env)
         if value is None:
@@ -343,12 +339,12 @@ def _unfilled(
     return ""
 
 
-def _refusal(machine: Machine, run: MethodRun, plan: RequestPlan) -> str:
+def _refusal(machine: Run, run: MethodRun, plan: RequestPlan) -> str:
     """Return why memory refuses a notation that is filled in, if it does."""
     context = context_of(machine, run.task)
     filled = [arg.needed(context, run.env) for arg in plan.args]
     try:
-        machine.memory.checked((plan.name, *filled))  # type: ignore[arg-type]  # atoms
+        machine.beliefs.checked((plan.name, *filled))  # type: ignore[arg-type]  # atoms
     except FactError as error:
         return str(error)
     return ""
@@ -358,7 +354,7 @@ def _refusal(machine: Machine, run: MethodRun, plan: RequestPlan) -> str:
 
 
 def _cause(
-    machine: Machine,
+    machine: Run,
     clause: str,
     span: Span,
     part: str = "",
@@ -399,7 +395,7 @@ def _last(task: Task) -> Cause | None:
 
 
 def _of_query(
-    machine: Machine, clause: str, query: Query, asker: Task, env: Env
+    machine: Run, clause: str, query: Query, asker: Task, env: Env
 ) -> Cause | None:
     """Return which part of a query has no solution; None if all of it has one."""
     bound, row = env, machine.library.compiler.row
@@ -431,7 +427,7 @@ class PartAsked(NamedTuple):
 
 
 def ask_in_parts(
-    machine: Machine, query: Query, asker: Task | None, env: Env, most: int
+    machine: Run, query: Query, asker: Task | None, env: Env, most: int
 ) -> Iterator[PartAsked]:
     """Ask a query conjunct by conjunct, to the first without a solution.
 
@@ -458,7 +454,7 @@ def ask_in_parts(
             return
 
 
-def context_of(machine: Machine, asker: Task | None) -> NotingContext:
+def context_of(machine: Run, asker: Task | None) -> NotingContext:
     """Return what asks as a task would, and tells nobody."""
     context = machine.noting
     context.begin(asker)

@@ -8,18 +8,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TypeVar
 
-from msgspec.structs import replace
-
 from rapc.base.chance import below
 from rapc.base.code_places import place_of
 from rapc.base.resources import frozen
-from rapc.compiler.program import Program
 from rapc.compiler.rap_plan import MethodPlan, RapPlan
 from rapc.errors import PortError
 from rapc.events import SolverCalled
 from rapc.ir import nodes
-from rapc.library import saved_check
-from rapc.runtime.machine import Machine
+from rapc.library.saved_check import UnsoundError
+from rapc.runtime.run import Run
 from rapc.runtime.state.task import Env, Task
 from rapc.runtime.tasks.hold_things import must_wait
 
@@ -38,7 +35,7 @@ Choice = tuple[MethodPlan, Env, Sequence[Held]]
 """The method to try, what its choice binds, and all that it was drawn from."""
 
 
-def choose(machine: Machine, task: Task, asked: bool = False) -> Choice | None:
+def choose(machine: Run, task: Task, asked: bool = False) -> Choice | None:
     """Return what to try, or None if there is nothing.
 
     A solver is asked if no method holds, unless it was `asked` already.
@@ -73,7 +70,7 @@ def choose(machine: Machine, task: Task, asked: bool = False) -> Choice | None:
     return choose(machine, task, asked=True)
 
 
-def _draw(machine: Machine, task: Task, holding: list[Held]) -> Choice:
+def _draw(machine: Run, task: Task, holding: list[Held]) -> Choice:
     """One of several: failed least, chosen least, not kept waiting, then by chance."""
     holding = _least(holding, [task.failures_of(method) for method, _ in holding])
     if len(holding) > 1:
@@ -98,7 +95,7 @@ def _least(choices: Sequence[_Any], counts: Sequence[int]) -> list[_Any]:
     return [c for c, count in zip(choices, counts, strict=True) if count == least]
 
 
-def _ask_solver(machine: Machine, task: Task) -> bool:
+def _ask_solver(machine: Run, task: Task) -> bool:
     """Ask the problem solver of a RAP; whether it has returned any method."""
     solver = machine.solvers.get(task.plan.name)
     if solver is None:
@@ -124,9 +121,7 @@ def _ask_solver(machine: Machine, task: Task) -> bool:
     return bool(returned)
 
 
-def _add_method(
-    machine: Machine, rap: RapPlan, node: nodes.Method, solver: object
-) -> None:
+def _add_method(machine: Run, rap: RapPlan, node: nodes.Method, solver: object) -> None:
     """Add a method that a solver has returned to a RAP, for the rest of the run.
 
     Raises:
@@ -134,24 +129,12 @@ def _add_method(
     """
     index = len(machine.state.methods(rap))
     try:
-        plan = added_method(machine.library, rap, node, index)
-    except (saved_check.UnsoundError, AttributeError, TypeError) as error:
+        plan = machine.library.added_method(rap, node, index)
+    except (UnsoundError, AttributeError, TypeError) as error:
         whose = f"the solver of `{rap.name}`{place_of(solver)}"
         said = f"{whose} returned a method that cannot be run: {error}"
         raise PortError(said) from error
     machine.state.added_methods.setdefault(rap.name, []).append(plan)
-
-
-def added_method(
-    library: Program, rap: RapPlan, node: nodes.Method, index: int
-) -> MethodPlan:
-    """Return the plan of a method that no text of the library has.
-
-    Raises:
-        UnsoundError: for a method with names that the library does not declare so.
-    """
-    saved_check.Verifier(library.signatures).rap(replace(rap.node, methods=(node,)))
-    return MethodPlan(library.compiler, rap.node, node, index)
 
 
 def _same(a: nodes.Method, b: nodes.Method) -> bool:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from rapc.compiler.query.query import Query
 from rapc.events import FamilySwitched, TaskSelected
-from rapc.runtime.machine import Machine
+from rapc.runtime.run import Run
 from rapc.runtime.state.states import ENDED, INTERFERENCE
 from rapc.runtime.state.task import Env, MethodRun, Task
 from rapc.runtime.state.wait_state import WaitState
@@ -28,7 +28,7 @@ from rapc.runtime.tasks.try_method import try_method
 from rapc.world import OKAY
 
 
-def run_cycle(machine: Machine, task: Task) -> None:
+def run_cycle(machine: Run, task: Task) -> None:
     """Process the task that the agenda has chosen."""
     plan, wait = task.plan, task.wait
     if machine.waits:
@@ -42,7 +42,7 @@ def run_cycle(machine: Machine, task: Task) -> None:
     else:
         if machine.recorder.on:
             _tell_selected(machine, task)
-        machine.agenda.last_family = task.family
+        machine.eligible.last_family = task.family
     if plan.succeed is None:
         found: Env | None = {} if task.last_result == OKAY else None
     else:
@@ -66,7 +66,7 @@ def run_cycle(machine: Machine, task: Task) -> None:
         try_method(machine, task)
 
 
-def _first_of_all(machine: Machine, task: Task) -> None:
+def _first_of_all(machine: Run, task: Task) -> None:
     """Step 1, and what sets off others at the first selection; may end the task."""
     wait, unbound = task.wait, False
     if not task.bound:
@@ -74,7 +74,7 @@ def _first_of_all(machine: Machine, task: Task) -> None:
         unbound = not task.bound
     if machine.recorder.on:
         _tell_selected(machine, task)
-    machine.agenda.last_family = task.family
+    machine.eligible.last_family = task.family
     if wait is not None and not (wait.first_selected or task.plan.monitored):
         _begin(machine, task, wait)
     if (unbound or task.identity is None) and _misses_inputs(machine, task):
@@ -86,21 +86,21 @@ def _first_of_all(machine: Machine, task: Task) -> None:
             _begin(machine, task, wait)
 
 
-def _found(machine: Machine, task: Task, succeed: Query) -> Env | None:
+def _found(machine: Run, task: Task, succeed: Query) -> Env | None:
     """Return what the `succeed` clause binds if it holds."""
     machine.context.task = task
     return succeed.first(machine.context, task.env)
 
 
-def _tell_selected(machine: Machine, task: Task) -> None:
-    recorder, last = machine.recorder, machine.agenda.last_family
+def _tell_selected(machine: Run, task: Task) -> None:
+    recorder, last = machine.recorder, machine.eligible.last_family
     if last is not None and last != task.family:
         recorder.emit(FamilySwitched, task=task.number, from_=last, to=task.family)
     if recorder.wants(TaskSelected):
         recorder.emit(TaskSelected, task=task.number, goal=task.goal())
 
 
-def _begin(machine: Machine, task: Task, wait: WaitState) -> None:
+def _begin(machine: Run, task: Task, wait: WaitState) -> None:
     """The first selection with monitors holding sets off `until-start`."""
     step, run = task.step, task.within
     if step is None or run is None or not step.until:
@@ -112,7 +112,7 @@ def _begin(machine: Machine, task: Task, wait: WaitState) -> None:
     release_followers(machine, run, apply_until(machine, run, step, at_end=False))
 
 
-def _misses_inputs(machine: Machine, task: Task) -> bool:
+def _misses_inputs(machine: Run, task: Task) -> bool:
     """Step 1: try to bind what is unbound; whether that has settled the task."""
     run, step = task.within, task.step
     if run is not None and step is not None:
@@ -134,7 +134,7 @@ def _misses_inputs(machine: Machine, task: Task) -> bool:
     return not task.live
 
 
-def _conditions_hold(machine: Machine, task: Task) -> bool:
+def _conditions_hold(machine: Run, task: Task) -> bool:
     """Step 4: `for` formulas, preconditions, constraints of the task and above.
 
     False also if a binding found here, or a constraint of a method, has ended the
@@ -161,7 +161,7 @@ def _conditions_hold(machine: Machine, task: Task) -> bool:
     return stated is None or _constraints_hold(machine, stated)
 
 
-def _constraints_hold(machine: Machine, nearest: Task | MethodRun) -> bool:
+def _constraints_hold(machine: Run, nearest: Task | MethodRun) -> bool:
     """Whether the constraints of `nearest` and of all above it hold now.
 
     One of a method that does not hold ends the method, and all below leaves.
@@ -192,7 +192,7 @@ def _constraints_hold(machine: Machine, nearest: Task | MethodRun) -> bool:
     return True
 
 
-def _method_holds(machine: Machine, run: MethodRun) -> bool:
+def _method_holds(machine: Run, run: MethodRun) -> bool:
     """Whether the constraints of a method hold; else it ends, with all below it."""
     machine.context.task = run.task
     constraints = run.plan.constraints

@@ -11,8 +11,8 @@ from rapc.base.values import Number, is_number
 from rapc.compiler.net_plan import EffectPlan, StepPlan
 from rapc.compiler.query.builtin import QueryFault, add, subtract
 from rapc.events import ResourceChange, ResourceChanged
-from rapc.runtime.machine import Machine
 from rapc.runtime.query_context import QueryContext
+from rapc.runtime.run import Run
 from rapc.runtime.state.task import Env, MethodRun, Task
 
 Change = tuple[str, Counter | SetResource, Value]
@@ -20,7 +20,7 @@ Change = tuple[str, Counter | SetResource, Value]
 
 
 def changes_of(
-    machine: Machine, run: MethodRun, step: StepPlan, bound: Env
+    machine: Run, run: MethodRun, step: StepPlan, bound: Env
 ) -> list[Change] | None:
     """The changes of a step's effects; None if one of them cannot be made."""
     changes: list[Change] = []
@@ -66,7 +66,7 @@ def _change(context: QueryContext, effect: EffectPlan, env: Env) -> Change | Non
     return None
 
 
-def carry_out(machine: Machine, task: Task, change: Change) -> None:
+def carry_out(machine: Run, task: Task, change: Change) -> None:
     """Make one change, for the step's task that has brought it about."""
     op, resource, by = change
     if isinstance(resource, Counter):

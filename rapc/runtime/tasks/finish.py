@@ -17,8 +17,7 @@ from rapc.events import (
     TaskFailed,
     TaskSucceeded,
 )
-from rapc.runtime.acts.activations import deactivate
-from rapc.runtime.machine import Machine
+from rapc.runtime.run import Run
 from rapc.runtime.state.states import (
     ELIGIBLE,
     ENDED,
@@ -28,6 +27,7 @@ from rapc.runtime.state.states import (
 )
 from rapc.runtime.state.task import Env, MethodRun, Task, as_told
 from rapc.runtime.tasks import causes
+from rapc.runtime.tasks.activations import deactivate
 from rapc.runtime.tasks.effects import Change, carry_out, changes_of
 from rapc.runtime.tasks.remove import discount, drop, free, remove, stop, unregister
 from rapc.runtime.tasks.rules import run_finish_rules
@@ -45,7 +45,7 @@ _Received = tuple[Env, Sequence[Change]]
 # --- good endings ----------------------------------------------------------------
 
 
-def succeed(machine: Machine, task: Task, found: Env) -> None:
+def succeed(machine: Run, task: Task, found: Env) -> None:
     """Succeed a task that is not on the agenda, or fail it if its outputs do not fit.
 
     Outputs and effects of a step are all brought to its method, or none is. Its end
@@ -81,7 +81,7 @@ def succeed(machine: Machine, task: Task, found: Env) -> None:
 
 
 def _finish_step(
-    machine: Machine, run: MethodRun, step: StepPlan, received: _Received | None
+    machine: Run, run: MethodRun, step: StepPlan, received: _Received | None
 ) -> None:
     """Bring a method what it has `received`; release what follows, or end it."""
     bound: Env = {}
@@ -104,7 +104,7 @@ def _finish_step(
 
 
 def _received(
-    machine: Machine, run: MethodRun, step: StepPlan, outputs: Env
+    machine: Run, run: MethodRun, step: StepPlan, outputs: Env
 ) -> _Received | None:
     """Return what outputs bind and effects change; None if one of them cannot be."""
     names = run.steps[step.position].plan.outputs
@@ -131,7 +131,7 @@ def _outputs(task: Task, found: Env) -> Env:
 
 
 def receive(
-    machine: Machine, run: MethodRun, arriving: Iterable[tuple[OutputTarget, Value]]
+    machine: Run, run: MethodRun, arriving: Iterable[tuple[OutputTarget, Value]]
 ) -> Env | None:
     """Return what values bind in a method's environment; None if one does not fit."""
     bound: Env = {}
@@ -147,9 +147,7 @@ def receive(
     return bound
 
 
-def release_followers(
-    machine: Machine, run: MethodRun, following: Sequence[int]
-) -> None:
+def release_followers(machine: Run, run: MethodRun, following: Sequence[int]) -> None:
     """Release, in the order of the text, steps that follow no other step any more.
 
     `following` are the positions of the steps that follow each one that has ended.
@@ -168,7 +166,7 @@ def release_followers(
 
 
 def apply_until(
-    machine: Machine, run: MethodRun, step: StepPlan, *, at_end: bool
+    machine: Run, run: MethodRun, step: StepPlan, *, at_end: bool
 ) -> list[int]:
     """Remove the live steps whose `until` names `step`.
 
@@ -196,7 +194,7 @@ def apply_until(
 
 
 def recheck_bound_steps(
-    machine: Machine, run: MethodRun, bound: Iterable[str], *positions: int
+    machine: Run, run: MethodRun, bound: Iterable[str], *positions: int
 ) -> bool:
     """Read the inputs of steps again that use variables in `bound`.
 
@@ -219,11 +217,11 @@ def recheck_bound_steps(
         if task.bound and task.identity is None and repeats_ancestor(machine, task):
             because = causes.of_recursion(machine, task)
             end_method(machine, run, FUTILE_LOOP, because, "parent-failed")
-            machine.agenda.discard(run.task)
+            machine.eligible.discard(run.task)
             fail(machine, run.task, FUTILE_LOOP, because)
             return True
-        if task.bound and task in machine.agenda:
-            machine.agenda.discard(task)
+        if task.bound and task in machine.eligible:
+            machine.eligible.discard(task)
             release(machine, task, again=True)
     return False
 
@@ -231,9 +229,7 @@ def recheck_bound_steps(
 # --- bad endings -----------------------------------------------------------------
 
 
-def fail(
-    machine: Machine, task: Task, reason: str, because: Cause | None = None
-) -> None:
+def fail(machine: Run, task: Task, reason: str, because: Cause | None = None) -> None:
     """Fail a task: end its method, and let its parent come up again."""
     world_failure = task.world_failure
     result = world_failure or reason
@@ -262,7 +258,7 @@ def fail(
 
 
 def end_method(
-    machine: Machine,
+    machine: Run,
     run: MethodRun,
     result: str,
     because: Cause | None = None,
@@ -302,10 +298,10 @@ def end_method(
         task.wait.after_method = True
         if task.plan.monitor_time is not None:
             machine.monitors.arm(task, recorder.time)
-    machine.agenda.add(task)
+    machine.eligible.add(task)
 
 
-def _give_back(machine: Machine, run: MethodRun) -> None:
+def _give_back(machine: Run, run: MethodRun) -> None:
     """Give back what a method has had: its identity, skills, things, notations."""
     task = run.task
     if task.plan.recursive or machine.all_may_recur:
@@ -315,7 +311,7 @@ def _give_back(machine: Machine, run: MethodRun) -> None:
     free(machine, run)
 
 
-def _switch_off(machine: Machine, run: MethodRun) -> None:
+def _switch_off(machine: Run, run: MethodRun) -> None:
     """Switch off the skills of a method that has ended, and those to come on again."""
     if run.ticket is not None:
         deactivate(machine, run.ticket)
@@ -323,7 +319,7 @@ def _switch_off(machine: Machine, run: MethodRun) -> None:
         machine.things.stop_waiting(run.task)
 
 
-def finish_by_signal(machine: Machine, task: Task, mode: str) -> None:
+def finish_by_signal(machine: Run, task: Task, mode: str) -> None:
     """End a step, waiting or running, because of a signal; remove what it spawned."""
     run = stop(machine, task)
     if run is not None:
@@ -331,7 +327,7 @@ def finish_by_signal(machine: Machine, task: Task, mode: str) -> None:
             if step.live:
                 remove(machine, step, SIGNAL)
         drop(machine, run)
-    machine.agenda.discard(task)
+    machine.eligible.discard(task)
     if mode == "succeed":
         succeed(machine, task, {})
     else:

@@ -13,19 +13,19 @@ from typing import Final
 from rapc.base.values import format_list
 from rapc.compiler.rap_plan import MethodPlan
 from rapc.events import MethodSuspended
-from rapc.runtime.acts.activations import (
+from rapc.runtime.run import Run
+from rapc.runtime.state.states import BLOCKED, INTERFERENCE
+from rapc.runtime.state.task import Env, MethodRun, Task
+from rapc.runtime.state.things import Ask, Hold, Thing, ThingWait, format_thing, words
+from rapc.runtime.tasks.activations import (
     activatable,
     activate,
     call_off,
     reactivate,
 )
-from rapc.runtime.acts.primitives import filled_in, ground, request, sendable
-from rapc.runtime.machine import Machine
-from rapc.runtime.state.states import BLOCKED, INTERFERENCE
-from rapc.runtime.state.task import Env, MethodRun, Task
-from rapc.runtime.state.things import Ask, Hold, Thing, ThingWait, format_thing, words
 from rapc.runtime.tasks.causes import of_refusal
 from rapc.runtime.tasks.finish import end_method
+from rapc.runtime.tasks.primitives import filled_in, ground, request, sendable
 from rapc.runtime.tasks.remove import stop
 from rapc.world import Refused
 
@@ -37,7 +37,7 @@ UNFILLED: Final = "unfilled"
 Asks = tuple[Ask, ...]
 
 
-def asks_of(machine: Machine, task: Task, method: MethodPlan, env: Env) -> Asks | None:
+def asks_of(machine: Run, task: Task, method: MethodPlan, env: Env) -> Asks | None:
     """Return what a method of `task` would ask for, with the bindings `env`.
 
     None if a thing or the request cannot be filled in: then the method asks for
@@ -53,13 +53,13 @@ def asks_of(machine: Machine, task: Task, method: MethodPlan, env: Env) -> Asks 
         thing = filled_in(machine, task, asked.plan, env)
         if thing is None:
             return None
-        thing = machine.memory.canonical(thing)
+        thing = machine.beliefs.canonical(thing)
         if thing not in found:
             found[thing] = machine.things.ask(task, thing, asked.used)
     return tuple(found.values())
 
 
-def must_wait(machine: Machine, task: Task, method: MethodPlan, found: Env) -> bool:
+def must_wait(machine: Run, task: Task, method: MethodPlan, found: Env) -> bool:
     """Whether a method would have to wait for a thing; `found` binds its choice."""
     if not method.things:
         return False
@@ -68,7 +68,7 @@ def must_wait(machine: Machine, task: Task, method: MethodPlan, found: Env) -> b
 
 
 def hold_or_wait(
-    machine: Machine, run: MethodRun, others: Sequence[tuple[MethodPlan, Env]]
+    machine: Run, run: MethodRun, others: Sequence[tuple[MethodPlan, Env]]
 ) -> str:
     """Let a method that is to start hold what it asks for, or block its task.
 
@@ -98,13 +98,13 @@ def hold_or_wait(
     return WAITS
 
 
-def can_claim(machine: Machine, run: MethodRun) -> bool:
+def can_claim(machine: Run, run: MethodRun) -> bool:
     """Whether all that a method claims can be filled in; what cannot is traced."""
     claims = [asked.plan for asked in run.plan.things if not asked.used]
     return all(ground(machine, run, plan) is not None for plan in claims)
 
 
-def give_way(machine: Machine, task: Task, asks: Asks, said: str = "") -> None:
+def give_way(machine: Run, task: Task, asks: Asks, said: str = "") -> None:
     """Suspend the lower methods whose requests use what `task` takes, by number.
 
     Of the `skills` of a method those go off that use it, and the method goes on.
@@ -124,7 +124,7 @@ def give_way(machine: Machine, task: Task, asks: Asks, said: str = "") -> None:
             _suspend(machine, run, on, task.number)
 
 
-def _suspend(machine: Machine, run: MethodRun, on: str, by: int) -> None:
+def _suspend(machine: Run, run: MethodRun, on: str, by: int) -> None:
     """Undo a method whose request is under way, as if it had never been chosen."""
     task = run.task
     asks = tuple([hold.ask for hold in machine.things.held[task.number]])
@@ -137,19 +137,19 @@ def _suspend(machine: Machine, run: MethodRun, on: str, by: int) -> None:
     _wait(machine, ThingWait(task, (asks,), on, by))
 
 
-def _undo(machine: Machine, run: MethodRun) -> None:
+def _undo(machine: Run, run: MethodRun) -> None:
     """Let a method that has no steps be gone as if it had never been chosen."""
     task = run.task
     stop(machine, task)
     for notation in run.notations:
-        machine.memory.release_notation(notation)
+        machine.beliefs.release_notation(notation)
     machine.things.release(task)
     task.forget_choice()
     task.forget_method()
 
 
 def _block(
-    machine: Machine, task: Task, alternatives: tuple[Asks, ...], obstacle: Hold
+    machine: Run, task: Task, alternatives: tuple[Asks, ...], obstacle: Hold
 ) -> None:
     """Block a task until nothing is in the way of an alternative; tell of it."""
     on, holder = words(obstacle), obstacle.run.task.number
@@ -158,7 +158,7 @@ def _block(
     machine.monitors.tell_blocked(wait)
 
 
-def _wait(machine: Machine, wait: ThingWait) -> None:
+def _wait(machine: Run, wait: ThingWait) -> None:
     wait.task.state = BLOCKED
     if wait.task.wait is not None:
         wait.task.wait.timer = None
@@ -169,7 +169,7 @@ def _wait(machine: Machine, wait: ThingWait) -> None:
 
 
 def _interrupt_skills(
-    machine: Machine, run: MethodRun, taken: Asks, on: str, by: int
+    machine: Run, run: MethodRun, taken: Asks, on: str, by: int
 ) -> None:
     """Switch off those `skills` of a method that use what is taken, until they can on.
 
@@ -200,7 +200,7 @@ def _interrupt_skills(
 
 
 def _without(
-    machine: Machine, run: MethodRun, held: Iterable[Ask], freed: set[Thing]
+    machine: Run, run: MethodRun, held: Iterable[Ask], freed: set[Thing]
 ) -> Iterator[Ask]:
     """Yield what a method goes on holding: of what is `freed` only what it claims."""
     claimed = [
@@ -208,7 +208,7 @@ def _without(
         for one in run.plan.things
         if not one.used
     ]
-    names = {machine.memory.canonical(one) for one in claimed if one is not None}
+    names = {machine.beliefs.canonical(one) for one in claimed if one is not None}
     for ask in held:
         if not ask.used or ask.thing not in freed:
             yield ask
@@ -216,20 +216,20 @@ def _without(
             yield ask._replace(used=False)
 
 
-def _used_by_skills(machine: Machine, run: MethodRun) -> list[set[Thing]]:
+def _used_by_skills(machine: Run, run: MethodRun) -> list[set[Thing]]:
     """Return what each skill of a method uses."""
     plan = run.plan.activation
     assert plan is not None
     found = []
     for uses, skill in zip(plan.uses, run.skills, strict=True):
-        given = dict(zip(uses.args, machine.memory.canonical(skill)[1:], strict=True))
+        given = dict(zip(uses.args, machine.beliefs.canonical(skill)[1:], strict=True))
         things = [filled_in(machine, run.task, one, given) for one in uses.things]
         known = [thing for thing in things if thing is not None]
-        found.append({machine.memory.canonical(thing) for thing in known})
+        found.append({machine.beliefs.canonical(thing) for thing in known})
     return found
 
 
-def resume_skills(machine: Machine) -> None:
+def resume_skills(machine: Run) -> None:
     """Switch suspended skills of methods on again where nothing is in the way."""
     things = machine.things
     for number in sorted(things.resumable):
@@ -241,7 +241,7 @@ def resume_skills(machine: Machine) -> None:
         _resume(machine, run, wait)
 
 
-def _resume(machine: Machine, run: MethodRun, wait: ThingWait) -> None:
+def _resume(machine: Run, run: MethodRun, wait: ThingWait) -> None:
     """Switch all skills of a method on again, if nothing is in the way.
 
     What the world refuses beside others that it names waits for these as well; if it
@@ -269,7 +269,7 @@ def _resume(machine: Machine, run: MethodRun, wait: ThingWait) -> None:
         things.wait(later)
 
 
-def _hold_again(machine: Machine, run: MethodRun, asks: Asks, said: str) -> None:
+def _hold_again(machine: Run, run: MethodRun, asks: Asks, said: str) -> None:
     """Let a method whose skills are all on hold what it had to wait for."""
     things = machine.things
     things.stop_waiting(run.task)
@@ -282,7 +282,7 @@ def _hold_again(machine: Machine, run: MethodRun, asks: Asks, said: str) -> None
 # --- what a world refuses ---------------------------------------------------------
 
 
-def settle_refusal(machine: Machine, run: MethodRun, reply: Refused) -> str | None:
+def settle_refusal(machine: Run, run: MethodRun, reply: Refused) -> str | None:
     """Wait for those that a world names as in conflict, or ask it again.
 
     Returns what `request` or `activate` returns: `interference` where it names none
@@ -310,7 +310,7 @@ def settle_refusal(machine: Machine, run: MethodRun, reply: Refused) -> str | No
     return answer
 
 
-def _share(machine: Machine, run: MethodRun, refused: Refused) -> Ask | None:
+def _share(machine: Run, run: MethodRun, refused: Refused) -> Ask | None:
     """Let those that a world names as in conflict hold one thing more.
 
     Returns what `run` is to ask for besides; None if the world names none that is under
@@ -335,11 +335,11 @@ def _is_above(other: Task, task: Task) -> bool:
     return above is other
 
 
-def _said(machine: Machine, run: MethodRun) -> str:
+def _said(machine: Run, run: MethodRun) -> str:
     """Return what a method asks of the world, in words."""
     plan, env = run.plan, run.env
     if run.skills:
-        return " ".join([format_list(machine.memory.canonical(s)) for s in run.skills])
+        return " ".join([format_list(machine.beliefs.canonical(s)) for s in run.skills])
     asked = [plan.request] if plan.request is not None else []
     if plan.activation is not None:
         asked += plan.activation.skills
@@ -347,7 +347,7 @@ def _said(machine: Machine, run: MethodRun) -> str:
     return " ".join(map(format_list, found))
 
 
-def _ask_again(machine: Machine, run: MethodRun) -> str | Refused | None:
+def _ask_again(machine: Run, run: MethodRun) -> str | Refused | None:
     plan = run.plan
     if plan.activation is not None:
         return activate(machine, run, plan.activation)
@@ -355,7 +355,7 @@ def _ask_again(machine: Machine, run: MethodRun) -> str | Refused | None:
     return request(machine, run, plan.request)
 
 
-def _under_way(machine: Machine, refused: Refused) -> list[MethodRun]:
+def _under_way(machine: Run, refused: Refused) -> list[MethodRun]:
     """Return the methods whose requests or skills a world names, by task number."""
     found = {}
     for ticket in refused.conflicts:

@@ -10,13 +10,13 @@ from __future__ import annotations
 
 from rapc.base.values import Fact, match_pattern
 from rapc.events import TaskRemoved
-from rapc.runtime.acts.activations import call_off
-from rapc.runtime.machine import Machine
+from rapc.runtime.run import Run
 from rapc.runtime.state.states import ENDED
 from rapc.runtime.state.task import MethodRun, Task
+from rapc.runtime.tasks.activations import call_off
 
 
-def remove(machine: Machine, task: Task, cause: str) -> None:
+def remove(machine: Run, task: Task, cause: str) -> None:
     """Let a task leave without ending by itself, after all that it has spawned."""
     stack = [task]
     leaving = []
@@ -27,7 +27,7 @@ def remove(machine: Machine, task: Task, cause: str) -> None:
             stack.extend(step for step in top.run.steps if step.live)
     for gone in reversed(leaving):
         run = stop(machine, gone)
-        machine.agenda.discard(gone)
+        machine.eligible.discard(gone)
         gone.state = ENDED
         unregister(machine, gone)
         if run is not None:
@@ -37,9 +37,9 @@ def remove(machine: Machine, task: Task, cause: str) -> None:
             machine.recorder.emit(TaskRemoved, task=gone.number, cause=why)
 
 
-def cancel_matching(machine: Machine, goal: Fact) -> int:
+def cancel_matching(machine: Run, goal: Fact) -> int:
     """Remove every live top-level task that a goal matches; return their number."""
-    goal = machine.memory.canonical(goal)
+    goal = machine.beliefs.canonical(goal)
     found = [
         task
         for task in (given.task for given in machine.state.top_level)
@@ -51,7 +51,7 @@ def cancel_matching(machine: Machine, goal: Fact) -> int:
     return len(found)
 
 
-def stop(machine: Machine, task: Task) -> MethodRun | None:
+def stop(machine: Run, task: Task) -> MethodRun | None:
     """Let a task be at work no longer; return the method it was at."""
     run, task.run = task.run, None
     if run is not None and (task.plan.recursive or machine.all_may_recur):
@@ -59,7 +59,7 @@ def stop(machine: Machine, task: Task) -> MethodRun | None:
     return run
 
 
-def discount(machine: Machine, task: Task) -> None:
+def discount(machine: Run, task: Task) -> None:
     """Count a task's identity out of those that are at work."""
     others = machine.state.active_identities[task.identity] - 1
     if others:
@@ -68,7 +68,7 @@ def discount(machine: Machine, task: Task) -> None:
         del machine.state.active_identities[task.identity]
 
 
-def drop(machine: Machine, run: MethodRun) -> None:
+def drop(machine: Run, run: MethodRun) -> None:
     """Let a method leave without ending: its request, things and notations go."""
     run.steps = ()
     if run.ticket is not None:
@@ -76,14 +76,14 @@ def drop(machine: Machine, run: MethodRun) -> None:
     free(machine, run)
 
 
-def free(machine: Machine, run: MethodRun) -> None:
+def free(machine: Run, run: MethodRun) -> None:
     """Free the things that a method holds, and release what it has noted."""
     machine.things.release(run.task)
     for notation in run.notations:
-        machine.memory.release_notation(notation)
+        machine.beliefs.release_notation(notation)
 
 
-def unregister(machine: Machine, task: Task) -> None:
+def unregister(machine: Run, task: Task) -> None:
     """Unregister a task that has ended from things, signals, monitors and tasks given.
 
     Nothing else can be registered than a top-level task, one with a `WaitState`, and

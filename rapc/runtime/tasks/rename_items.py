@@ -7,18 +7,15 @@ ask with the other.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 from rapc.base.resources import SetResource
-from rapc.base.values import Atom
-from rapc.ir import nodes
-from rapc.runtime.machine import Machine
+from rapc.runtime.run import Run
 from rapc.runtime.state.deadlocks import Circle, deadlocks
 from rapc.runtime.state.task import Env, Task
 
 
-def rename(machine: Machine, lost: str, kept: str) -> None:
+def rename(machine: Run, lost: str, kept: str) -> None:
     """Every live task holds `kept` wherever it held `lost`."""
     sets: dict[int, SetResource] = {}
     for task in machine.state.live_tasks():
@@ -41,7 +38,7 @@ def rename(machine: Machine, lost: str, kept: str) -> None:
             machine.monitors.listeners.resource_changed(resource)
 
 
-def _in_things(machine: Machine, lost: str, kept: str) -> None:
+def _in_things(machine: Run, lost: str, kept: str) -> None:
     """Rename what tasks hold and wait for; tell of the deadlocks that this closes."""
     things = machine.things
     before = [_members(circle) for circle in deadlocks(things)]
@@ -80,22 +77,6 @@ def _in_task(task: Task, environments: list[Env], lost: str, kept: str) -> bool:
 def _in_set(resource: SetResource, lost: str, kept: str) -> None:
     members = [kept if member == lost else member for member in resource.members]
     resource.members = dict.fromkeys(members)
-
-
-def with_names(node: Any, name_of: Callable[[Atom], Atom]) -> Any:
-    """A formula in which every constant has the name that stands for it now.
-
-    Formulas nest as deep as the reader allows, a hundred levels.
-    """
-    if isinstance(node, nodes.Const):
-        return nodes.Const(name_of(node.value), span=node.span)
-    if isinstance(node, tuple):
-        return tuple([with_names(part, name_of) for part in node])
-    if isinstance(node, nodes.Node):
-        fields = {name: getattr(node, name) for name in node.__struct_fields__}
-        named = {key: with_names(part, name_of) for key, part in fields.items()}
-        return type(node)(**named)
-    return node
 
 
 def _in_value(value: Any, lost: str, kept: str) -> Any:

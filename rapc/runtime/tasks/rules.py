@@ -21,16 +21,16 @@ from rapc.compiler.rules import (
 from rapc.errors import FactError
 from rapc.events import RuleRun
 from rapc.ir import nodes
-from rapc.runtime.acts.primitives import fill_in
-from rapc.runtime.machine import Machine
+from rapc.runtime.run import Run
 from rapc.runtime.state.task import Env, Task
+from rapc.runtime.tasks.primitives import fill_in
 from rapc.world import OKAY
 
 SUCCEED = "succeed"
 """What rules call the result `okay`."""
 
 
-def run_finish_rules(machine: Machine, task: Task, result: str, outputs: Env) -> None:
+def run_finish_rules(machine: Run, task: Task, result: str, outputs: Env) -> None:
     """Run the `:finish` rules of a task that has ended with `result`."""
     symbol = SUCCEED if result == OKAY else result
     for rule in task.plan.finish_rules:
@@ -44,7 +44,7 @@ def run_finish_rules(machine: Machine, task: Task, result: str, outputs: Env) ->
                 break
 
 
-def run_rules_of(machine: Machine, task: Task, content: Fact) -> None:
+def run_rules_of(machine: Run, task: Task, content: Fact) -> None:
     """Run the `:event` rules of a task for a signal."""
     for rule in task.plan.event_rules:
         env = _index(machine, task, rule, {})
@@ -57,7 +57,7 @@ def run_rules_of(machine: Machine, task: Task, content: Fact) -> None:
                 break
 
 
-def run_event_rules(machine: Machine, content: Fact) -> None:
+def run_event_rules(machine: Run, content: Fact) -> None:
     """Run the rules of no RAP for a signal."""
     for rule in machine.library.event_rules:
         env: Env = {}
@@ -71,9 +71,7 @@ def run_event_rules(machine: Machine, content: Fact) -> None:
 # --- matching ---------------------------------------------------------------------
 
 
-def _index(
-    machine: Machine, task: Task, rule: MemoryRulePlan, outputs: Env
-) -> Env | None:
+def _index(machine: Run, task: Task, rule: MemoryRulePlan, outputs: Env) -> Env | None:
     """Return what the index of a rule binds for a task; None if it is another one."""
     env: Env = {}
     machine.context.task = task
@@ -84,7 +82,7 @@ def _index(
     return env if matches else None
 
 
-def _any(machine: Machine, case: CasePlan, symbol: str, env: Env) -> Env | None:
+def _any(machine: Run, case: CasePlan, symbol: str, env: Env) -> Env | None:
     """Return the environment of a case of results that `symbol` matches, else None."""
     if case.symbol is not None:
         return env if case.symbol == symbol else None
@@ -94,7 +92,7 @@ def _any(machine: Machine, case: CasePlan, symbol: str, env: Env) -> Env | None:
     return env if _match(machine, (case.variable,), (symbol,), env) else None
 
 
-def _heard(machine: Machine, case: CasePlan, content: Fact, env: Env) -> Env | None:
+def _heard(machine: Run, case: CasePlan, content: Fact, env: Env) -> Env | None:
     """Return the environment of a case that a signal matches, else None."""
     name = str(content[0])
     if case.variable is not None:
@@ -107,7 +105,7 @@ def _heard(machine: Machine, case: CasePlan, content: Fact, env: Env) -> Env | N
 
 
 def _match(
-    machine: Machine,
+    machine: Run,
     terms: Sequence[TermValue],
     values: Sequence[Value | None],
     env: Env,
@@ -131,7 +129,7 @@ def _match(
 
 
 def _run(
-    machine: Machine, task: Task | None, plan: RulesPlan, env: Env, what: str | Fact
+    machine: Run, task: Task | None, plan: RulesPlan, env: Env, what: str | Fact
 ) -> None:
     for rule in plan:
         for alternative in rule:
@@ -145,7 +143,7 @@ def _run(
 
 
 def _act(
-    machine: Machine,
+    machine: Run,
     task: Task | None,
     alternative: AlternativePlan,
     env: Env,
@@ -166,13 +164,13 @@ def _act(
             machine.context.fault(action.plan.where, str(error))
 
 
-def _change(machine: Machine, action: ActionPlan, fact: tuple[Atom, ...]) -> None:
+def _change(machine: Run, action: ActionPlan, fact: tuple[Atom, ...]) -> None:
     """Do one action, and recognise the items that it tells of. Raises FactError."""
     access = machine.access
     if action.adds:
-        checked = machine.memory.checked(fact)
+        checked = machine.beliefs.checked(fact)
         access.check_owner(checked)
-        machine.memory.store(checked, "rule")
+        machine.beliefs.store(checked, "rule")
     else:
         access.erase_for("rule", fact)
     if machine.recognizer.unsettled:

@@ -14,7 +14,7 @@ from typing import NamedTuple
 from rapc import events
 from rapc.base.values import Fact, format_list
 from rapc.compiler.net_plan import WaitPlan
-from rapc.runtime.machine import Machine
+from rapc.runtime.run import Run
 from rapc.runtime.state.activations import Activation
 from rapc.runtime.state.task import Env, MethodRun, Task
 from rapc.runtime.tasks.finish import (
@@ -44,7 +44,7 @@ class _Source(NamedTuple):
         return self.activation is not None and self.activation.in_background
 
 
-def signal(machine: Machine, content: Fact, tickets: Sequence[int] = ()) -> None:
+def signal(machine: Run, content: Fact, tickets: Sequence[int] = ()) -> None:
     """Let all hear a signal whom it concerns.
 
     Args:
@@ -72,7 +72,7 @@ def signal(machine: Machine, content: Fact, tickets: Sequence[int] = ()) -> None
         _tell(machine, machine.state.activations.on.values(), None, content)
 
 
-def _sources(machine: Machine, tickets: Iterable[int]) -> list[_Source]:
+def _sources(machine: Run, tickets: Iterable[int]) -> list[_Source]:
     """Return what a signal arose under, the oldest first, without what is long over."""
     found = []
     state = machine.state
@@ -87,9 +87,7 @@ def _sources(machine: Machine, tickets: Iterable[int]) -> list[_Source]:
     return found
 
 
-def _context(
-    machine: Machine, sources: Sequence[_Source], belongs: bool
-) -> Iterable[Task]:
+def _context(machine: Run, sources: Sequence[_Source], belongs: bool) -> Iterable[Task]:
     """Return the tasks whose `:event` rules hear a signal, in their order [S 4.1]."""
     if not belongs:
         tasks = machine.state.live_tasks()
@@ -106,7 +104,7 @@ def _context(
 # --- what waits -------------------------------------------------------------------
 
 
-def _tell_around(machine: Machine, sources: Sequence[_Source], content: Fact) -> None:
+def _tell_around(machine: Run, sources: Sequence[_Source], content: Fact) -> None:
     """Tell what waits beside and above the owners, and below those of `skills`."""
     around: set[int] = set()
     below = {source.owner for source in sources if source.covers_below}
@@ -139,7 +137,7 @@ def _is_below(task: Task, numbers: set[int]) -> bool:
 
 
 def _tell(
-    machine: Machine,
+    machine: Run,
     primitives: Iterable[Activation],
     steps: set[int] | None,
     content: Fact,
@@ -160,7 +158,7 @@ def _tell(
             _decide(machine, listening[number], content)
 
 
-def _tell_primitive(machine: Machine, activation: Activation, content: Fact) -> None:
+def _tell_primitive(machine: Run, activation: Activation, content: Fact) -> None:
     """End the method of an activation, if that is on and awaits the signal [S 4]."""
     run = activation.run
     if run is None:
@@ -178,7 +176,7 @@ def _tell_primitive(machine: Machine, activation: Activation, content: Fact) -> 
         return
 
 
-def _decide(machine: Machine, task: Task, content: Fact) -> None:
+def _decide(machine: Run, task: Task, content: Fact) -> None:
     """Let the first `wait-for` of a step that a signal matches have its way."""
     run = task.within
     assert task.step is not None
@@ -199,9 +197,7 @@ def _decide(machine: Machine, task: Task, content: Fact) -> None:
         return
 
 
-def _matched(
-    machine: Machine, run: MethodRun, wait: WaitPlan, content: Fact
-) -> Env | None:
+def _matched(machine: Run, run: MethodRun, wait: WaitPlan, content: Fact) -> Env | None:
     """Return what a signal binds in a method; None if it is another one."""
     if wait.signal != content[0] or len(wait.args) != len(content) - 1:
         return None
@@ -209,7 +205,7 @@ def _matched(
     return receive(machine, run, list(arriving))
 
 
-def _proceed(machine: Machine, task: Task, content: Fact) -> None:
+def _proceed(machine: Run, task: Task, content: Fact) -> None:
     if task.wait is not None:
         task.wait.awaits_signal = False
     if machine.recorder.on:

@@ -12,8 +12,8 @@ from rapc.compiler.net_plan import StepPlan, WindowPlan
 from rapc.compiler.query.term_value import TermValue
 from rapc.events import TaskBlocked, TaskCreated
 from rapc.ir.printer import format_formula
-from rapc.runtime.machine import Machine
 from rapc.runtime.query_context import QueryContext, time_of
+from rapc.runtime.run import Run
 from rapc.runtime.state.states import ELIGIBLE
 from rapc.runtime.state.task import Env, MethodRun, Task
 from rapc.runtime.state.top_level import TopLevelTask
@@ -21,9 +21,9 @@ from rapc.runtime.state.wait_state import WaitState
 from rapc.runtime.task_request import TaskRequest
 
 
-def create_top(machine: Machine, submission: TaskRequest) -> None:
+def create_top(machine: Run, submission: TaskRequest) -> None:
     """Add a top-level task to the run; its goal was looked at when it was given."""
-    name, *args = machine.memory.canonical(submission.goal)
+    name, *args = machine.beliefs.canonical(submission.goal)
     plan = machine.library.rap(str(name))
     assert plan is not None
     task = Task(plan, None, None)
@@ -43,7 +43,7 @@ def create_top(machine: Machine, submission: TaskRequest) -> None:
     release(machine, task)
 
 
-def create(machine: Machine, task: Task) -> None:
+def create(machine: Run, task: Task) -> None:
     """Add a task to the run, and tell of it with its inputs as they are now."""
     if task.step is not None and task.step.computes:
         read_inputs(machine, task)
@@ -65,7 +65,7 @@ def create(machine: Machine, task: Task) -> None:
         _prepare(machine, task, task.wait)
 
 
-def _prepare(machine: Machine, task: Task, wait: WaitState) -> None:
+def _prepare(machine: Run, task: Task, wait: WaitState) -> None:
     """Make resources, duration and delay as soon as the inputs they use are bound."""
     plan = task.plan
     if wait.prepared or any(
@@ -120,7 +120,7 @@ def bind_inputs(task: Task) -> None:
     task.env = env  # type: ignore[assignment]  # None is not in it
 
 
-def repeats_ancestor(machine: Machine, task: Task) -> bool:
+def repeats_ancestor(machine: Run, task: Task) -> bool:
     """Whether a task asks for what an ancestor of it asks for (T 3.2.5).
 
     Asked once, when its inputs are first all bound: this is who it is from now.
@@ -143,7 +143,7 @@ def repeats_ancestor(machine: Machine, task: Task) -> bool:
     return above is not None
 
 
-def release(machine: Machine, task: Task, again: bool = False) -> None:
+def release(machine: Run, task: Task, again: bool = False) -> None:
     """Release a task whose predecessors have ended: let it be selected.
 
     Its windows are fixed, and its `wait-for` listens from now on. A step that waits
@@ -174,10 +174,10 @@ def release(machine: Machine, task: Task, again: bool = False) -> None:
         machine.monitors.first_test(task)
     else:
         task.state = ELIGIBLE
-        machine.agenda.add(task)
+        machine.eligible.add(task)
 
 
-def _listen(machine: Machine, task: Task, wait: WaitState, step: StepPlan) -> None:
+def _listen(machine: Run, task: Task, wait: WaitState, step: StepPlan) -> None:
     env = task.within.env if task.within is not None else {}
     for signal in step.waits:
         machine.state.listening.setdefault(signal.signal, {})[task.number] = task
@@ -188,7 +188,7 @@ def _listen(machine: Machine, task: Task, wait: WaitState, step: StepPlan) -> No
                 machine.recorder.emit(TaskBlocked, task=task.number, on=on)
 
 
-def read_windows(machine: Machine, task: Task, last: bool = False) -> None:
+def read_windows(machine: Run, task: Task, last: bool = False) -> None:
     """Fix the windows of a step whose reference has come and whose times are bound.
 
     When the order lets the step run it is for the `last` time: what is unbound then
@@ -208,7 +208,7 @@ def read_windows(machine: Machine, task: Task, last: bool = False) -> None:
 
 
 def _open(
-    machine: Machine, task: Task, wait: WaitState, window: WindowPlan, base: float
+    machine: Run, task: Task, wait: WaitState, window: WindowPlan, base: float
 ) -> None:
     context = machine.context
     context.task = task.parent
@@ -232,7 +232,7 @@ def _base(run: MethodRun, window: WindowPlan) -> float | None:
     return None if run.ends is None else run.ends.times[int(window.reference)]
 
 
-def read_inputs(machine: Machine, task: Task) -> None:
+def read_inputs(machine: Run, task: Task) -> None:
     """Read a step's inputs from its method's environment, as far as they are there."""
     step, run = task.step, task.within
     if step is None or run is None:

@@ -9,12 +9,11 @@ from __future__ import annotations
 from rapc.compiler.rap_plan import ActivationPlan, MethodPlan
 from rapc.errors import FactError
 from rapc.events import Cause, MethodChosen
-from rapc.runtime.acts.activations import activate
-from rapc.runtime.acts.primitives import ground, request
-from rapc.runtime.machine import Machine
+from rapc.runtime.run import Run
 from rapc.runtime.state.states import FUTILE_LOOP, INTERFERENCE, NO_METHOD, RUNNING
 from rapc.runtime.state.task import MethodRun, Task, as_told
 from rapc.runtime.tasks import causes
+from rapc.runtime.tasks.activations import activate
 from rapc.runtime.tasks.choose import Key, choice_key, choose
 from rapc.runtime.tasks.finish import end_method, fail
 from rapc.runtime.tasks.hold_things import (
@@ -24,6 +23,7 @@ from rapc.runtime.tasks.hold_things import (
     hold_or_wait,
     settle_refusal,
 )
+from rapc.runtime.tasks.primitives import ground, request
 from rapc.runtime.tasks.start import (
     create,
     read_inputs,
@@ -34,7 +34,7 @@ from rapc.runtime.tasks.start import (
 from rapc.world import OKAY, Refused
 
 
-def try_method(machine: Machine, task: Task) -> None:
+def try_method(machine: Run, task: Task) -> None:
     """Steps 5 to 9: choose a method and start it, or fail."""
     choice = choose(machine, task)
     if choice is None:
@@ -68,7 +68,7 @@ def try_method(machine: Machine, task: Task) -> None:
     start_method(machine, run, unfilled)
 
 
-def _note_choice(machine: Machine, task: Task, key: Key) -> bool:
+def _note_choice(machine: Run, task: Task, key: Key) -> bool:
     """Note a choice that is not the first one; return False if it is futile."""
     settings = machine.settings
     if task.times_chosen(key, settings.max_choices) >= settings.futile_limit:
@@ -77,7 +77,7 @@ def _note_choice(machine: Machine, task: Task, key: Key) -> bool:
     return True
 
 
-def _spawn(machine: Machine, run: MethodRun) -> Task | None:
+def _spawn(machine: Run, run: MethodRun) -> Task | None:
     """Make the steps' tasks, not yet numbered; return one that repeats an ancestor."""
     run.steps = tasks = []
     method = run.plan
@@ -97,14 +97,14 @@ def _spawn(machine: Machine, run: MethodRun) -> Task | None:
     return None
 
 
-def _look_up(machine: Machine, method: MethodPlan) -> None:
+def _look_up(machine: Run, method: MethodPlan) -> None:
     """Find the RAPs that the steps of a method ask for, once for all runs."""
     names = [step.node.goal.name for step in method.steps]
     method.raps = raps = tuple([machine.library.known_rap(name) for name in names])
     method.makes = method.computes or any(rap.needs_setup for rap in raps)
 
 
-def start_method(machine: Machine, run: MethodRun, unfilled: bool) -> None:
+def start_method(machine: Run, run: MethodRun, unfilled: bool) -> None:
     """Start the method of `run`; its task waits for it until it ends.
 
     With `unfilled`, something that it asks for has no value: it ends badly at once.
@@ -148,14 +148,14 @@ def start_method(machine: Machine, run: MethodRun, unfilled: bool) -> None:
 
 
 def _of_refusal(
-    machine: Machine, run: MethodRun, result: str | Refused | None
+    machine: Run, run: MethodRun, result: str | Refused | None
 ) -> Cause | None:
     """Return why a method ends that was refused; None if it goes on, or waits."""
     failed = run.task.run is run and result == INTERFERENCE
     return causes.of_refusal(machine, run) if failed else None
 
 
-def _begins_well(machine: Machine, run: MethodRun, unfilled: bool) -> bool:
+def _begins_well(machine: Run, run: MethodRun, unfilled: bool) -> bool:
     """Make notations; whether the method goes on: else it has ended badly."""
     method, because = run.plan, None
     claimed = not unfilled or can_claim(machine, run)
@@ -172,7 +172,7 @@ def _begins_well(machine: Machine, run: MethodRun, unfilled: bool) -> bool:
 
 
 def _switch_on(
-    machine: Machine, run: MethodRun, plan: ActivationPlan, unfilled: bool
+    machine: Run, run: MethodRun, plan: ActivationPlan, unfilled: bool
 ) -> None:
     """Switch the skills of a method on; what awaits nothing goes on or ends."""
     result = activate(machine, run, plan, unfilled)
@@ -191,7 +191,7 @@ def _switch_on(
         end_method(machine, run, OKAY)
 
 
-def _release_steps(machine: Machine, run: MethodRun) -> None:
+def _release_steps(machine: Run, run: MethodRun) -> None:
     """Add the tasks of steps to the run; release those that follow no other step."""
     steps, plan = run.steps, run.plan
     if plan.makes or machine.recorder.on:
@@ -213,7 +213,7 @@ def _release_steps(machine: Machine, run: MethodRun) -> None:
         end_method(machine, run, OKAY)
 
 
-def _note(machine: Machine, run: MethodRun, method: MethodPlan) -> bool:
+def _note(machine: Run, run: MethodRun, method: MethodPlan) -> bool:
     """Assert a method's notations, all or none; whether they could be [L 6.27]."""
     facts = []
     for plan in method.notations:
@@ -221,10 +221,10 @@ def _note(machine: Machine, run: MethodRun, method: MethodPlan) -> bool:
         if fact is None:
             return False
         try:
-            facts.append(machine.memory.checked(fact))
+            facts.append(machine.beliefs.checked(fact))
         except FactError as error:
             machine.context.fault(plan.where, str(error))
             return False
-    noted = [machine.memory.note(fact) for fact in facts]
+    noted = [machine.beliefs.note(fact) for fact in facts]
     run.notations = tuple([notation for notation in noted if notation is not None])
     return True

@@ -14,11 +14,12 @@ from rapc.base.values import Atom, Fact, Text, format_list, number
 from rapc.compiler.program import Program
 from rapc.ir import nodes
 from rapc.library.kinds import Kinds
-from rapc.runtime.acts.primitives import take_reply
 from rapc.runtime.held_world import HeldWorld
-from rapc.runtime.intake import take_in
-from rapc.runtime.put_together import wired
+from rapc.runtime.interpreter import wire
+from rapc.runtime.run import Run
 from rapc.runtime.settings import Settings
+from rapc.runtime.tasks.messages import take_in
+from rapc.runtime.tasks.primitives import take_reply
 from rapc.world import NOT_KNOWN, Finished, Handlers, Message, Refused, Signal, World
 from rapc.worlds.skills.declarations import Parameter
 from rapc.worlds.skills.world import SkillWorld
@@ -66,16 +67,17 @@ class Driver:
         self._rng = random.Random(f"{seed}:contract")
         self._library = program.library
         self._first = list(requests)
-        self._machine = wired(program, self.world, seed, Settings(strict=True))
+        self._run = Run(program, self.world, seed, Settings(strict=True))
+        wire(self._run)
         self._told: dict[Atom, None] = {}
         if not handled:
             data = dict.fromkeys(world.kit.offer.data, _hear)
-            self._machine.handlers = Handlers({}, data)
-            self._machine.result_handlers.clear()
+            self._run.handlers = Handlers({}, data)
+            self._run.result_handlers.clear()
         for fact in self.world.facts():
             self._note([fact])
             if handled:
-                self._machine.access.assert_fact(*fact)
+                self._run.access.assert_fact(*fact)
 
     def drive(self, requests: int) -> None:
         """Ask for so many things, or until the world ends the run.
@@ -96,24 +98,24 @@ class Driver:
         Raises:
             PortError: as `drive`.
         """
-        machine, world = self._machine, self.world
-        machine.state.tickets += 1
-        ticket = machine.state.tickets
+        run, world = self._run, self.world
+        run.state.tickets += 1
+        ticket = run.state.tickets
         answer = world.perform(ticket, request)
         self._tell(request, answer)
         if isinstance(answer, Refused):
             self._check_refusal(request, answer)
             return
-        machine.sync_clock()
-        name_of = machine.memory.items.name_of
+        run.sync_clock()
+        name_of = run.beliefs.items.name_of
         args = [name_of(p) if isinstance(p, str) else p for p in request[1:]]
         asked = (request[0], *args)
         if answer is not None:
             self.seen.add((str(request[0]), answer.result))
             self._note(answer.data)
-            take_reply(machine, None, asked, answer)
+            take_reply(run, None, asked, answer)
         else:
-            machine.state.pending[ticket] = None, asked
+            run.state.pending[ticket] = None, asked
             if self._rng.random() < _CANCELLED:
                 world.cancel(ticket)
             else:
@@ -123,7 +125,7 @@ class Driver:
     def _check_refusal(self, request: Fact, answer: Refused) -> None:
         """See that a refusal names requests under way. Raises PortError."""
         for ticket in answer.conflicts:
-            if ticket not in self._machine.state.pending:
+            if ticket not in self._run.state.pending:
                 said = f"refuses {format_list(request)} beside the request {ticket}"
                 said += ", which is not under way"
                 raise self.world.breach("perform", said)
@@ -134,30 +136,30 @@ class Driver:
         Raises:
             PortError: if it never does.
         """
-        machine, world = self._machine, self.world
+        run, world = self._run, self.world
         for _ in range(_MOST_WAITS):
             due = world.next_time()
-            if ticket not in machine.state.pending or world.ended() is not None:
+            if ticket not in run.state.pending or world.ended() is not None:
                 return
             if due is None:
                 break
-            patience = machine.settings.patience
-            before = machine.recorder.time
+            patience = run.settings.patience
+            before = run.recorder.time
             world.advance(before + patience if due == NOT_KNOWN else due)
-            if not self._listen() and machine.recorder.time == before:
+            if not self._listen() and run.recorder.time == before:
                 break
-        if ticket in machine.state.pending and world.ended() is None:
-            asked = format_list(machine.state.pending[ticket][1])
+        if ticket in run.state.pending and world.ended() is None:
+            asked = format_list(run.state.pending[ticket][1])
             said = f"has begun {asked}, and nothing more comes: it never ends"
             raise world.breach("next_time", said)
 
     def _listen(self) -> int:
         """Digest what the world has sent; return how many messages it was."""
-        machine = self._machine
-        machine.sync_clock()
+        run = self._run
+        run.sync_clock()
         messages = self.world.messages()
-        under_way = dict(machine.state.pending)
-        take_in(machine, messages)
+        under_way = dict(run.state.pending)
+        take_in(run, messages)
         for message in messages:
             if isinstance(message, Finished):
                 name = str(under_way[message.ticket][1][0])

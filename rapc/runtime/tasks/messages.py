@@ -9,15 +9,15 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from rapc.events import DataReceived
-from rapc.runtime.acts.primitives import handle, take_reply, with_memory_names
-from rapc.runtime.machine import Machine
+from rapc.runtime.run import Run
 from rapc.runtime.state.activations import Activation
 from rapc.runtime.tasks.finish import end_method
+from rapc.runtime.tasks.primitives import handle, take_reply, with_memory_names
 from rapc.runtime.tasks.signals import signal
 from rapc.world import Datum, Finished, Message, Signal
 
 
-def take_in(machine: Machine, messages: Iterable[Message]) -> None:
+def take_in(machine: Run, messages: Iterable[Message]) -> None:
     """Take in `messages` of the world: ends of primitives first, then the rest.
 
     Raises:
@@ -31,11 +31,11 @@ def take_in(machine: Machine, messages: Iterable[Message]) -> None:
         else:
             others.append(message)
     for message in others:
-        machine.world.check_message(message)
+        machine.port.check_message(message)
         if isinstance(message, Datum):
             with machine.access.batch():
                 fact = handle(machine, message.content)
-            fact = machine.memory.canonical(fact)
+            fact = machine.beliefs.canonical(fact)
             if machine.recorder.on:
                 machine.recorder.emit(DataReceived, data=fact)
         elif isinstance(message, Signal):
@@ -46,13 +46,13 @@ def take_in(machine: Machine, messages: Iterable[Message]) -> None:
         machine.state.activations.forget(gone)
 
 
-def finish(machine: Machine, ended: Finished) -> None:
+def finish(machine: Run, ended: Finished) -> None:
     """End a primitive: run its handlers, end its method.
 
     Raises:
         PortError: for a ticket that is not under way, or a datum nobody handles.
     """
-    machine.world.check_end(ended, machine.state.pending)
+    machine.port.check_end(ended, machine.state.pending)
     ticket, reply = ended.ticket, ended.reply
     task, asked = machine.state.pending.pop(ticket)
     if task is not None:

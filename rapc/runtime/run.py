@@ -1,8 +1,8 @@
-"""A machine: the parts of a run that its procedures share, wired to each other.
+"""A run: its state and the parts that act on it, wired to each other.
 
-Nothing is decided here: the verbs in `tasks`, `monitors`, `acts` and `intake` act on a
-machine, `interpreter` builds one, `loop` turns it. How far the run has come stands
-apart, in `RunState`, so that it can be saved, put back and copied.
+Nothing is decided here: the verbs in `tasks` and `monitors` act on a run. What a host
+may do to one, and its loop, are in `rapc.runtime.interpreter`. How far the run has come
+stands apart, in `RunState`, so that it can be saved, put back and copied.
 """
 
 from __future__ import annotations
@@ -30,37 +30,29 @@ ContextListener = Callable[[str, str, bool], None]
 """Told of a RAP's method whose context was asked, and whether it held."""
 
 
-class Machine:
-    """All parts of one run.
+class Run:
+    """One run of a library in a world.
 
     Args:
         library: the compiled library; `extend` puts another in its place.
-        world: the world.
-        rng: the interpreter's random stream.
+        port: the world, held to what it declares, with the code of its authors.
+        seed: the interpreter's random stream is made from it.
         settings: those of the interpreter.
-        functions: the registered functions, by name.
-        solvers: the problem solvers, by RAP.
-        comparators: the registered comparators, by name.
     """
 
     def __init__(
-        self,
-        library: Program,
-        world: HeldWorld,
-        rng: random.Random,
-        settings: Settings,
-        functions: Mapping[str, Callable[..., Any]],
-        solvers: Mapping[str, Callable[..., Any]],
-        comparators: Mapping[str, Callable[..., Any]],
+        self, library: Program, port: HeldWorld, seed: int, settings: Settings
     ) -> None:
         self.library = library
-        self.world = world
+        self.port = port
+        self.seed = seed
         self.settings = settings
-        self.solvers = solvers
-        self.rng = rng
-        self.state = RunState()  # `Interpreter.restore` puts another in its place
+        self.solvers = port.code["the solver of"]
+        self.rng = random.Random(f"{seed}:interpreter")
+        self.state = RunState()  # `restore` puts another in its place
         self.recorder = Recorder()
-        self.recorder.time = number(world.now())
+        self.recorder.time = number(port.now())
+        comparators: Mapping[str, Callable[..., Any]] = port.code["the comparator"]
         #: Memory as handlers change it; the two below are parts of it.
         self.access = Gate(
             library.library,
@@ -69,15 +61,19 @@ class Machine:
             comparators,
             settings.max_layers,
         )
-        self.memory, self.recognizer = self.access.memory, self.access.recognizer
-        asked = self.memory, self.recorder, functions, settings.query_steps
+        self.beliefs, self.recognizer = self.access.memory, self.access.recognizer
+        functions = port.code["the function"]
+        asked = self.beliefs, self.recorder, functions, settings.query_steps
         self.context = QueryContext(*asked)
         #: Asks what kept a task from going on, without leaving a mark on the run.
         self.noting = NotingContext(*asked)
-        self.agenda = Agenda(rng)
+        #: The tasks that may run now.
+        self.eligible = Agenda(self.rng)
         self.things = Things()
         self.held, self.waits = self.things.held, self.things.waits  # parts of them
-        self.monitors = Monitors(self.context, self.recorder, self.agenda, self.things)
+        self.monitors = Monitors(
+            self.context, self.recorder, self.eligible, self.things
+        )
         self.access.observe(self.monitors.listeners)
         #: What the host wants done at a time: a heap by time, then by order.
         self.host_timers: list[tuple[Time, int, Callable[[], None]]] = []
@@ -90,14 +86,14 @@ class Machine:
         self.context_asked: ContextListener | None = None
         #: Whether any RAP can come up among its own subtasks: a solver may bring it
         #: in. Without solvers only those whose plans are `recursive` can.
-        self.all_may_recur = bool(solvers)
-        self.handlers = world.kit.handlers
+        self.all_may_recur = bool(self.solvers)
+        self.handlers = port.kit.handlers
         self.result_handlers: dict[Atom, ResultHandler] = {}
         self.result_handlers.update(self.handlers.results)
 
     def sync_clock(self) -> None:
         """Take the time from the world; for the run it stops at `until`."""
-        now = self.world.clock()
+        now = self.port.clock()
         if now != self.recorder.time or self.state.until is not None:
             self.set_clock(now)
 
@@ -108,7 +104,7 @@ class Machine:
             PortError: for what is no time, or before the time it was.
         """
         before, until = self.recorder.time, self.state.until
-        now = self.world.time(now, before)
+        now = self.port.time(now, before)
         self.monitors.listeners.changes += now != before
         self.state.past_until = until is not None and now > until
         self.recorder.time = now if until is None else min(now, until)

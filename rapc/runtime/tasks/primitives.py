@@ -2,7 +2,7 @@
 
 Names are translated on the way out and on the way in; a result and its data go
 through their handlers as one batch, result first [L 5]. What a result does to the
-method that asked is for `rapc.runtime.tasks.try_method` and `rapc.runtime.intake`.
+method that asked is for `try_method` and `messages`.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from rapc.events import (
     PrimitiveRequested,
     RequestRefused,
 )
-from rapc.runtime.machine import Machine
 from rapc.runtime.memory.items import Items
+from rapc.runtime.run import Run
 from rapc.runtime.state.activations import Activation
 from rapc.runtime.state.states import INTERFERENCE
 from rapc.runtime.state.task import Env, MethodRun, Task
@@ -31,14 +31,14 @@ _DONE = Reply(OKAY)
 """The answer of most primitives that end at once: nothing in it has to be checked."""
 
 
-def ground(machine: Machine, run: MethodRun, plan: RequestPlan) -> Fact | None:
+def ground(machine: Run, run: MethodRun, plan: RequestPlan) -> Fact | None:
     """A request or notation filled in; None with an unbound variable or resource."""
     machine.context.task = run.task
     return fill_in(machine, plan, run.env)
 
 
 def fill_in(
-    machine: Machine, plan: RequestPlan, env: Env, tells: bool = True
+    machine: Run, plan: RequestPlan, env: Env, tells: bool = True
 ) -> Fact | None:
     """Return what `ground` returns, with the bindings `env`; it `tells` of faults."""
     context = machine.context
@@ -57,21 +57,19 @@ def fill_in(
     return tuple(parts)
 
 
-def filled_in(machine: Machine, task: Task, plan: RequestPlan, env: Env) -> Fact | None:
+def filled_in(machine: Run, task: Task, plan: RequestPlan, env: Env) -> Fact | None:
     """Return what `ground` returns for a method of `task`; nothing is traced."""
     machine.context.task = task
     return fill_in(machine, plan, env, tells=False)
 
 
-def sendable(machine: Machine, task: Task, plan: RequestPlan, env: Env) -> Fact | None:
+def sendable(machine: Run, task: Task, plan: RequestPlan, env: Env) -> Fact | None:
     """Return a request as it would be sent, or None if it cannot be."""
     asked = filled_in(machine, task, plan, env)
-    return None if asked is None else sensed(machine.memory.items, asked)
+    return None if asked is None else sensed(machine.beliefs.items, asked)
 
 
-def request(
-    machine: Machine, run: MethodRun, plan: RequestPlan
-) -> str | Refused | None:
+def request(machine: Run, run: MethodRun, plan: RequestPlan) -> str | Refused | None:
     """Send the request of the method `run`; return the result that ends the method.
 
     None: the end comes later, or the method has left meanwhile. `Refused`: the world
@@ -80,7 +78,7 @@ def request(
     asked = ground(machine, run, plan) if plan.args else plan.bare
     if asked is None:
         return INTERFERENCE
-    sent, items = asked, machine.memory.items
+    sent, items = asked, machine.beliefs.items
     if items.known or items.gone:
         named = sensed(items, asked)
         if named is None:
@@ -94,7 +92,7 @@ def request(
             request=asked,
             sent=sent,
         )
-    world, state = machine.world, machine.state
+    world, state = machine.port, machine.state
     state.tickets = run.ticket = ticket = state.tickets + 1
     answer = world.ask(ticket, sent)
     if type(answer) is Reply and answer == _DONE:
@@ -122,7 +120,7 @@ def request(
 
 
 def tell_refusal(
-    machine: Machine, task: Task, asked: Iterable[tuple[Fact, Fact]], reply: Refused
+    machine: Run, task: Task, asked: Iterable[tuple[Fact, Fact]], reply: Refused
 ) -> Refused:
     """Tell that the world has refused what was `asked`; return what it said.
 
@@ -140,7 +138,7 @@ def tell_refusal(
     return reply
 
 
-def cancel(machine: Machine, run: MethodRun) -> None:
+def cancel(machine: Run, run: MethodRun) -> None:
     """End what a method has under way in the world, if it has anything.
 
     What the world answers all the same is nobody's.
@@ -156,9 +154,9 @@ def cancel(machine: Machine, run: MethodRun) -> None:
         machine.recorder.emit(
             PrimitiveCancelled,
             task=run.task.number,
-            request=machine.memory.canonical(asked),
+            request=machine.beliefs.canonical(asked),
         )
-    machine.world.cancel(ticket)
+    machine.port.cancel(ticket)
 
 
 def sensed(items: Items, request: Fact) -> Fact | None:
@@ -173,7 +171,7 @@ def sensed(items: Items, request: Fact) -> Fact | None:
 
 
 def take_reply(
-    machine: Machine, task: Task | None, asked: Fact, reply: Reply
+    machine: Run, task: Task | None, asked: Fact, reply: Reply
 ) -> str | None:
     """Run the handlers of a reply to the request `asked`.
 
@@ -185,12 +183,12 @@ def take_reply(
     """
     handler, result = machine.result_handlers.get(asked[0]), reply.result
     if handler is not None or reply.data or machine.recognizer.unsettled:
-        canonical = machine.memory.canonical
+        canonical = machine.beliefs.canonical
         with machine.access.batch():
             if handler is not None:
                 told = handler(machine.access, canonical(asked), result)
                 if told is not None:
-                    result = machine.world.result_told(asked, told, handler)
+                    result = machine.port.result_told(asked, told, handler)
             for content in reply.data:
                 handle(machine, content)
         asked = canonical(asked)
@@ -198,7 +196,7 @@ def take_reply(
         machine.recorder.emit(
             PrimitiveEnded,
             task=task.number if task is not None else None,
-            request=machine.memory.canonical(asked),
+            request=machine.beliefs.canonical(asked),
             result=result,
             data=tuple([with_memory_names(machine, datum) for datum in reply.data]),
         )
@@ -209,14 +207,14 @@ def take_reply(
     return result
 
 
-def with_memory_names(machine: Machine, content: Fact) -> Fact:
+def with_memory_names(machine: Run, content: Fact) -> Fact:
     """Return a datum, or a signal, with memory names for known sensor names."""
-    name_of = machine.memory.items.name_of
+    name_of = machine.beliefs.items.name_of
     name, *parts = content
     return (name, *(name_of(p) if isinstance(p, str) else p for p in parts))
 
 
-def handle(machine: Machine, content: Fact) -> Fact:
+def handle(machine: Run, content: Fact) -> Fact:
     """Hand the datum `content` to its handler; return it in memory names."""
     fact = with_memory_names(machine, content)
     machine.handlers.data[str(content[0])](machine.access, fact)

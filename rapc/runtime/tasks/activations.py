@@ -10,23 +10,29 @@ from collections.abc import Iterable, Sequence
 from rapc.base.values import Fact
 from rapc.compiler.rap_plan import ActivationPlan
 from rapc.events import SkillDisabled, SkillEnabled
-from rapc.runtime.acts.primitives import cancel, filled_in, ground, sensed, tell_refusal
-from rapc.runtime.machine import Machine
+from rapc.runtime.run import Run
 from rapc.runtime.state.activations import Activation
 from rapc.runtime.state.states import INTERFERENCE
 from rapc.runtime.state.task import Env, MethodRun, Task
+from rapc.runtime.tasks.primitives import (
+    cancel,
+    filled_in,
+    ground,
+    sensed,
+    tell_refusal,
+)
 from rapc.world import Refused, Skilled
 
 
 def activate(
-    machine: Machine, run: MethodRun, plan: ActivationPlan, unfilled: bool = False
+    machine: Run, run: MethodRun, plan: ActivationPlan, unfilled: bool = False
 ) -> str | Refused | None:
     """Switch on all skills of the method `run` at once; none if they are `unfilled`.
 
     Returns `interference` where one of them cannot be filled in, what the world has
     said if it refuses, else None.
     """
-    skills, sent, items = [], [], machine.memory.items
+    skills, sent, items = [], [], machine.beliefs.items
     for one in plan.skills:
         skill = ground(machine, run, one)
         named = None if skill is None else sensed(items, skill)
@@ -36,7 +42,7 @@ def activate(
         sent.append(named)
     if unfilled:
         return INTERFERENCE
-    world = machine.world
+    world = machine.port
     assert isinstance(world, Skilled)  # admission has looked
     machine.state.tickets += 1
     ticket = machine.state.tickets
@@ -52,9 +58,7 @@ def activate(
     return None
 
 
-def reactivate(
-    machine: Machine, run: MethodRun, wanted: Sequence[int]
-) -> bool | Refused:
+def reactivate(machine: Run, run: MethodRun, wanted: Sequence[int]) -> bool | Refused:
     """Have just the `wanted` skills of a method on, by position; the others go off.
 
     Those that stay on are not interrupted, and all are as they were when they first
@@ -64,10 +68,10 @@ def reactivate(
     """
     plan, before = run.plan.activation, run.ticket
     assert plan is not None
-    skills = [machine.memory.canonical(run.skills[at]) for at in wanted]
-    named = [sensed(machine.memory.items, skill) for skill in skills]
+    skills = [machine.beliefs.canonical(run.skills[at]) for at in wanted]
+    named = [sensed(machine.beliefs.items, skill) for skill in skills]
     sent = [one for one in named if one is not None]
-    world, tables = machine.world, machine.state.activations
+    world, tables = machine.port, machine.state.activations
     assert isinstance(world, Skilled)
     if len(sent) < len(skills):
         return False
@@ -88,14 +92,14 @@ def reactivate(
     if before is not None:
         tables.end(before)
         world.deactivate(before)
-    were = tuple(map(machine.memory.canonical, were))
+    were = tuple(map(machine.beliefs.canonical, were))
     _tell(machine, run.task, SkillDisabled, [s for s in were if s not in skills])
     _tell(machine, run.task, SkillEnabled, [s for s in skills if s not in were])
     return True
 
 
 def _tell(
-    machine: Machine,
+    machine: Run,
     task: Task,
     kind: type[SkillEnabled | SkillDisabled],
     skills: Iterable[Fact],
@@ -105,28 +109,28 @@ def _tell(
             machine.recorder.emit(kind, task=task.number, what=skill)
 
 
-def activatable(machine: Machine, task: Task, plan: ActivationPlan, env: Env) -> bool:
+def activatable(machine: Run, task: Task, plan: ActivationPlan, env: Env) -> bool:
     """Whether all skills could be switched on now; nothing is traced."""
     for one in plan.skills:
         skill = filled_in(machine, task, one, env)
-        if skill is None or sensed(machine.memory.items, skill) is None:
+        if skill is None or sensed(machine.beliefs.items, skill) is None:
             return False
     return True
 
 
-def deactivate(machine: Machine, ticket: int) -> None:
+def deactivate(machine: Run, ticket: int) -> None:
     """Switch off what only the activation `ticket` has, if it is on."""
     if ticket not in machine.state.activations.on:
         return
     activation = machine.state.activations.end(ticket)
     if activation.task is not None:
-        skills = map(machine.memory.canonical, activation.skills)
+        skills = map(machine.beliefs.canonical, activation.skills)
         _tell(machine, activation.task, SkillDisabled, skills)
-    assert isinstance(machine.world, Skilled)
-    machine.world.deactivate(ticket)
+    assert isinstance(machine.port, Skilled)
+    machine.port.deactivate(ticket)
 
 
-def call_off(machine: Machine, run: MethodRun) -> None:
+def call_off(machine: Run, run: MethodRun) -> None:
     """End what a method has under way in the world: its request, its skills."""
     if run.ticket is None:
         return
