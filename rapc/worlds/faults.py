@@ -34,6 +34,7 @@ from rapc.world import (
     World,
     Wrapper,
 )
+from rapc.worlds.states import reading_state
 
 LOST = "lost"
 LATE = "late"
@@ -141,12 +142,9 @@ class SubstituteWorld(Wrapper):
         return msgspec.json.encode(self.Saved(state, *self.own()))
 
     def _restore(self, state: bytes) -> None:
-        try:
+        with reading_state(f"a world with {self.has}"):
             saved = msgspec.json.decode(state, type=self.Saved)
             read = self.read(saved)
-        except ValueError as error:
-            said = f"no state of a world with {self.has}: {error}"
-            raise ValueError(said) from error
         self.behind.restore(saved.world)
         vars(self).update(read)
 

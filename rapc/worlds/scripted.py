@@ -37,6 +37,7 @@ from rapc.worlds.script import (
     mentioned,
     offer_of,
 )
+from rapc.worlds.states import reading_state
 
 AT = "at"
 """The datum by which an `At` reaches its handler; no library declares it."""
@@ -348,10 +349,8 @@ class ScriptedWorld(World):
         Raises:
             ValueError: if `state` is none.
         """
-        try:
+        with reading_state("a scripted world"):
             saved = msgspec.json.decode(state, type=ScriptState)
-        except ValueError as error:
-            raise ValueError(f"no state of a scripted world: {error}") from error
         if len(saved.used) != len(self._rows):
             raise ValueError("the state is that of a world with another script")
         self._state = saved

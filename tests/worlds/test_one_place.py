@@ -23,6 +23,7 @@ RAPC = Path(__file__).parents[2] / "rapc"
         (r"\bVertex\(", "worlds", "worlds/skills/network.py"),
         (r"\.usual_time\(request\)", "worlds", "worlds/faults.py"),
         ("in OPTIONAL", "", "world.py"),
+        ("no state of {", "", "worlds/states.py"),
     ],
 )
 def test_a_mechanism_of_worlds_stands_in_one_module(

@@ -26,6 +26,7 @@ from rapc.worlds.courier.state import (
     Nurse,
     Work,
 )
+from rapc.worlds.states import reading_state
 
 STEP = 10
 """The battery is told of whenever it has changed by so much."""
@@ -97,12 +98,12 @@ class Hospital(World):
         if state.sent:
             return state.now
         nurses = [nurse for nurse in state.nurses if nurse.ward == state.room]
-        return min((time for time, _ in self._due(nurses)), default=None)
+        return min((time for time, _ in self._due(state, nurses)), default=None)
 
     def advance(self, to: Time) -> None:
         """Move the clock on; what is due until then happens, one after the other."""
         state = self._state
-        while due := sorted(self._due(state.nurses), key=lambda event: event[0]):
+        while due := sorted(self._due(state, state.nurses), key=lambda event: event[0]):
             time, happens = due[0]
             if time > to:
                 break
@@ -121,19 +122,22 @@ class Hospital(World):
         Raises:
             ValueError: if it is none, or one of a hospital with other options.
         """
-        try:
+        with reading_state("a courier's world"):
             read = msgspec.json.decode(state, type=_Saved)
-        except msgspec.DecodeError as error:
-            raise ValueError(f"no state of a courier's world: {error}") from error
         if read.options != self._options:
             raise ValueError("the state is that of a courier's world otherwise made")
-        rng, before = stream_in(read.rng), self._state
-        _check_rooms(read.state)
-        self._state = read.state
-        if any(time < self._state.now for time, _ in self._due(self._state.nurses)):
-            self._state = before
-            raise ValueError("no state of a courier's world: something is overdue")
-        self._rng = rng
+        with reading_state("a courier's world"):
+            rng = stream_in(read.rng)
+            nurses = [*read.state.nurses, read.state.nurse]
+            wards = {*read.state.calls, *(nurse.ward for nurse in nurses if nurse)}
+            goal = BASE if read.state.drive is None else read.state.drive.room
+            known = read.state.room in {*ROOMS, CORRIDOR} and goal in ROOMS
+            if not (known and wards <= {*WARDS}):
+                raise ValueError("a room is unknown")
+            due = self._due(read.state, read.state.nurses)
+            if any(time < read.state.now for time, _ in due):
+                raise ValueError("something is overdue")
+        self._state, self._rng = read.state, rng
 
     # --- what the robot is asked for ------------------------------------------------
 
@@ -213,13 +217,15 @@ class Hospital(World):
 
     # --- what happens by itself -----------------------------------------------------
 
-    def _due(self, nurses: Iterable[Nurse]) -> Iterator[tuple[int, Callable[[], None]]]:
+    def _due(
+        self, state: HospitalState, nurses: Iterable[Nurse]
+    ) -> Iterator[tuple[int, Callable[[], None]]]:
         """Yield what will happen, with its time, in the order in which it is done.
 
         Args:
+            state: of the hospital.
             nurses: those on their way whose coming counts.
         """
-        state = self._state
         if state.ended is not None:
             return
         if state.drive is not None:
@@ -291,12 +297,3 @@ class Hospital(World):
     def _happens(self, option: str) -> bool:
         """Whether something happens that does so in so many of a hundred cases."""
         return self._rng.randrange(FULL) < self._options[option]
-
-
-def _check_rooms(state: HospitalState) -> None:
-    """See that all rooms of a state are there. Raises ValueError."""
-    nurses = [*state.nurses, *([] if state.nurse is None else [state.nurse])]
-    wards = {*state.calls, *(nurse.ward for nurse in nurses)}
-    goal = BASE if state.drive is None else state.drive.room
-    if not (state.room in {*ROOMS, CORRIDOR} and goal in ROOMS and wards <= {*WARDS}):
-        raise ValueError("no state of a courier's world: a room is unknown")

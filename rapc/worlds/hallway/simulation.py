@@ -42,6 +42,7 @@ from rapc.worlds.hallway.robot import TICK, Robot
 from rapc.worlds.hallway.state import HallwaySettings, HallwayState, Push
 from rapc.worlds.skills.catalogue import Catalogue
 from rapc.worlds.skills.runtime import EventTold, SkillRuntime
+from rapc.worlds.states import reading_state
 
 STREAMS = ("wear", "motion", "sonar", "laser", "people", "doors", "lift")
 
@@ -151,14 +152,13 @@ class Simulation:
             ValueError: if it is none, or that of another map or other settings;
                 nothing has changed then.
         """
-        try:
+        with reading_state("a hallway"):
             read = msgspec.json.decode(saved, type=_Saved)
             streams = {name: stream_in(read.streams[name]) for name in STREAMS}
-        except (msgspec.DecodeError, KeyError, ValueError) as error:
-            raise ValueError(f"no state of a hallway: {error}") from error
         if (read.map, read.settings) != (self._digest(), self.settings):
             raise ValueError("the state is that of a hallway with other options")
-        self._check(read.state)
+        with reading_state("a hallway"):
+            self._check(read.state)
         self.runtime.restore(bytes(read.skills))
         self.state, self._chance = read.state, streams
         self._entrances.close(self.state)
@@ -179,7 +179,7 @@ class Simulation:
             and (lift is None) == (mine.lift is None)
         )
         if not known:
-            raise ValueError("no state of a hallway: a place is unknown")
+            raise ValueError("a place is unknown")
 
     def _digest(self) -> str:
         return hashlib.sha256(msgspec.json.encode(self.map)).hexdigest()

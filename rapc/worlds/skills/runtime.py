@@ -29,6 +29,7 @@ from rapc.worlds.skills.network import (
     late,
     wire,
 )
+from rapc.worlds.states import reading_state
 
 T = TypeVar("T")
 
@@ -151,7 +152,7 @@ class SkillRuntime:
             ValueError: if it is none, or one of other skills; nothing has changed.
         """
         other = SkillRuntime(self.catalogue)
-        try:
+        with reading_state("these skills"):
             state = msgspec.json.decode(saved, type=_Saved)
             for activation in state.activations:
                 if refused := other.activate(
@@ -159,8 +160,6 @@ class SkillRuntime:
                 ):
                     raise ValueError(refused.reason)
             other._take_states(state)
-        except (msgspec.DecodeError, KeyError) as error:
-            raise ValueError(f"no state of these skills: {error}") from error
         self.__dict__.update(other.__dict__)
 
     def _take_states(self, saved: _Saved) -> None:

@@ -30,6 +30,7 @@ from rapc.errors import PortError
 from rapc.world import NOT_KNOWN, Offer, Refused, Signal, Time, World
 from rapc.worlds.skills.catalogue import Catalogue, SkillRequest
 from rapc.worlds.skills.runtime import EventTold, SkillRuntime
+from rapc.worlds.states import reading_state
 
 
 class _Saved(msgspec.Struct):
@@ -194,14 +195,11 @@ class SkillWorld(World):
         Raises:
             ValueError: if it is none, or one of a world with other options.
         """
-        none = f"no state of the world `{self.name}`"
-        try:
+        with reading_state(f"the world `{self.name}`"):
             saved = msgspec.json.decode(state, type=_Saved)
             if abs(saved.now * self.ticks_a_unit - saved.ticks) > 1:
-                raise ValueError(f"{none}: {saved.ticks} ticks until {saved.now}")
-            self.restore_rest(bytes(saved.rest))
-        except msgspec.DecodeError as error:
-            raise ValueError(f"{none}: {error}") from error
+                raise ValueError(f"{saved.ticks} ticks until {saved.now}")
+        self.restore_rest(bytes(saved.rest))
         self._now, self.ticks = saved.now, saved.ticks
         self._sent = [EventTold(*told) for told in saved.sent]
 
@@ -224,8 +222,9 @@ class SkillWorld(World):
         Raises:
             ValueError: if it is none of this world.
         """
-        saved = msgspec.json.decode(rest, type=_Rest)
-        state = msgspec.json.decode(saved.state, type=type(self.state))
+        with reading_state(f"the world `{self.name}`"):
+            saved = msgspec.json.decode(rest, type=_Rest)
+            state = msgspec.json.decode(saved.state, type=type(self.state))
         self.runtime.restore(bytes(saved.skills))
         self.state = state
 

@@ -15,6 +15,7 @@ from rapc.base.chance import Stream, stream_in, stream_state
 from rapc.base.values import Atom, Fact, Number, number
 from rapc.world import Datum, Kit, Message, Picture, Reply, Time, World
 from rapc.worlds.maps import MapError, shipped_map
+from rapc.worlds.states import reading_state
 from rapc.worlds.truck import eye
 from rapc.worlds.truck.demons import check_demons, pass_time, summon
 from rapc.worlds.truck.handlers import HANDLERS
@@ -169,20 +170,16 @@ class TruckWorld(World):
         Raises:
             ValueError: if it is none, or one of a truck world with other options.
         """
-        try:
-            saved = msgspec.json.decode(state, type=Saved)
-        except msgspec.DecodeError as error:
-            raise ValueError(f"no state of a truck world: {error}") from error
-        if as_made(saved.settings, self._scene.settings) != self._scene.settings:
-            raise ValueError("the state is that of a truck world with other options")
         scene = self._scene
-        try:
+        with reading_state("a truck world"):
+            saved = msgspec.json.decode(state, type=Saved)
+        if as_made(saved.settings, scene.settings) != scene.settings:
+            raise ValueError("the state is that of a truck world with other options")
+        with reading_state("a truck world"):
             rng = stream_in(saved.rng)
             chance = {name: stream_in(saved.chance[name]) for name in scene.chance}
             check_items(scene, saved.state)
             check_demons(scene, saved.state)
-        except (KeyError, ValueError) as error:
-            raise ValueError(f"no state of a truck world: {error}") from error
         scene.rng, scene.chance, scene.state = rng, chance, saved.state
         scene.settings = saved.settings
 
