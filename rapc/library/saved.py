@@ -32,11 +32,10 @@ from rapc.ir.nodes import DefineTest
 from rapc.library.lazy import Lazy
 from rapc.library.library import Library, link
 from rapc.library.saved_check import UnsoundError, Verifier
-from rapc.library.signature import Signature
 from rapc.library.signatures import Signatures
 from rapc.parser.unit import SourceUnit
 
-FORMAT = 5
+FORMAT = 6
 """The version of the format; a change of the IR is one of the format."""
 
 _HEAD = re.compile(rb"rapc-library (\d{1,9}) ([!-~]{1,40}) ([0-9a-f]{64})\n")
@@ -46,28 +45,14 @@ class _WrongError(Exception):
     """As `SavedError`, the name of the file left out."""
 
 
-_Inputs = tuple[tuple[str, str | None], ...]
-"""The inputs of a RAP, each with its kind if one is said."""
-
-
-class _Rap(msgspec.Struct, frozen=True, array_like=True):
-    """Where a RAP stands among the forms of its source, and its index."""
-
-    name: str
-    form: int
-    #: As `_Inputs`; decoded when they are asked for.
-    inputs: msgspec.Raw
-    #: How many outputs there are.
-    outputs: int
-
-
 class _Unit(msgspec.Struct, frozen=True, array_like=True):
     """A source: its forms, each as JSON of its own, and which of them are RAPs."""
 
     file: str
     text: str
     forms: tuple[msgspec.Raw, ...]
-    raps: tuple[_Rap, ...]
+    #: The places of the RAPs among the forms, by name.
+    raps: dict[str, int]
 
 
 class _Suite(msgspec.Struct, frozen=True, array_like=True):
@@ -152,11 +137,11 @@ def _units(library: Library, units: dict[str, _Unit]) -> tuple[int, ...]:
 
 def _unit(source: SourceFile, forms: Sequence[nodes.TopForm]) -> _Unit:
     encode = msgspec.json.Encoder().encode
-    raps = tuple(
-        _row(form, at)
+    raps = {
+        form.name: at
         for at, form in enumerate(forms)
         if isinstance(form, nodes.DefineRap)
-    )
+    }
     listed = tuple(msgspec.Raw(encode(form)) for form in forms)
     return _Unit(source.name, source.text, listed, raps)
 
@@ -220,48 +205,32 @@ class SavedLibrary:
             raise _WrongError("names a source twice")
         units = [self._body.units[at] for at in places]
         linked, found = link([_parsed(unit, _declarations(unit)) for unit in units])
-        rows = {row.name: (row, unit) for unit in units for row in unit.raps}
+        rows = {name: (unit, at) for unit in units for name, at in unit.raps.items()}
         if found or len(rows) < sum(len(unit.raps) for unit in units):
             raise _WrongError("defines a name twice")
-        signatures = Lazy(rows, lambda name: _signature(rows[name][0]))
-        verifier = Verifier(Signatures.of(linked, signatures), linked.files)
+        decoded = Lazy(rows, lambda name: self._rap(name, *rows[name]))
+        linked = msgspec.structs.replace(linked, raps=decoded)
+        verifier = Verifier(Signatures.of(linked), linked.files)
         for form in linked.forms:
             verifier.declaration(form)
-        raps = Lazy(rows, lambda name: self._rap(*rows[name], verifier))
-        linked = msgspec.structs.replace(linked, raps=raps, forms=())
-        return linked, verifier
+        raps = Lazy(rows, lambda name: self._verified(decoded[name], verifier))
+        return msgspec.structs.replace(linked, raps=raps, forms=()), verifier
 
-    def _rap(self, row: _Rap, unit: _Unit, verifier: Verifier) -> nodes.DefineRap:
-        """Decode a RAP and look at it. Raises SavedError if it cannot be run."""
+    def _rap(self, name: str, unit: _Unit, at: int) -> nodes.DefineRap:
+        """Decode a RAP. Raises SavedError if there is another form in its place."""
         with _errors_name(self._file):
-            if not 0 <= row.form < len(unit.forms):
-                raise _WrongError(f"lacks the RAP `{row.name}`")
-            made: nodes.DefineRap = _decode(unit.forms[row.form], nodes.DefineRap)
-            if row != _row(made, row.form):
+            if not 0 <= at < len(unit.forms):
+                raise _WrongError(f"lacks the RAP `{name}`")
+            made: nodes.DefineRap = _decode(unit.forms[at], nodes.DefineRap)
+            if made.name != name:
                 raise _WrongError("has a RAP in the place of another")
-            verifier.rap(made)
             return made
 
-
-def _signature(row: _Rap) -> Signature:
-    inputs = _decode(row.inputs, _Inputs)
-    if not all(name.isprintable() for name, _ in inputs):
-        raise _WrongError(f"has inputs of `{row.name!a}` that cannot be printed")
-    args = tuple([nodes.Argument(nodes.Var(name), kind) for name, kind in inputs])
-    count = len(args)
-    return Signature("RAP", row.name, count, count, args, outputs=row.outputs)
-
-
-def _inputs(rap: nodes.DefineRap) -> _Inputs:
-    """Return the inputs of a RAP as its row has them."""
-    kinds = {one.variable: one.kind for one in rap.kinds}
-    return tuple([(one.name, kinds.get(one.name)) for one in rap.inputs])
-
-
-def _row(rap: nodes.DefineRap, at: int) -> _Rap:
-    """The row of a RAP that is so many forms from the first."""
-    inputs = msgspec.Raw(msgspec.json.encode(_inputs(rap)))
-    return _Rap(rap.name, at, inputs, len(rap.outputs))
+    def _verified(self, rap: nodes.DefineRap, verifier: Verifier) -> nodes.DefineRap:
+        """Return a RAP. Raises SavedError if it cannot be run."""
+        with _errors_name(self._file):
+            verifier.rap(rap)
+            return rap
 
 
 def _look_at_names(body: _Body) -> None:
@@ -293,7 +262,7 @@ def _errors_name(file: str) -> Iterator[None]:
 
 def _declarations(unit: _Unit) -> Iterator[int]:
     """The places of the forms of a source that are no RAPs."""
-    raps = {row.form for row in unit.raps}
+    raps = {*unit.raps.values()}
     return (at for at in range(len(unit.forms)) if at not in raps)
 
 

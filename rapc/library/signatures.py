@@ -115,12 +115,10 @@ class Signatures:
         self._near: dict[str, Suggestions] = {}
 
     @classmethod
-    def of(
-        cls, library: Library, raps: Mapping[str, Signature] | None = None
-    ) -> Signatures:
+    def of(cls, library: Library) -> Signatures:
         """Return the signatures of a linked library.
 
-        A RAP is looked at when its signature is asked for, unless `raps` has them.
+        A RAP is looked at when its signature is asked for.
         """
         tables: dict[str, dict[str, Signature]] = {}
         for field, space, word in KINDS.values():
@@ -128,8 +126,7 @@ class Signatures:
                 forms: Mapping[str, Declared] = getattr(library, field)
                 found = {n: of_declaration(cast(Kind, word), forms[n]) for n in forms}
                 tables.setdefault(space, {}).update(found)
-        if raps is None:
-            raps = Lazy(library.raps, lambda name: of_rap(library.raps[name]))
+        raps = Lazy(library.raps, lambda name: of_rap(library.raps[name]))
         return cls({**tables, "RAP": raps}, Kinds(library.kinds))
 
     @classmethod

@@ -233,12 +233,12 @@ def test_suites_of_one_library_read_it_once(monkeypatch: pytest.MonkeyPatch) -> 
 
 
 SHAPE = "0a22c66bc80c4a3d"
-"""The checksum of all kinds of nodes in format 5: another one, another format."""
+"""The checksum of all kinds of nodes in format 6: another one, another format."""
 
 
 def test_another_shape_of_nodes_is_another_format() -> None:
     shape = hashlib.sha256(_shape().encode()).hexdigest()[:16]
-    assert (saved_module.FORMAT, shape) == (5, SHAPE)
+    assert (saved_module.FORMAT, shape) == (6, SHAPE)
 
 
 def _shape() -> str:
