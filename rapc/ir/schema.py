@@ -185,6 +185,8 @@ def rule_of_kind(kind: type[nodes.Node]) -> str | Callable[[Any], str]:
 @cache
 def kind_of_rule(rule: str) -> type[nodes.Node] | None:
     """Return the kind of node that is written by a rule; None if there is none."""
+    if rule in _ALSO:
+        return _ALSO[rule]
     for kind, field in NAMED_BY.items():
         if rule in names_in_type(declared(kind, field).replace("-", "_")):
             return kind
@@ -211,6 +213,13 @@ _RULES: Mapping[type, str | Callable[[Any], str]] = {
     nodes.TraceHas: "trace",
 }
 """The rules of nodes that are called otherwise, or for which their fields decide."""
+
+
+_ALSO: Mapping[str, type[nodes.Node]] = {
+    "task": nodes.GivenTask,
+    "placed": nodes.Moved,
+}
+"""Rules that some nodes are read by and no node is written by."""
 
 
 def declarations() -> Iterator[tuple[str, type[nodes.Node]]]:
@@ -254,6 +263,7 @@ def _one_of(item: Shape) -> tuple[Shape, ...]:
 
 def _parts(item: Shape, kind: type[nodes.Node]) -> Iterable[Part]:
     rules, once = _clauses(item)
+    once = once or str(item[-1]).endswith("_clause")
     if once or (len(rules) == 1 and all(map(_is_option, rules))):
         return [Part(rule, _field(rule, kind)) for rule in rules]
     return [Part(item)]

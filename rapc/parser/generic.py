@@ -29,6 +29,7 @@ from rapc.language.grammar import GRAMMAR, RULES, TERMINALS
 from rapc.language.heads import heads, rules_by_head, words_of_shape
 from rapc.language.shapes import Shape, is_list, is_rule, is_terminal, is_word, leaves
 from rapc.parser.context import Context, OptionReader, Read, head_of, kind_of
+from rapc.parser.forms import clauses, filled, read_options, slots
 from rapc.parser.syntax import Datum, Keyword, List, Numeral, String, Symbol, Variable
 from rapc.parser.terms import NAMED, REFUSED, term, with_arguments
 
@@ -326,9 +327,42 @@ class GrammarReaders(dict[str, Read]):
 
     def _list(self, rule: str, shape: Shape) -> Read:
         """The reader of a list with a head, with several to choose from, or none."""
-        told = bool(GRAMMAR[rule].whole)
-        operands = [self._operand(one, told) for one in shape[1 + bool(heads(rule)) :]]
+        told, inner = bool(GRAMMAR[rule].whole), shape[1 + bool(heads(rule)) :]
+        if inner[-1][0] == "*" and str(inner[-1][1]).startswith("_"):
+            return self._with_parts(rule, inner[:-1], str(inner[-1][1]))
+        operands = [self._operand(one, told) for one in inner]
         return _varied(rule, operands, self.makers.get(rule) or _named_like(rule))
+
+    def _with_parts(self, rule: str, operands: Sequence[Shape], group: str) -> Read:
+        """The reader of a list with some operands, then options or lists of a group.
+
+        Options fill the fields of their names, lists the field behind the operands.
+        """
+        kind: Any = schema.kind_of_rule(rule)
+        reads = [self.part(one).read for one in operands]
+        own, words = heads(rule)[0], tuple(rules_by_head(group))
+        wanted = GRAMMAR[next(leaves(operands[0]))].wanted.partition(" ")[2]
+
+        def rest(ctx: Context, data: Sequence[Datum]) -> dict[str, Any]:
+            if words[0].startswith(":"):
+                options = read_options(ctx, data, f"`{own}`", group)
+                return filled(slots(str(schema.rule_of_kind(kind)), kind), options)
+            known, found = self.group(group), clauses(ctx, data, own, words)
+            field = kind.__struct_fields__[len(reads)]
+            return {field: made(known[word](ctx, one) for word, one in found)}
+
+        def read(ctx: Context, datum: List) -> Any:
+            data = datum.items[1:]
+            if len(data) < len(reads):
+                ctx.report(_breaks(rule), f"`{own}` lacks its {wanted}", datum)
+                return None
+            values = [one(ctx, item) for one, item in zip(reads, data, strict=False)]
+            if any(value is None for value in values):
+                return None
+            fields = rest(ctx, data[len(reads) :])
+            return kind(*values, span=ctx.span(datum), **fields)
+
+        return read
 
     def _operand(self, shape: Shape, told: bool) -> Operand:
         """Return what reads some operands; `told` if their list tells of them."""

@@ -15,9 +15,8 @@ from rapc.cli.main import COMMANDS, cli
 from rapc.debug.breakpoints import KINDS
 from rapc.experiments.definition import Experiment, Reference, Series
 from rapc.experiments.measures import LABELS
-from rapc.language.heads import TEST_CLAUSES, rules_by_head
+from rapc.language.heads import TEST_CLAUSES, heads, rules_by_head
 from rapc.library.loader import load
-from rapc.parser.special import tests
 from rapc.repl.commands.table import commands
 from rapc.runtime.settings import Settings
 from rapc.testing.coverage import COLUMNS
@@ -66,7 +65,7 @@ def _of_tests() -> Iterator[tuple[str, object, object]]:
     for heading, known in (
         ("## What is given", TEST_CLAUSES),
         ("### The script", rules_by_head("_once_row_option")),
-        ("### At a time", tests.ACTIONS),
+        ("### At a time", heads("_action")),
         ("## What is expected", rules_by_head("expectation")),
     ):
         told = first_words(section(TESTING, heading), r"`[(]?([:a-z-]+)")

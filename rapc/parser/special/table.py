@@ -58,9 +58,6 @@ SPECIAL: Mapping[str, Read] = {
     "goal": terms.goal,
     "thing": terms.thing,
     # tests
-    "task": tests.given("_once_task_option"),
-    "agenda_task": tests.given("_once_agenda_option"),
-    "at": tests.at,
     "script_row": tests.row,
     "memory": expectations.memory,
     "method_chosen": expectations.method_chosen,
@@ -75,7 +72,6 @@ MAKERS: Mapping[str, Maker] = {
             values[0].name, values[0].args, values[1] or "proceed", span=span
         ),
     ),
-    "placed": lambda head, values, span: nodes.Moved(*values, span=span),
     "skills": lambda head, values, span: values[0],
     "order": lambda head, values, span: nodes.For(None, values[0], span=span),
     "sensor_name": lambda head, values, span: nodes.SensorName(

@@ -11,8 +11,8 @@ from typing import cast
 
 from rapc.base.values import Number
 from rapc.ir import nodes
-from rapc.language.heads import TEST_CLAUSES, heads, often
-from rapc.parser.context import Context, Read, head_of
+from rapc.language.heads import TEST_CLAUSES, often
+from rapc.parser.context import Context, head_of
 from rapc.parser.forms import (
     clauses,
     filled,
@@ -22,7 +22,7 @@ from rapc.parser.forms import (
     single,
     slots,
 )
-from rapc.parser.generic import made, terminal
+from rapc.parser.generic import made
 from rapc.parser.syntax import Datum, List, String, Symbol
 
 
@@ -84,50 +84,13 @@ def define_agenda(ctx: Context, form: List) -> nodes.DefineAgenda | None:
     name = name_of(ctx, form, colon=False)
     if name is None:
         return None
-    known = ctx.readers.group("define_agenda")
-    found = list(clauses(ctx, form.items[2:], "define-agenda", tuple(known)))
-    required, given = (
-        made(known[word](ctx, one) for head, one in found if head == word)
-        for word in ("require", "task")
-    )
-    return nodes.DefineAgenda(
-        name, required, given, ctx.span(form.items[1]), span=ctx.span(form)
-    )
-
-
-def given(group: str) -> Read:
-    """Return what reads `(task goal option...)`, with options of a group."""
-
-    def read(ctx: Context, clause: List) -> nodes.GivenTask | None:
-        if len(clause.items) == 1:
-            ctx.report("malformed-clause", "`task` lacks its goal", clause)
-            return None
-        asked = ctx.readers["given"](ctx, clause.items[1])
-        read = read_options(ctx, clause.items[2:], "`task`", group)
-        if asked is None:
-            return None
-        options = filled(slots("agenda_task", nodes.GivenTask), read)
-        return nodes.GivenTask(asked, span=ctx.span(clause), **options)
-
-    return read
-
-
-def at(ctx: Context, clause: List) -> nodes.At | None:
-    """`(at time action...)`."""
-    if len(clause.items) == 1:
-        ctx.report("malformed-clause", "`at` lacks its time", clause)
-        return None
-    time = terminal("TIME").read(ctx, clause.items[1])
-    if time is None:
-        return None
-    known = ctx.readers.group("_action")
-    found = clauses(ctx, clause.items[2:], "at", ACTIONS)
-    actions: tuple[nodes.Action, ...] = made(known[n](ctx, one) for n, one in found)
-    return nodes.At(time, actions, span=ctx.span(clause))
-
-
-ACTIONS = heads("_action")
-"""What may be done at a time."""
+    words = tuple(ctx.readers.group("_agenda_clause"))
+    found = clauses(ctx, form.items[2:], "define-agenda", words)
+    kept = single(ctx, found, often("define_agenda"))
+    into = slots("define_agenda", nodes.DefineAgenda)
+    fields = read_clauses(ctx, kept, "_agenda_clause", into)
+    where = ctx.span(form.items[1])
+    return nodes.DefineAgenda(name, name_span=where, span=ctx.span(form), **fields)
 
 
 # --- the script ---------------------------------------------------------------------
