@@ -12,6 +12,7 @@ from collections.abc import Container, Iterator, Mapping
 from rapc.analysis.check import Pass, check
 from rapc.analysis.facts.effects import below_agendas, endless
 from rapc.analysis.facts.logic import is_never
+from rapc.analysis.facts.statistics import LIMITS
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 from rapc.ir.walk import steps
@@ -107,9 +108,6 @@ asks in its monitor and in `repeat-while` for what it is to go on for.""",
 """,
 )
 
-_ROUNDS = 20
-"""So many RAPs deep the priorities of steps are added up."""
-
 
 @check(LOW, REACHES, ENDS)
 def agenda_bands(run: Pass) -> Iterator[Diagnostic]:
@@ -175,7 +173,7 @@ def _reach(run: Pass) -> _Reach:
     reach: dict[str, tuple[int, nodes.Step | None]] = {}
     raps = run.library.raps.values()
     rows = [(rap.name, [s for m in rap.methods for s in steps(m)]) for rap in raps]
-    for _ in range(_ROUNDS):
+    for _ in range(LIMITS.priority_depth):
         changed = False
         for name, there in rows:
             best = reach.get(name, (0, None))
@@ -225,7 +223,7 @@ def _priority(task: nodes.GivenTask) -> int:
 def _raised(name: str, reach: _Reach) -> nodes.Step | None:
     """The step of the highest row below a RAP that adds most."""
     most: nodes.Step | None = None
-    for _ in range(_ROUNDS):
+    for _ in range(LIMITS.priority_depth):
         _, step = reach.get(name, (0, None))
         if step is None:
             break

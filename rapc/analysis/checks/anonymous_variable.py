@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.checks.bindings import BINDINGS
+from rapc.analysis.facts.variables import BINDINGS
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 
 ANONYMOUS = Rule(

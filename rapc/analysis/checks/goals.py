@@ -12,15 +12,18 @@ from __future__ import annotations
 from collections.abc import Container, Iterator, Sequence
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.facts.effects import EFFECTS, Effect, calls_of, done_by_method
+from rapc.analysis.facts.effects import (
+    EFFECTS,
+    Effect,
+    calls_of,
+    done_by_method,
+    may_establish,
+)
 from rapc.analysis.facts.logic import (
     Literal,
-    asked_by,
     asked_through,
     entails,
     fact_name,
-    is_computed,
-    is_known,
     is_never,
     literals,
 )
@@ -200,7 +203,7 @@ def _endless(
 def _ends(library: Library, monitor: nodes.Formula, done: Sequence[Effect]) -> bool:
     """Whether anything done may keep a part of a monitor from holding."""
     return any(
-        can_come(library, Literal(one.formula, not one.holds), done)
+        may_establish(library, Literal(one.formula, not one.holds), done)
         for one in literals(monitor)
         if not isinstance(one.formula, _BESIDE)
     )
@@ -220,12 +223,12 @@ def _said(done: Sequence[Effect]) -> str:
     names = sorted({f"`{effect.name}`" for effect in done})
     if not names:
         return "as far as it is declared, nothing in memory changes"
-    return f"as far as it is declared, it changes {', '.join(names[:_MOST_NAMES])}" + (
-        ", ..." if len(names) > _MOST_NAMES else ""
+    return f"as far as it is declared, it changes {', '.join(names[:_SHOWN_NAMES])}" + (
+        ", ..." if len(names) > _SHOWN_NAMES else ""
     )
 
 
-_MOST_NAMES = 6
+_SHOWN_NAMES = 6
 """How many names of facts are told."""
 
 
@@ -235,49 +238,10 @@ def _way_can_come(library: Library, way: nodes.Formula, done: Sequence[Effect]) 
     What is compared comes from the facts beside it, or nobody knows from where.
     """
     asked = [one for one in literals(way) if not isinstance(one.formula, _BESIDE)]
-    return not asked or any(can_come(library, one, done) for one in asked)
+    return not asked or any(may_establish(library, one, done) for one in asked)
 
 
 _BESIDE = (nodes.Compare, nodes.Truth)
-
-
-def can_come(library: Library, one: Literal, done: Sequence[Effect]) -> bool:
-    """Whether anything done may make a literal hold, or it is not known."""
-    fact = one.formula
-    if isinstance(fact, nodes.Believe):
-        fact = fact.pattern
-    if isinstance(fact, nodes.Proposition) and not _is_declared(library, fact.name):
-        return True
-    if not isinstance(fact, nodes.Proposition) or is_computed(library, fact.name):
-        if not is_known(library, fact):
-            return True
-        asked = asked_by(library, fact)
-        return any(effect.name in asked for effect in done)
-    return any(_serves(library, effect, fact, one.holds) for effect in done)
-
-
-def _serves(
-    library: Library, effect: Effect, fact: nodes.Proposition, holds: bool
-) -> bool:
-    """Whether an effect may make a fact hold, or keep it from holding."""
-    if effect.name != fact.name:
-        return False
-    property_ = library.properties.get(fact.name)
-    pairs = list(zip(effect.values, fact.args, strict=False))
-    same = [
-        value is None or not isinstance(term, nodes.Const) or value == term.value
-        for value, term in pairs
-    ]
-    if property_ is None:
-        return effect.gone is not holds and all(same)
-    if effect.gone or len(effect.values) != len(fact.args):
-        return True
-    return all(same) if holds else all(same[:-1])
-
-
-def _is_declared(library: Library, name: str) -> bool:
-    stored = name in library.properties or name in library.propositions
-    return stored or is_computed(library, name)
 
 
 def _denied(rap: nodes.DefineRap) -> Iterator[Diagnostic]:
@@ -332,7 +296,7 @@ def _empty(
     for effect in rap.effects:
         fact = effect.pattern
         promised = Literal(fact, not effect.negated)
-        if fact not in asked and not can_come(run.library, promised, done):
+        if fact not in asked and not may_establish(run.library, promised, done):
             yield EMPTY.at(
                 effect.span,
                 f"nothing that `{rap.name}` does brings `{promised.written}` about",
@@ -431,7 +395,7 @@ def _unconfirmed(run: Pass, rap: nodes.DefineRap) -> Iterator[Diagnostic]:
         without = [
             method
             for method, (done, _) in zip(rap.methods, known, strict=True)
-            if not can_come(run.library, promised, done)
+            if not may_establish(run.library, promised, done)
         ]
         if len(without) == len(rap.methods) and all(whole for _, whole in known):
             continue

@@ -11,6 +11,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from rapc.analysis.check import Pass, check
 from rapc.analysis.facts.index import INDEX, VariableAt
 from rapc.analysis.facts.names import renaming
+from rapc.analysis.facts.statistics import THRESHOLDS
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity, Subject
 from rapc.base.names import Close
 from rapc.ir import nodes
@@ -47,12 +48,6 @@ bare `?`, or a name of its own.""",
 """,
 )
 
-_LEAST = 5
-"""How long a name must be, its mark included, to be close to another.
-
-One that lacks a letter may be shorter by that: `?dor` is close to `?door`.
-"""
-
 
 @check(MISSPELT, needs_whole="form")
 def misspelt_variable(run: Pass) -> Iterator[Diagnostic]:
@@ -65,7 +60,7 @@ def misspelt_variable(run: Pass) -> Iterator[Diagnostic]:
             names = {name: uses for name, uses in named.items() if name != "?"}
         once = [name for name, uses in names.items() if len(uses) == 1]
         suspects = _suspects(once, names)
-        close = Close(names, _LEAST) if suspects else None
+        close = Close(names, THRESHOLDS.close_variable) if suspects else None
         for name in suspects:
             other = close.to(name) if close else None
             if other is not None and _is_slip(names[name][0][0], names[other]):
@@ -80,9 +75,10 @@ def _suspects(once: Iterable[str], names: Iterable[str]) -> list[str]:
     return [
         name
         for name in once
-        if (len(name) >= _LEAST - 1 and len(name) + 1 in lengths)
+        if (len(name) >= THRESHOLDS.close_variable - 1 and len(name) + 1 in lengths)
         or (
-            len(name) >= _LEAST and (lengths[len(name)] > 1 or len(name) - 1 in lengths)
+            len(name) >= THRESHOLDS.close_variable
+            and (lengths[len(name)] > 1 or len(name) - 1 in lengths)
         )
     ]
 
@@ -93,7 +89,7 @@ def _is_slip(one: nodes.Var, others: Sequence[VariableAt]) -> bool:
     A short name is no slip for its plural: `?arm` and `?arms`.
     """
     other = others[0][0]
-    if len(one.name) < _LEAST and other.name == f"{one.name}s":
+    if len(one.name) < THRESHOLDS.close_variable and other.name == f"{one.name}s":
         return False
     return len(others) > 1 or other.span.start < one.span.start
 

@@ -26,10 +26,16 @@ from collections.abc import Container, Iterator, Mapping, Sequence
 import msgspec
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.checks.goals import can_come
-from rapc.analysis.checks.task_nets import Net, sure_net, sure_nets
 from rapc.analysis.facts.bindings import MayBeBound
-from rapc.analysis.facts.effects import EFFECTS, Effect, Effects, done, put_in
+from rapc.analysis.facts.effects import (
+    EFFECTS,
+    Effect,
+    Effects,
+    done,
+    may_establish,
+    put_in,
+    things_needed,
+)
 from rapc.analysis.facts.logic import (
     Literal,
     contradict,
@@ -38,6 +44,7 @@ from rapc.analysis.facts.logic import (
     literals,
 )
 from rapc.analysis.facts.statistics import LIMITS
+from rapc.analysis.facts.task_nets import Net, sure_net, sure_nets
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import clauses, nodes
 from rapc.ir.printer import format_formula, format_goal
@@ -570,9 +577,9 @@ def _comes(
 ) -> bool:
     """Whether a step that may run before another may make a literal hold."""
     if not there:
-        return can_come(run.library, one, ())
+        return may_establish(run.library, one, ())
     return any(
-        can_come(run.library, one, effects)
+        may_establish(run.library, one, effects)
         and other != until
         and not net.is_before(until, other)
         for other, effects in there
@@ -685,7 +692,7 @@ def _orders(library: Library, goal: str) -> _Orders:
         rap = library.raps.get(name)
         if rap is None or not rap.methods:
             continue
-        own = [frozenset(things(library, method)) for method in rap.methods]
+        own = [frozenset(things_needed(library, method)) for method in rap.methods]
         always = frozenset.intersection(*own) - held
         for wanted in sorted(always, key=format_formula):
             for thing in sorted(held, key=format_formula):
@@ -698,17 +705,6 @@ def _orders(library: Library, goal: str) -> _Orders:
                     seen.add(below)
                     waiting.append(below)
     return found
-
-
-def things(library: Library, method: nodes.Method) -> Iterator[nodes.Thing]:
-    """Yield what a method asks for before it starts, if no variable stands in it."""
-    asked = [*method.claims]
-    if isinstance(method.body, nodes.Primitive):
-        form = library.primitives.get(method.body.request.name)
-        asked += form.uses if form is not None else ()
-    for thing in asked:
-        if all(isinstance(term, nodes.Const) for term in thing.args):
-            yield thing
 
 
 def _crossed(orders: _Orders, others: _Known) -> Iterator[tuple[_Taken, _Taken]]:

@@ -17,8 +17,6 @@ from itertools import combinations
 import msgspec
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.checks.methods import Always
-from rapc.analysis.checks.protections import things
 from rapc.analysis.facts.effects import (
     below_agendas,
     calls_of,
@@ -27,9 +25,11 @@ from rapc.analysis.facts.effects import (
     reached,
     request_effects,
     rule_effects,
+    things_needed,
 )
 from rapc.analysis.facts.index import INDEX, Form, Index
 from rapc.analysis.facts.logic import (
+    Always,
     Literal,
     asked_by,
     asked_through,
@@ -528,7 +528,9 @@ def _may_be_one(one: nodes.Proposition, other: nodes.Proposition) -> bool:
 def _needed(library: Library, rap: nodes.DefineRap) -> frozenset[nodes.Thing]:
     """The things that methods of a RAP, or of those it asks for, take."""
     methods = [m for rap in reached(library, [rap.name]).values() for m in rap.methods]
-    return frozenset(thing for method in methods for thing in things(library, method))
+    return frozenset(
+        thing for method in methods for thing in things_needed(library, method)
+    )
 
 
 def _wakes(run: Pass, one: nodes.Goal, other: nodes.Goal) -> bool:
@@ -584,9 +586,6 @@ which anybody may ask for.""",
     example=_GAUGE.format(10),
     better=_GAUGE.format(90),
 )
-
-_AT_ANY_TIME = 0
-"""How often what anybody may ask for is done."""
 
 
 class _Sensed(msgspec.Struct, frozen=True):

@@ -11,12 +11,12 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 import msgspec
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.checks.bindings import BINDINGS, Missing
-from rapc.analysis.checks.task_nets import TASK_NETS, Net
 from rapc.analysis.facts.bindings import SIGNALS, Site, sites_by_name
 from rapc.analysis.facts.effects import NeverDone
 from rapc.analysis.facts.index import Form
 from rapc.analysis.facts.names import renaming
+from rapc.analysis.facts.task_nets import TASK_NETS, Net
+from rapc.analysis.facts.variables import BINDINGS, Missing
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity, Subject
 from rapc.base.names import Suggestions
 from rapc.base.source import Span
@@ -56,7 +56,7 @@ fails.""",
 """,
 )
 
-_MOST = 3
+_SHOWN = 3
 """How many places are shown besides the first use."""
 
 _SEES = {
@@ -92,7 +92,7 @@ def unbound_variable(run: Pass) -> Iterator[Diagnostic]:
             places = _Places(form, run.library)
             for first, *further in _by_cause(lacking, places, run.unsure(form.span)):
                 net = None if first.method is None else nets.get(id(first.method.body))
-                if net is None or not net.broken or not _by_steps(first, places):
+                if net is None or not net.is_broken or not _by_steps(first, places):
                     found = _explain(first, further, places, net)
                     yield _with_fix(run, found, first, further, places)
 
@@ -153,7 +153,7 @@ def _explain(
 ) -> Diagnostic:
     name = first.variable.name
     used = {m.variable.span for m in (first, *further)}
-    elsewhere = [s for s in places.by_name.get(name, ()) if s.span not in used][:_MOST]
+    elsewhere = [s for s in places.by_name.get(name, ()) if s.span not in used][:_SHOWN]
     labels = [Label(s.span, _why_not(s, first, net, places)) for s in elsewhere]
     help_ = _advice(elsewhere, first, net, places)
     near = None if elsewhere else places.names.near(name)
@@ -161,7 +161,7 @@ def _explain(
         site = places.by_name[near][0]
         labels = [Label(site.span, _close(site))]
         help_ = f"did you mean `{near}`?"
-    labels += [Label(m.variable.span, "nor here") for m in further[:_MOST]]
+    labels += [Label(m.variable.span, "nor here") for m in further[:_SHOWN]]
     lack = () if places.binds(first) else (Subject(first.variable.span),)
     return UNBOUND.at(
         first.variable.span,

@@ -11,9 +11,9 @@ from collections.abc import Iterator, Mapping, Sequence
 import msgspec
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.checks.task_nets import Net, sure_nets
 from rapc.analysis.facts.effects import endless, may_end
 from rapc.analysis.facts.index import INDEX
+from rapc.analysis.facts.task_nets import Net, sure_nets
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.source import Span
 from rapc.ir import nodes

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from rapc.analysis.check import Pass, check
 from rapc.analysis.facts.index import INDEX, Occurrence
 from rapc.analysis.facts.names import renaming
+from rapc.analysis.facts.statistics import THRESHOLDS
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.names import Close, Suggestions, is_row, plural
 from rapc.ir import nodes
@@ -67,8 +68,6 @@ shows so.""",
 """,
 )
 
-_LEAST = 3
-"""How long the name of a thing must be to be close to another."""
 
 _Sort = tuple[str, int]
 """A thing by its name and number of arguments."""
@@ -114,7 +113,7 @@ def _misspelt(
     close: dict[int, Close] = {}
     for count in {count for _, count in places}:
         names = sorted(name for name, number in places if number == count)
-        close[count] = Close(names, _LEAST)
+        close[count] = Close(names, THRESHOLDS.close_thing)
     for (name, count), named in places.items():
         others = [
             places[other, count]

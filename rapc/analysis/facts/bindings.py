@@ -5,7 +5,7 @@ right; of `or`, only what every branch that can succeed binds is surely bound; `
 exports nothing; comparisons, computed terms, tests of sets and functions used as tests
 bind nothing and need theirs bound; a named query does to the terms it is given what its
 formula does. Where these formulas stand and what is bound beforehand is for
-`rapc.analysis.checks.bindings` to say.
+`rapc.analysis.facts.variables` to say.
 
 A named query stands for its formula with terms put in for its arguments. Which
 arguments need a value, and which the formula surely binds, depends on those that have

@@ -22,7 +22,15 @@ from typing import Literal as OneOf
 import msgspec
 
 from rapc.analysis.check import Fact, Pass
-from rapc.analysis.facts.logic import Literal, fact_name, is_never, literals
+from rapc.analysis.facts.logic import (
+    Literal,
+    asked_by,
+    fact_name,
+    is_computed,
+    is_known,
+    is_never,
+    literals,
+)
 from rapc.base.graph import Reachable, components, reachable
 from rapc.base.source import Span
 from rapc.ir import nodes
@@ -446,3 +454,53 @@ def _ends(note: nodes.Annotation) -> bool:
     if isinstance(note, nodes.WaitFor):
         return note.mode == "succeed"
     return isinstance(note, nodes.UntilStart | nodes.UntilEnd)
+
+
+def may_establish(library: Library, one: Literal, done: Sequence[Effect]) -> bool:
+    """Whether anything done may make a literal hold, or it is not known."""
+    fact = one.formula
+    if isinstance(fact, nodes.Believe):
+        fact = fact.pattern
+    if isinstance(fact, nodes.Proposition) and not _is_declared(library, fact.name):
+        return True
+    if not isinstance(fact, nodes.Proposition) or is_computed(library, fact.name):
+        if not is_known(library, fact):
+            return True
+        asked = asked_by(library, fact)
+        return any(effect.name in asked for effect in done)
+    return any(_serves(library, effect, fact, one.holds) for effect in done)
+
+
+def _serves(
+    library: Library, effect: Effect, fact: nodes.Proposition, holds: bool
+) -> bool:
+    """Whether an effect may make a fact hold, or keep it from holding."""
+    if effect.name != fact.name:
+        return False
+    property_ = library.properties.get(fact.name)
+    pairs = list(zip(effect.values, fact.args, strict=False))
+    same = [
+        value is None or not isinstance(term, nodes.Const) or value == term.value
+        for value, term in pairs
+    ]
+    if property_ is None:
+        return effect.gone is not holds and all(same)
+    if effect.gone or len(effect.values) != len(fact.args):
+        return True
+    return all(same) if holds else all(same[:-1])
+
+
+def _is_declared(library: Library, name: str) -> bool:
+    stored = name in library.properties or name in library.propositions
+    return stored or is_computed(library, name)
+
+
+def things_needed(library: Library, method: nodes.Method) -> Iterator[nodes.Thing]:
+    """Yield what a method asks for before it starts, if no variable stands in it."""
+    asked = [*method.claims]
+    if isinstance(method.body, nodes.Primitive):
+        form = library.primitives.get(method.body.request.name)
+        asked += form.uses if form is not None else ()
+    for thing in asked:
+        if all(isinstance(term, nodes.Const) for term in thing.args):
+            yield thing

@@ -23,14 +23,12 @@ import msgspec
 
 from rapc.analysis.check import Fact, Pass
 from rapc.analysis.facts.logic import literals
+from rapc.analysis.facts.statistics import LIMITS
 from rapc.base.source import Span
 from rapc.ir import clauses, nodes
 from rapc.ir.walk import steps
 from rapc.library.kinds import Kinds
 from rapc.library.signatures import Signatures
-
-_ROUNDS = 3
-"""How often what was learned of inputs is handed on to the callers of RAPs."""
 
 
 class Learned(msgspec.Struct, frozen=True, gc=False):
@@ -74,7 +72,7 @@ def _run(run: Pass) -> InferredKinds:
     learning = _Learning(run.signatures)
     raps = [form for form in run.library.forms if isinstance(form, nodes.DefineRap)]
     scopes = [(rap, list(_scopes(rap))) for rap in raps]
-    for _ in range(_ROUNDS):
+    for _ in range(LIMITS.kind_rounds):
         if not learning.learn(scopes):
             break
     clashes = [one for rap, there in scopes for one in learning.clashes(rap, there)]

@@ -35,6 +35,7 @@ from rapc.base.source import Span
 from rapc.base.values import Atom, Number
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
+from rapc.ir.schema import operands
 from rapc.ir.walk import subformulas, substitute, variable_names
 from rapc.library.library import Library
 from rapc.library.signature import CONSTANT_DEFAULTS, Signature
@@ -678,3 +679,51 @@ def through(library: Library, formula: nodes.Formula) -> Iterator[nodes.Formula]
             if query is not None and name not in seen:
                 seen.add(name)
                 waiting.append(query.formula)
+
+
+class Always:
+    """Tells formulas that hold whatever memory holds.
+
+    Args:
+        signatures: what is declared.
+    """
+
+    def __init__(self, signatures: Signatures) -> None:
+        self._relations = signatures.predicates
+
+    def holds(self, formula: nodes.Formula, given: set[str]) -> bool:
+        """Whether a formula always holds where the variables `given` have values."""
+        bound = set(given)
+        return all(
+            literal.holds and self._one(literal.formula, bound)
+            if not isinstance(literal.formula, nodes.Truth)
+            else literal.formula.value is literal.holds
+            for literal in literals(formula)
+        )
+
+    def _one(self, formula: nodes.Formula, bound: set[str]) -> bool:
+        if isinstance(formula, nodes.Or):
+            holds = any(self.holds(part, bound) for part in formula.parts)
+            bound.update(variable_names(formula))
+            return holds
+        if not isinstance(formula, nodes.Proposition):
+            return False
+        declared = self._relations.get(formula.name)
+        if declared is None or not _has_default(declared):
+            return False
+        terms = declared.full(formula.args)
+        if len(terms) != declared.most:
+            return False
+        value = terms[-1]
+        fresh = isinstance(value, nodes.Var) and value.name not in bound
+        known = all(
+            isinstance(term, nodes.Const)
+            or (isinstance(term, nodes.Var) and term.name in bound)
+            for term in terms[:-1]
+        )
+        bound.update(v.name for v in operands(formula).matched if type(v) is nodes.Var)
+        return fresh and known
+
+
+def _has_default(declared: Signature) -> bool:
+    return declared.is_property and declared.default in CONSTANT_DEFAULTS

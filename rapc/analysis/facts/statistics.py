@@ -15,7 +15,8 @@ class Thresholds(msgspec.Struct, frozen=True):
 
     #: Letters of a word, at least, for another word to be close to it.
     close_word: int = 5
-    #: Letters of a variable with its mark, at least, for another to be close to it.
+    #: Letters of a variable with its mark, at least, for another to be close to it: one
+    #: that lacks a letter may be shorter by that.
     close_variable: int = 5
     #: Letters of a thing, at least, for another thing to be close to it.
     close_thing: int = 3
@@ -47,6 +48,10 @@ class Limits(msgspec.Struct, frozen=True):
     conjunction: int = 24
     #: Inputs to which a resource is followed.
     resource_inputs: int = 200
+    #: Callers that what is learned of an input is handed on to, one above another.
+    kind_rounds: int = 3
+    #: RAPs that priorities of steps are added up for, one below another.
+    priority_depth: int = 20
     #: Places of a variable in one form.
     places: int = 12
     #: Arguments of a name that are compared with each other.

@@ -1,4 +1,4 @@
-"""Find variables that lack a value in some order of the steps.
+"""Variables that lack a value in some order of the steps.
 
 Every clause is walked with what is bound where it stands [L 3.64]
 to [L 3.68]: inputs and resources everywhere; besides, in a method, what
@@ -18,7 +18,6 @@ from collections.abc import Container, Iterable, Mapping
 import msgspec
 
 from rapc.analysis.check import Fact, Pass
-from rapc.analysis.checks.task_nets import TASK_NETS, Net, Nets
 from rapc.analysis.facts.bindings import (
     BindingWalker,
     Bound,
@@ -27,6 +26,7 @@ from rapc.analysis.facts.bindings import (
     rules_over_memory,
 )
 from rapc.analysis.facts.effects import NeverDone
+from rapc.analysis.facts.task_nets import TASK_NETS, Net, Nets
 from rapc.ir import clauses, nodes
 
 

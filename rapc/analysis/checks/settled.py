@@ -1,0 +1,388 @@
+"""RAP108, RAP112 to RAP116: what is settled before the world has a say.
+
+A property with a default has a value whatever happens: a fact that asks for it with a
+fresh variable always holds [L 2.20]. Methods that say the same are settled, too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Container, Iterator
+
+from rapc.analysis.check import Pass, check
+from rapc.analysis.facts.index import INDEX, Index
+from rapc.analysis.facts.logic import (
+    Always,
+    holds_between,
+    is_never,
+    literals,
+    number_of,
+)
+from rapc.analysis.facts.resources import FirstValues
+from rapc.base.diagnostics import (
+    Diagnostic,
+    Label,
+    Rule,
+    Severity,
+)
+from rapc.base.values import Number
+from rapc.ir import clauses, nodes
+from rapc.ir.printer import format_formula
+from rapc.ir.walk import (
+    given_names,
+    subformulas,
+    ways,
+)
+
+COPY = Rule(
+    code="RAP112",
+    name="copied-method",
+    severity=Severity.WARNING,
+    summary="two methods of a RAP say the same",
+    why="""A second method is another way to do a thing: it is chosen when the first has
+failed (T 3.2.2). One that says the same in the same situation is no other way, and its
+tries only put off the failure. Mostly it was copied to be changed.""",
+    ignore="where the second one is there to be tried once more",
+    source="T 3.2.2",
+    example="""\
+(declare-primitive push (?door) (okay))
+(define-rap (open ?door)
+  (method push (primitive (push ?door)))
+  (method pull (primitive (push ?door))))
+""",
+    better="""\
+(declare-primitive push (?door) (okay))
+(declare-primitive pull (?door) (okay))
+(define-rap (open ?door)
+  (method push (primitive (push ?door)))
+  (method pull (primitive (pull ?door))))
+""",
+)
+
+AT_ONCE = Rule(
+    code="RAP113",
+    name="succeeds-at-once",
+    severity=Severity.WARNING,
+    summary="a RAP has succeeded before any of its methods can be chosen",
+    why="""`succeed` is asked before a method is chosen (T 3.2.3). One that holds
+whatever happens, because nothing in it can fail, makes the methods idle. A property has
+a value even if nothing is known, its default: `(battery ?level)` always holds.""",
+    ignore="never: leave the methods out if nothing is to be done",
+    source="T 3.2.3",
+    example="""\
+(declare-memory-property battery (?level) unknown)
+(declare-primitive read-gauge () (okay))
+(define-rap (look-at-battery => ?level)
+  (succeed (battery ?level))
+  (method (primitive (read-gauge))))
+""",
+    better="""\
+(declare-memory-property battery (?level) unknown)
+(declare-primitive read-gauge () (okay))
+(define-rap (look-at-battery => ?level)
+  (succeed (and (battery ?level) (n= ?level unknown)))
+  (method (primitive (read-gauge))))
+""",
+)
+
+NEVER = Rule(
+    code="RAP114",
+    name="never-succeeds",
+    severity=Severity.WARNING,
+    summary="a RAP can never succeed, and no monitor lets it wait",
+    why="""`(succeed nil)` makes a standing task: it acts whenever its monitor wakes it
+and is never done (T 4.7.1). Without a monitor, and without a step that waits for a
+signal or a time, its methods follow each other without a pause, until nothing changes
+any more and the task fails.""",
+    ignore="where the task is to go on until it fails as futile, as in a test",
+    source="T 4.7.1",
+    example="""\
+(declare-primitive look () (okay))
+(define-rap (keep-looking)
+  (succeed nil)
+  (method (primitive (look))))
+""",
+    better="""\
+(declare-primitive look () (okay))
+(define-rap (keep-looking)
+  (succeed nil)
+  (monitor-time now 10 15)
+  (method (primitive (look))))
+""",
+)
+
+ALWAYS = Rule(
+    code="RAP115",
+    name="monitor-always-holds",
+    severity=Severity.WARNING,
+    summary="a monitor holds whatever happens, so that it lets nothing wait",
+    why="""A monitor keeps a task asleep until its formula holds (T 4.7.1). One in which
+nothing can fail keeps nobody asleep: the methods follow each other without a pause. A
+property has a value even if nothing is known, its default, so a fact that asks for it
+with a fresh variable always holds; a test of the value is missing.""",
+    ignore="never: leave the monitor out if the task is to wait for nothing",
+    source="T 4.7.1",
+    example="""\
+(declare-memory-property battery (?level) unknown)
+(define-rap (charge))
+(define-rap (keep-charged)
+  (succeed nil)
+  (monitor-state (battery ?level))
+  (method (task-net (t1 (charge)))))
+""",
+    better="""\
+(declare-memory-property battery (?level) unknown)
+(define-rap (charge))
+(define-rap (keep-charged)
+  (succeed nil)
+  (monitor-state (and (battery ?level) (< ?level 20)))
+  (method (task-net (t1 (charge)))))
+""",
+)
+
+NOT_AT_FIRST = Rule(
+    code="RAP116",
+    name="never-begins",
+    severity=Severity.WARNING,
+    summary="a clause does not hold of a new set or counter, so no method begins",
+    why="""`repeat-while`, `preconditions` and `constraints` have to hold before a
+method is chosen. A set that the RAP declares is empty then, and a counter is where it
+was set, for only the methods change them (T 4.8). A clause that asks for a member, or
+for a number that counting would have to bring, never lets anything begin: mostly the
+test is the wrong way round.""",
+    ignore="where a host fills the set or sets the counter before the task begins",
+    source="T 4.8.1",
+    example="""\
+(declare-memory-proposition room (?room))
+(declare-memory-proposition seen (?thing))
+(define-rap (look-in ?room))
+(define-rap (look-everywhere)
+  (succeed (seen keys))
+  (resources (set ?seen))
+  (repeat-while (and (room ?room) (member ?seen ?room)))
+  (method (task-net (t1 (look-in ?room) (set-add ?seen ?room)))))
+""",
+    better="""\
+(declare-memory-proposition room (?room))
+(declare-memory-proposition seen (?thing))
+(define-rap (look-in ?room))
+(define-rap (look-everywhere)
+  (succeed (seen keys))
+  (resources (set ?seen))
+  (repeat-while (and (room ?room) (not (member ?seen ?room))))
+  (method (task-net (t1 (look-in ?room) (set-add ?seen ?room)))))
+""",
+)
+
+
+@check(COPY, AT_ONCE, NEVER, ALWAYS, NOT_AT_FIRST, needs_whole="form")
+def settled(run: Pass) -> Iterator[Diagnostic]:
+    """Find methods that say the same, and clauses whose answer is settled."""
+    always = Always(run.signatures)
+    for rap in run.library.forms:
+        if isinstance(rap, nodes.DefineRap) and rap.methods:
+            given = given_names(rap)
+            yield from _copies(rap)
+            yield from _settled(rap, always, given)
+
+
+def _copies(rap: nodes.DefineRap) -> Iterator[Diagnostic]:
+    if len(rap.methods) == 1:
+        return
+    first: dict[object, nodes.Method] = {}
+    for method in rap.methods:
+        if isinstance(method.body, nodes.TaskNet) and not method.body.steps:
+            continue
+        said = (
+            method.context,
+            method.notations,
+            method.constraints,
+            method.claims,
+            method.skills,
+            method.body,
+        )
+        other = first.setdefault(said, method)
+        if other is not method:
+            yield COPY.at(
+                method.span,
+                f"this method of `{rap.name}` says what another one says",
+                labels=(Label(other.span, "the other one"),),
+                help="change it, or take it away",
+            )
+
+
+def _settled(
+    rap: nodes.DefineRap, always: Always, given: set[str]
+) -> Iterator[Diagnostic]:
+    succeed, monitor = rap.succeed, rap.monitor_state
+    first = FirstValues(rap.resources)
+    if rap.resources:
+        yield from _not_at_first(rap, first)
+    if any(first.holds(way) for way in ways(succeed)):
+        assert succeed is not None
+        yield AT_ONCE.at(
+            succeed.span,
+            f"`succeed` of `{rap.name}` holds before anything has been changed",
+            labels=tuple(Label(r.variable.span, "begins here") for r in rap.resources),
+        )
+    elif succeed is not None and always.holds(succeed, given):
+        yield AT_ONCE.at(
+            succeed.span,
+            f"`succeed` of `{rap.name}` holds whatever happens",
+            help=_ADVICE if not isinstance(succeed, nodes.Truth) else "",
+        )
+    elif succeed is not None and is_never(succeed) and not _waits(rap):
+        yield NEVER.at(
+            succeed.span,
+            f"`{rap.name}` never succeeds, and has no monitor",
+            help="say in `monitor-state` or `monitor-time` what it waits for",
+        )
+    if monitor is not None and always.holds(monitor, given):
+        yield ALWAYS.at(
+            monitor.span,
+            f"the monitor of `{rap.name}` holds whatever happens",
+            help=_ADVICE if not isinstance(monitor, nodes.Truth) else "",
+        )
+
+
+def _not_at_first(rap: nodes.DefineRap, first: FirstValues) -> Iterator[Diagnostic]:
+    for clause, formula in clauses.held(clauses.RAP, rap):
+        failing = first.fails(formula) if clause.is_condition else None
+        if failing is not None:
+            yield NOT_AT_FIRST.at(
+                failing.span,
+                f"`{clause.word}` of `{rap.name}` does not hold at first, "
+                "so no method ever begins",
+                labels=tuple(
+                    Label(r.variable.span, "begins here") for r in rap.resources
+                ),
+            )
+
+
+_ADVICE = "a property has a value even if nothing is known: test the value"
+
+
+def _waits(rap: nodes.DefineRap) -> bool:
+    """Whether a RAP has a monitor, or a step that waits for a signal or for a time."""
+    if rap.monitor_state is not None or rap.monitor_time is not None:
+        return True
+    return any(
+        isinstance(annotation, nodes.WaitFor | nodes.Window)
+        for method in rap.methods
+        if isinstance(method.body, nodes.TaskNet)
+        for step in method.body.steps
+        for annotation in step.annotations
+    )
+
+
+SETTLED_COMPARISON = Rule(
+    code="RAP108",
+    name="settled-comparison",
+    severity=Severity.WARNING,
+    summary="a comparison holds always, or never, as it is written",
+    why="""Two constants, or a variable and the same one with a number added, compare in
+one way whatever happens; so do the age of a belief, a number, and a word. Mostly one of
+the two was to be another variable: a test is missing, or stands in the way of all that
+depends on it.""",
+    ignore="never: write `true` or `nil` if that is meant",
+    source="T 4.1",
+    example="""\
+(declare-memory-property tank (?level) unknown)
+(declare-memory-property room-for (?litres) unknown)
+(define-query (tank-full)
+  (and (tank ?level) (room-for ?litres) (> (+ ?level 5) ?level)))
+""",
+    better="""\
+(declare-memory-property tank (?level) unknown)
+(declare-memory-property room-for (?litres) unknown)
+(define-query (tank-full)
+  (and (tank ?level) (room-for ?litres) (> (+ ?level 5) ?litres)))
+""",
+)
+
+
+@check(SETTLED_COMPARISON)
+def settled_comparison(run: Pass) -> Iterator[Diagnostic]:
+    """Find comparisons whose answer stands in the text."""
+    index = run.result(INDEX)
+    of_ages = {id(test): holds for test, holds in _tests_of_ages(index)}
+    for use in index.of(nodes.Compare):
+        holds = _answer(use.node)
+        if holds is None:
+            holds = of_ages.get(id(use.node))
+        if holds is not None:
+            yield SETTLED_COMPARISON.at(
+                use.node.span,
+                f"`{format_formula(use.node)}` {'always' if holds else 'never'} holds",
+                help="compare with something else, or leave it out",
+            )
+
+
+def _answer(test: nodes.Compare) -> bool | None:
+    """Return what a comparison comes to whatever happens; None if that depends."""
+    one, first = _apart(test.left)
+    other, second = _apart(test.right)
+    if isinstance(one, nodes.Const) and isinstance(other, nodes.Const):
+        equal = one.value == other.value
+        return {"=": equal, "n=": not equal}.get(test.op)
+    if type(one) is not type(other) or one != other:
+        return None
+    if one is not None and (not isinstance(one, nodes.Var) or one.anonymous):
+        return None
+    return holds_between(test.op, first, second)
+
+
+def _tests_of_ages(index: Index) -> Iterator[tuple[nodes.Compare, bool]]:
+    """Yield comparisons of an age, behind its `believe`, with a constant that is none.
+
+    Yields:
+        the comparison, and whether it holds.
+    """
+    if not index.of(nodes.Believe):
+        return
+    for use in index.of(nodes.And):
+        ages: set[str] = set()
+        for literal in literals(use.node):
+            belief = literal.formula
+            if isinstance(belief, nodes.Believe):
+                if literal.holds and isinstance(belief.age, nodes.Var):
+                    ages.add(belief.age.name)
+                continue
+            for test in subformulas(belief) if ages else ():
+                if isinstance(test, nodes.Compare) and _is_age_and_word(test, ages):
+                    holds = {"n=": True, "=": False}.get(test.op)
+                    if holds is not None:
+                        yield test, holds
+
+
+def _is_age_and_word(test: nodes.Compare, ages: Container[str]) -> bool:
+    """Whether an age, which is a number, is compared with a constant that is none."""
+    return any(
+        isinstance(one, nodes.Var)
+        and one.name in ages
+        and isinstance(other, nodes.Const)
+        and number_of(other) is None
+        for one, other in ((test.left, test.right), (test.right, test.left))
+    )
+
+
+def _apart(term: nodes.Term) -> tuple[nodes.Term | None, Number]:
+    """Return a term without a number that is added to it, and that number.
+
+    A number alone is nothing and that number.
+    """
+    alone = number_of(term)
+    if alone is not None:
+        return None, alone
+    if isinstance(term, nodes.Call) and term.function in _ADDING:
+        left, right = term.args[0], term.args[-1]
+        added = number_of(right)
+        if added is not None:
+            return left, added if term.function == "+" else -added
+        added = number_of(left)
+        if added is not None and term.function == "+":
+            return right, added
+    return term, 0
+
+
+_ADDING = ("+", "-")
+"""What adds a number to a term, or takes one away."""
