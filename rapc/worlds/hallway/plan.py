@@ -55,24 +55,19 @@ class FloorPlan:
         """
         right, left, above, below = self._around(x, y)
         best = limit
-        if dx > _PARALLEL or dx < -_PARALLEL:
-            inverse = 1 / dx
-            for wall, low, high in right if dx > 0 else left:
-                far = (wall - x) * inverse
-                if far >= best:
-                    break
-                if far >= 0 and low <= y + far * dy <= high:
-                    best = far
-                    break
-        if dy > _PARALLEL or dy < -_PARALLEL:
-            inverse = 1 / dy
-            for wall, low, high in above if dy > 0 else below:
-                far = (wall - y) * inverse
-                if far >= best:
-                    break
-                if far >= 0 and low <= x + far * dx <= high:
-                    best = far
-                    break
+        for walls, at, step, aside, drift in (
+            (right if dx > 0 else left, x, dx, y, dy),
+            (above if dy > 0 else below, y, dy, x, dx),
+        ):
+            if step > _PARALLEL or step < -_PARALLEL:
+                inverse = 1 / step
+                for wall, low, high in walls:
+                    far = (wall - at) * inverse
+                    if far >= best:
+                        break
+                    if far >= 0 and low <= aside + far * drift <= high:
+                        best = far
+                        break
         return best
 
     def nearest(self, x: float, y: float, limit: float) -> tuple[float, float, float]:

@@ -7,7 +7,7 @@ parameter of its parts. What depends on which skills are active is left to `netw
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import msgspec
@@ -89,12 +89,26 @@ class Catalogue(Periphery):
             if entry.name in self.entries:
                 raise CatalogueError(f"two skills are named `{entry.name}`")
             self.entries[entry.name] = entry
+        parts = [part for name in self.entries for part in self.parts(name)]
+        #: Every single skill, those that only compounds have among them, by name.
+        self._singles: dict[str, type[Skill]] = {}
+        for skill in parts:
+            other = self._singles.setdefault(skill.name, skill)
+            if other is not skill:
+                both = f"{label_of(other)} and {label_of(skill)}"
+                raise CatalogueError(f"{both} have one name")
         #: Every event that some skill may tell, by name.
         self.events: dict[str, type[Event]] = {}
-        for skill in self._single_skills():
+        for skill in self._singles.values():
             self._check_parameters(label_of(skill), skill.parameters)
             for event in skill.events:
-                self._add_event(event)
+                self._check_parameters(label_of(event), event.carries)
+                known = self.events.setdefault(event.name, event)
+                if known.carries != event.carries:
+                    raise CatalogueError(
+                        f"the event `{event.name}` is declared twice and carries "
+                        "different things"
+                    )
         self._check_channels()
         for entry in self.entries.values():
             if isinstance(entry, Compound):
@@ -133,28 +147,6 @@ class Catalogue(Periphery):
                 return f"`{request.skill}`: {wrong}"
         return None
 
-    def _single_skills(self) -> Iterator[type[Skill]]:
-        """Every single skill once, those that only compounds have among them."""
-        seen: dict[type[Skill], None] = {}
-        for name in self.entries:
-            seen.update(dict.fromkeys(self.parts(name)))
-        names: dict[str, type[Skill]] = {}
-        for skill in seen:
-            if names.setdefault(skill.name, skill) is not skill:
-                raise CatalogueError(
-                    f"{label_of(names[skill.name])} and {label_of(skill)} have one name"
-                )
-        return iter(seen)
-
-    def _add_event(self, event: type[Event]) -> None:
-        self._check_parameters(label_of(event), event.carries)
-        known = self.events.setdefault(event.name, event)
-        if known.carries != event.carries:
-            raise CatalogueError(
-                f"the event `{event.name}` is declared twice and carries "
-                "different things"
-            )
-
     def _check_parameters(self, name: str, parameters: Sequence[Parameter]) -> None:
         for parameter in parameters:
             if parameter.kind not in KINDS:
@@ -170,7 +162,7 @@ class Catalogue(Periphery):
         written = set(self.sensors)
         channels = {channel.name: channel for channel in self.sensors}
         reads: list[tuple[str, Channel[Any], set[Channel[Any]]]] = []
-        for skill in self._single_skills():
+        for skill in self._singles.values():
             self._know(channels, skill, skill.outputs)
             own = {channel for channel in skill.outputs if channel.own}
             written |= set(skill.outputs) - own
@@ -232,7 +224,7 @@ class Catalogue(Periphery):
             for read in map(as_input, skill.inputs):
                 channel, needed = read.channel, not (read.optional or read.delayed)
                 if needed and not channel.own and channel not in self.sensors:
-                    singles = self._single_skills()
+                    singles = self._singles.values()
                     writers = [one for one in singles if channel in one.outputs]
                     if len(writers) == 1 and writers[0] not in on:
                         on[writers[0]] = None
