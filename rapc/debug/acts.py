@@ -23,10 +23,7 @@ from rapc.library.signatures import Signatures
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.saving.format import RunRecord, decode_run, encode_run
 from rapc.runtime.settings import Settings, read_settings
-from rapc.runtime.state.states import INTERFERENCE
-from rapc.runtime.state.task import Task
 from rapc.runtime.task_request import TaskRequest, as_text
-from rapc.runtime.tasks.finish import end_method, fail
 from rapc.world import Adjustable, Refused, Reply, Savable, Skilled, World, innermost
 from rapc.worlds.faults import InjectedFault, SubstituteWorld, problem
 from rapc.worlds.registry import OWN_SETTINGS, read_options
@@ -144,11 +141,7 @@ class FailTask(Act, frozen=True):
 
     def do(self, run: Interpreter) -> None:
         """Fail the task; a method that it is at ends first."""
-        machine, task = run, live_task(run, self.task)
-        if task.run is not None:
-            end_method(machine, task.run, INTERFERENCE, None, "cancelled")
-        machine.eligible.discard(task)
-        fail(machine, task, INTERFERENCE)
+        run.fail_task(self.task)
 
     def __str__(self) -> str:
         return f"fail [{self.task}]"
@@ -165,28 +158,10 @@ class RetryTask(Act, frozen=True):
         Raises:
             ArgumentError: for a task that is at work on none.
         """
-        task = live_task(run, self.task)
-        if task.run is None:
-            raise ArgumentError(f"task [{self.task}] is at work on no method")
-        end_method(run, task.run, INTERFERENCE, None, "cancelled")
+        run.retry_task(self.task)
 
     def __str__(self) -> str:
         return f"retry [{self.task}]"
-
-
-def live_task(run: Interpreter, number: int) -> Task:
-    """Return a live task of a run by its number.
-
-    Raises:
-        ArgumentError: if there is none.
-    """
-    for task in run.state.live_tasks():
-        if task.number == number:
-            return task
-    top = run.state.numbers
-    if 0 < number <= top:
-        raise ArgumentError(f"task [{number}] has ended: ask at an earlier moment")
-    raise ArgumentError(f"there is no task [{number}]")
 
 
 class ChangeOption(Act, frozen=True):

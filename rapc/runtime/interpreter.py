@@ -52,8 +52,11 @@ from rapc.runtime.run import ContextListener, Run
 from rapc.runtime.saving.save import restore, save
 from rapc.runtime.settings import Settings, read_settings
 from rapc.runtime.snapshot import AgendaEntry
+from rapc.runtime.state.states import INTERFERENCE
+from rapc.runtime.state.task import Task
 from rapc.runtime.task_request import TaskRequest, as_text, of_agenda, read_task_request
 from rapc.runtime.tasks.cycle import run_cycle
+from rapc.runtime.tasks.finish import end_method, fail
 from rapc.runtime.tasks.hold_things import resume_skills
 from rapc.runtime.tasks.messages import take_in
 from rapc.runtime.tasks.remove import cancel_matching, remove
@@ -336,6 +339,42 @@ class Interpreter(Run):
         """
         need_atoms(goal, "`goal`")
         return cancel_matching(self, goal)
+
+    def task(self, number: int) -> Task:
+        """Return a live task by its number, for those who look on.
+
+        Raises:
+            ArgumentError: if there is none.
+        """
+        for task in self.state.live_tasks():
+            if task.number == number:
+                return task
+        if 0 < number <= self.state.numbers:
+            raise ArgumentError(f"task [{number}] has ended: ask at an earlier moment")
+        raise ArgumentError(f"there is no task [{number}]")
+
+    def fail_task(self, number: int) -> None:
+        """Let a task fail as if a condition of it did not hold; its method ends first.
+
+        Raises:
+            ArgumentError: if there is no such task.
+        """
+        task = self.task(number)
+        if task.run is not None:
+            end_method(self, task.run, INTERFERENCE, None, "cancelled")
+        self.eligible.discard(task)
+        fail(self, task, INTERFERENCE)
+
+    def retry_task(self, number: int) -> None:
+        """Let the method of a task end badly, so that the task chooses again.
+
+        Raises:
+            ArgumentError: for a task that there is not, or that is at work on none.
+        """
+        task = self.task(number)
+        if task.run is None:
+            raise ArgumentError(f"task [{number}] is at work on no method")
+        end_method(self, task.run, INTERFERENCE, None, "cancelled")
 
     def check(self, tasks: Sequence[TaskRequest]) -> None:
         """Look at tasks without running anything. Raises RefusedError as `submit`."""

@@ -9,7 +9,6 @@ import msgspec
 from rapc import events
 from rapc.base.resources import Value
 from rapc.base.values import Fact, format_list, readable
-from rapc.debug.acts import live_task
 from rapc.debug.answer import Answer, bound_to, question, say
 from rapc.debug.arguments import Arguments
 from rapc.debug.history import History
@@ -70,19 +69,19 @@ def commitment(history: History, number: int) -> Commitment:
         ArgumentError: if the task is at work on no method.
         StateError: if the run cannot be taken back in time.
     """
-    if live_task(history.run, number).run is None:
+    if history.run.task(number).run is None:
         raise ArgumentError(f"task [{number}] is at work on no method")
     told = history.last(events.MethodChosen, want=lambda o: o.keys["task"] == number)
     assert told is not None
     with history.at(told.cycle - 1) as run:
         run.come_to_choice()
-        before = live_task(run, number)
+        before = run.task(number)
         if not before.bound:
             read_inputs(run, before)
         plans = run.state.methods(before.plan)
         plan = next((m for m in plans if m.name == told.keys["method"]), None)
         facts = tuple(method_supports(run, before, plan))
-    machine, task = history.run, live_task(history.run, number)
+    machine, task = history.run, history.run.task(number)
     query = None if task.run is None else task.run.plan.choice
     now = "its context now"
     return Commitment(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from rapc.base.values import Atom, format_atom, format_list, number, readable
-from rapc.debug.acts import live_task
 from rapc.debug.answer import Answer, question, table
 from rapc.debug.arguments import Arguments
 from rapc.debug.history import History
@@ -194,5 +193,5 @@ def _rap_of(history: History, number: int) -> str:
         ArgumentError: if there is no such task.
     """
     told = history.last(TaskCreated, want=lambda one: one.keys["task"] == number)
-    goal = live_task(history.run, number).goal() if told is None else told.keys["goal"]
+    goal = history.run.task(number).goal() if told is None else told.keys["goal"]
     return str(goal.name)

@@ -7,7 +7,6 @@ from typing import Any
 
 from rapc import events
 from rapc.base.values import format_atom
-from rapc.debug.acts import live_task
 from rapc.debug.answer import Answer, question, table
 from rapc.debug.arguments import Arguments
 from rapc.debug.history import History
@@ -134,7 +133,7 @@ def _in_families(
 def task(history: History, args: Arguments) -> Answer:
     """Show all of a task: its bindings, method, times, and what it came to."""
     run, number = history.run, args.task(history)
-    found = live_task(run, number)
+    found = run.task(number)
     entry = next(one for one in run.agenda() if one.task == number)
     place = run.library.compiler.row(found.plan.node.name_span)
     rows: list[tuple[str, object]] = [
@@ -167,7 +166,7 @@ def task(history: History, args: Arguments) -> Answer:
 @question("[TASK]", ":chain 157")
 def chain(history: History, args: Arguments) -> Answer:
     """Show a task and all above it, up to its top-level task."""
-    above: Task | None = live_task(history.run, args.task(history))
+    above: Task | None = history.run.task(args.task(history))
     rows = []
     while above is not None:
         method = "" if above.run is None else above.run.plan.name

@@ -16,7 +16,6 @@ from rapc.base.resources import Value
 from rapc.base.values import Fact, format_list, number, readable
 from rapc.compiler.query.query import Query
 from rapc.compiler.rap_plan import MethodPlan
-from rapc.debug.acts import live_task
 from rapc.debug.answer import Answer, bound_to, numbers, question, say
 from rapc.debug.arguments import Arguments
 from rapc.debug.history import History
@@ -168,7 +167,7 @@ def reasons(
     with history.at(last - 1) as run:
         run.come_to_choice()
         choice = _choice(history, task)
-        doing, rests_on = _doing(run, live_task(run, task), settled)
+        doing, rests_on = _doing(run, run.task(task), settled)
     known = origins(history, rests_on, last)
     return choice, msgspec.structs.replace(doing, rests_on=known)
 

@@ -17,7 +17,6 @@ from rapc.base.resources import Value
 from rapc.base.values import Fact, format_list
 from rapc.compiler.query.query import Query
 from rapc.compiler.rap_plan import MethodPlan
-from rapc.debug.acts import live_task
 from rapc.debug.answer import Answer, bound_to, numbers, question, say
 from rapc.debug.arguments import Arguments
 from rapc.debug.history import History
@@ -245,7 +244,7 @@ def last_cycle(history: History, number: int) -> int:
 
 
 def _answer(run: Interpreter, number: int, cycle: int, *, past: bool) -> TaskAnswer:
-    machine, task = run, live_task(run, number)
+    machine, task = run, run.task(number)
     entries = {entry.task: entry for entry in run.agenda()}
     own = entries[number]
     if not task.bound:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from rapc.base.names import plural
-from rapc.debug.acts import live_task
 from rapc.debug.answer import Answer, command, say
 from rapc.debug.arguments import Arguments
 from rapc.debug.history import Stop
@@ -51,7 +50,7 @@ def _step(shell: Shell, args: Arguments) -> Answer:
 def _out(shell: Shell, args: Arguments) -> Answer:
     """Run until a task has ended."""
     history = shell.history
-    task = live_task(history.run, args.task(shell.history))
+    task = history.run.task(args.task(shell.history))
 
     def ended() -> str | None:
         return None if task.live else f"task [{task.number}] has ended"
@@ -63,7 +62,7 @@ def _out(shell: Shell, args: Arguments) -> Answer:
 def _parent(shell: Shell, args: Arguments) -> Answer:
     """Run until the task above a task comes up again."""
     history = shell.history
-    parent = live_task(history.run, args.task(shell.history)).parent
+    parent = history.run.task(args.task(shell.history)).parent
     if parent is None:
         raise ArgumentError("a top-level task has no parent")
 
