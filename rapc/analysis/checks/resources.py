@@ -14,13 +14,13 @@ What becomes of a resource that is handed to steps is looked up in their RAPs
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from typing import Literal
 
 import msgspec
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.facts.index import INDEX, Form, Index, Occurrence
+from rapc.analysis.facts.index import INDEX, Form, Index
 from rapc.analysis.facts.logic import literals, number_of
 from rapc.analysis.facts.names import renaming
 from rapc.analysis.facts.resources import FirstValues, Flow, flows, overall_use
@@ -107,9 +107,8 @@ class Demand(msgspec.Struct, frozen=True):
 @check(WRONG_KIND, NOT_A_RESOURCE, needs_whole="method")
 def resources(run: Pass) -> Iterator[Diagnostic]:
     """Find sets used as counters, counters as sets, and plain values as either."""
-    index = run.result(INDEX)
-    by_input: dict[tuple[str, str], list[Demand]] = {}
-    for demand in _demands(index):
+    by_input: dict[_Input, list[Demand]] = {}
+    for demand in _demands(run.result(INDEX)):
         rap, term = demand.rap, demand.term
         if isinstance(term, nodes.Var) and term.anonymous:
             continue
@@ -117,54 +116,46 @@ def resources(run: Pass) -> Iterator[Diagnostic]:
         if declared is not None:
             if declared.kind != demand.kind:
                 yield _wrong_kind(term, declared, demand)
-        elif isinstance(term, nodes.Var) and _is_input(rap, term):
-            by_input.setdefault((rap.name, term.name), []).append(demand)
+        elif isinstance(term, nodes.Var) and term in rap.inputs:
+            by_input.setdefault((id(rap), term.name), []).append(demand)
         else:
             yield _no_resource(run, demand)
-    steps = [
-        (goal.owner, goal.node)
-        for goal in index.of(nodes.Goal)
-        if isinstance(goal.owner, nodes.DefineRap)
-    ]
-    wanted: dict[tuple[str, str], Demand] = {}
-    if by_input:
-        wanted, mixed = _settled(run, by_input, steps)
-        yield from mixed
-    for owner, goal in steps if wanted else ():
-        yield from _check_step(run, owner, goal, wanted)
+    handed = list(_handed(run)) if by_input else []
+    wanted, mixed = _settled(by_input, handed)
+    yield from mixed
+    for owner, term, to in handed:
+        if to in wanted:
+            declared = _resource(owner, term)
+            if declared is not None and declared.kind != wanted[to].kind:
+                yield _wrong_kind(term, declared, wanted[to])
+            elif isinstance(term, nodes.Const):
+                yield _no_resource(run, wanted[to], term)
 
 
 def _demands(index: Index) -> Iterator[Demand]:
-    for term, kind, owner, amount in _places(index):
-        if isinstance(owner, nodes.DefineRap):
-            yield Demand(term, kind, owner, amount)
-
-
-def _places(
-    index: Index,
-) -> Iterator[tuple[nodes.Term, Kind, Form, nodes.Term | None]]:
-    """Every term that has to be a resource, with the kind it has to be."""
+    """Yield every term of a RAP that has to be a resource."""
+    found: list[tuple[Form, nodes.Term, Kind, nodes.Term | None]] = []
     for test in index.of(nodes.SetTest):
-        yield test.node.args[0], "set", test.owner, test.node.args[-1]
+        found.append((test.owner, test.node.args[0], "set", test.node.args[-1]))
     for call in index.of(nodes.Call):
         # A call whose argument could not be read has none; the reader has said so.
         if call.node.function in ("size-of", "value") and call.node.args:
             kind: Kind = "set" if call.node.function == "size-of" else "counter"
-            yield call.node.args[0], kind, call.owner, None
-    for effect in index.of(nodes.ResourceChange):
-        kind = "set" if effect.node.op in ("set-add", "set-sub") else "counter"
-        yield effect.node.resource, kind, effect.owner, effect.node.amount
+            found.append((call.owner, call.node.args[0], kind, None))
+    for change in index.of(nodes.ResourceChange):
+        kind = "set" if change.node.op in ("set-add", "set-sub") else "counter"
+        found.append((change.owner, change.node.resource, kind, change.node.amount))
     for resource in index.of(nodes.Resource):
-        first = resource.node.initial
-        if first is not None and not _may_be_number(resource, first):
-            yield first, resource.node.kind, resource.owner, None
-
-
-def _may_be_number(use: Occurrence[nodes.Resource], initial: nodes.Term) -> bool:
-    """Whether a counter may begin with a number, not as a copy of another counter."""
-    rap = use.owner
-    assert isinstance(rap, nodes.DefineRap)
-    return use.node.kind == "counter" and _resource(rap, initial) is None
+        first, owner = resource.node.initial, resource.owner
+        assert isinstance(owner, nodes.DefineRap)
+        # A counter may begin with a number, not only as a copy of another counter.
+        if first is not None and (
+            resource.node.kind == "set" or _resource(owner, first) is not None
+        ):
+            found.append((owner, first, resource.node.kind, None))
+    for form, term, kind, amount in found:
+        if isinstance(form, nodes.DefineRap):
+            yield Demand(term, kind, form, amount)
 
 
 def _resource(rap: nodes.DefineRap, term: nodes.Term) -> nodes.Resource | None:
@@ -173,52 +164,48 @@ def _resource(rap: nodes.DefineRap, term: nodes.Term) -> nodes.Resource | None:
     return next((r for r in rap.resources if r.variable.name == term.name), None)
 
 
-def _is_input(rap: nodes.DefineRap, variable: nodes.Var) -> bool:
-    return any(v.name == variable.name for v in rap.inputs)
+_Input = tuple[int, str]
+"""An input of a RAP, by the id of that and its name."""
+
+_Handed = tuple[nodes.DefineRap, nodes.Term, _Input]
+"""A term that a step of a RAP hands to an input."""
 
 
-_Steps = Sequence[tuple[nodes.DefineRap, nodes.Goal]]
+def _handed(run: Pass) -> Iterator[_Handed]:
+    for goal in run.result(INDEX).of(nodes.Goal):
+        callee = run.library.raps.get(goal.node.name)
+        if callee is not None and isinstance(goal.owner, nodes.DefineRap):
+            for term, variable in zip(goal.node.args, callee.inputs, strict=False):
+                yield goal.owner, term, (id(callee), variable.name)
 
 
 def _settled(
-    run: Pass, by_input: Mapping[tuple[str, str], Sequence[Demand]], steps: _Steps
-) -> tuple[dict[tuple[str, str], Demand], list[Diagnostic]]:
+    by_input: Mapping[_Input, Sequence[Demand]], handed: Iterable[_Handed]
+) -> tuple[dict[_Input, Demand], list[Diagnostic]]:
     """Return for each input what it has to be, and uses that contradict the rest.
 
     Where all steps hand in a resource of one kind, that decides; else the first use.
     """
-    given = _given(run, by_input, steps)
+    given: dict[_Input, list[nodes.Resource]] = {}
+    for owner, term, to in handed:
+        declared = _resource(owner, term)
+        if declared is not None:
+            given.setdefault(to, []).append(declared)
     wanted = {}
     found = []
-    for (name, variable), demands in by_input.items():
+    for to, demands in by_input.items():
         kinds = {one.kind for one in demands}
-        handed = given.get((name, variable), [])
-        sorts = {one.kind for one in handed}
-        if len(sorts) == 1 and (kinds != sorts) and (len(kinds) > 1 or handed[1:]):
+        there = given.get(to, [])
+        sorts = {one.kind for one in there}
+        if len(sorts) == 1 and (kinds != sorts) and (len(kinds) > 1 or there[1:]):
             wrong = [one for one in demands if one.kind not in sorts]
-            found.append(_wrong_kind(wrong[0].term, handed[0], wrong[0]))
+            found.append(_wrong_kind(wrong[0].term, there[0], wrong[0]))
             continue
-        first = demands[0]
-        wanted[name, variable] = first
+        first = wanted[to] = demands[0]
         other = next((one for one in demands if one.kind != first.kind), None)
-        if other is not None and not handed:
+        if other is not None and not there:
             found.append(_two_kinds(first, other))
     return wanted, found
-
-
-def _given(
-    run: Pass, inputs: Container[tuple[str, str]], steps: _Steps
-) -> dict[tuple[str, str], list[nodes.Resource]]:
-    """Return the resources that steps hand in, by RAP and input."""
-    found: dict[tuple[str, str], list[nodes.Resource]] = {}
-    for owner, goal in steps:
-        callee = run.library.raps.get(goal.name)
-        taken = callee.inputs if callee is not None else ()
-        for term, variable in zip(goal.args, taken, strict=False):
-            declared = _resource(owner, term)
-            if declared is not None and (goal.name, variable.name) in inputs:
-                found.setdefault((goal.name, variable.name), []).append(declared)
-    return found
 
 
 def _two_kinds(first: Demand, other: Demand) -> Diagnostic:
@@ -228,25 +215,6 @@ def _two_kinds(first: Demand, other: Demand) -> Diagnostic:
         f"`{other.term.name}` is a {first.kind}, not a {other.kind}",
         labels=(Label(first.term.span, f"used as a {first.kind} here"),),
     )
-
-
-def _check_step(
-    run: Pass,
-    rap: nodes.DefineRap,
-    goal: nodes.Goal,
-    by_input: Mapping[tuple[str, str], Demand],
-) -> Iterator[Diagnostic]:
-    """Yield what a step gives that the RAP does not use so."""
-    callee = run.library.raps.get(goal.name)
-    for term, taken in zip(goal.args, callee.inputs if callee else (), strict=False):
-        demand = by_input.get((goal.name, taken.name))
-        if demand is None:
-            continue
-        declared = _resource(rap, term)
-        if declared is not None and declared.kind != demand.kind:
-            yield _wrong_kind(term, declared, demand)
-        elif isinstance(term, nodes.Const):
-            yield _no_resource(run, demand, term)
 
 
 def _wrong_kind(
@@ -341,7 +309,7 @@ def resource_as_value(run: Pass) -> Iterator[Diagnostic]:
             continue
         if _needs_value(use.node, use.parent, run.library.functions):
             yield _as_value(use.node, kind, declared)
-    for term, kind, declared in _handed_on(run, index, resources):
+    for term, kind, declared in _handed_on(run, resources):
         yield _as_value(term, kind, declared)
 
 
@@ -350,27 +318,22 @@ _Known = Mapping[tuple[int, str], tuple[str, nodes.Var]]
 
 
 def _handed_on(
-    run: Pass, index: Index, resources: _Known
+    run: Pass, resources: _Known
 ) -> Iterator[tuple[nodes.Var, str, nodes.Var]]:
     """Yield resources that steps hand to inputs which are used as plain values only."""
-    handed: dict[tuple[int, str], list[nodes.Var]] = {}
-    owner_of: dict[int, Form] = {}
-    for step in index.of(nodes.Goal) if resources else ():
-        callee = run.library.raps.get(step.node.name)
-        taken = callee.inputs if callee is not None else ()
-        for term, variable in zip(step.node.args, taken, strict=False):
-            if isinstance(term, nodes.Var) and (id(step.owner), term.name) in resources:
-                handed.setdefault((id(callee), variable.name), []).append(term)
-                owner_of[id(term)] = step.owner
-    uses: dict[tuple[int, str], set[bool]] = {}
-    for use in index.of(nodes.Var) if handed else ():
+    handed: dict[_Input, list[tuple[nodes.Var, _Input]]] = {}
+    for owner, term, to in _handed(run) if resources else ():
+        if isinstance(term, nodes.Var) and (id(owner), term.name) in resources:
+            handed.setdefault(to, []).append((term, (id(owner), term.name)))
+    uses: dict[_Input, set[bool]] = {}
+    for use in run.result(INDEX).of(nodes.Var) if handed else ():
         key = (id(use.owner), use.node.name)
         if key in handed and not isinstance(use.parent, nodes.DefineRap):
             plain = _needs_value(use.node, use.parent, run.library.functions)
             uses.setdefault(key, set()).add(plain)
-    for key, terms in handed.items():
-        for term in terms if uses.get(key) == {True} else ():
-            yield term, *resources[id(owner_of[id(term)]), term.name]
+    for to, terms in handed.items():
+        for term, resource in terms if uses.get(to) == {True} else ():
+            yield term, *resources[resource]
 
 
 def _inputs(index: Index) -> Iterator[tuple[tuple[int, str], tuple[str, nodes.Var]]]:

@@ -11,7 +11,7 @@ shortest of these times is how old the belief may well be.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from itertools import combinations
 
 import msgspec
@@ -199,7 +199,8 @@ def standing(run: Pass) -> Iterator[Diagnostic]:
                 )
                 yield _endless(task, cause, work)
     if run.complete and is_described(library):
-        changed = _Changed(library, run.result(INDEX))
+        told = (name for name, _ in _told(run.result(INDEX)))
+        changed = {*library.functions, *told}
         idle = _never_asked_for(library, run.result(INDEX))
         always = Always(run.signatures)
         for rap in library.raps.values():
@@ -243,16 +244,6 @@ def is_described(library: Library) -> bool:
     return not silent and told * whole >= len(forms) * share
 
 
-class _Changed:
-    """The names of all facts that anything in the library brings or takes away."""
-
-    def __init__(self, library: Library, index: Index) -> None:
-        self._names = {*library.functions, *(name for name, _ in _told(index))}
-
-    def __contains__(self, name: str) -> bool:
-        return name in self._names
-
-
 def _told(index: Index) -> Iterator[tuple[str, Form]]:
     """Yield the facts that forms bring or take away."""
     for one in index.uses():
@@ -261,7 +252,7 @@ def _told(index: Index) -> Iterator[tuple[str, Form]]:
 
 
 def _unready(
-    library: Library, rap: nodes.DefineRap, changed: _Changed, always: Always
+    library: Library, rap: nodes.DefineRap, changed: Container[str], always: Always
 ) -> Iterator[Diagnostic]:
     """Yield a fact that all methods ask for, though the monitor does not."""
     if rap.monitor_state is None or not is_never(rap.succeed):
@@ -290,7 +281,7 @@ def _unready(
 
 
 def _failing(
-    library: Library, rap: nodes.DefineRap, changed: _Changed, always: Always
+    library: Library, rap: nodes.DefineRap, changed: Container[str], always: Always
 ) -> Iterator[Diagnostic]:
     """Yield a condition of a standing task that its monitor does not ask for."""
     monitor = rap.monitor_state
@@ -345,7 +336,7 @@ def _never_asked_for(library: Library, index: Index) -> Mapping[str, str]:
 def _unheard(
     library: Library,
     monitor: nodes.Formula,
-    changed: _Changed,
+    changed: Container[str],
     idle: Mapping[str, str],
 ) -> Iterator[Diagnostic]:
     asked = asked_through(library, monitor)
