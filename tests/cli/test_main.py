@@ -24,7 +24,7 @@ CHECKING = ("analysis", "ir", "loader", "parser", "render")
 FOR_FEW = ("importlib.metadata", "difflib", "shutil")
 SELDOM = (
     *("testing.faults", "worlds.scripted"),
-    "analysis.checks.threats",
+    "analysis.checks.protections",
 )
 
 

@@ -1,9 +1,4 @@
-"""RAP150, RAP151 and RAP155: events and skills that do not go together.
-
-Events that no skill around tells, skills that nobody enables, and skills that are
-disabled where they were not enabled. What a skill may tell stands in its declaration;
-one that says nothing may tell any.
-"""
+"""Skills and the events that they tell."""
 
 from __future__ import annotations
 
@@ -15,7 +10,7 @@ from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.ir import nodes
 from rapc.library.library import word_span
 
-UNTOLD = Rule(
+UNTOLD_EVENT = Rule(
     code="RAP150",
     name="untold-event",
     severity=Severity.WARNING,
@@ -43,7 +38,7 @@ elsewhere, or never.""",
 """,
 )
 
-UNUSED = Rule(
+UNUSED_SKILL = Rule(
     code="RAP151",
     name="unused-skill",
     severity=Severity.INFO,
@@ -67,7 +62,7 @@ libraries that use a part of it: its skills are not told of.""",
 """,
 )
 
-DISABLED = Rule(
+VAIN_DISABLE = Rule(
     code="RAP155",
     name="vain-disable",
     severity=Severity.WARNING,
@@ -102,7 +97,7 @@ stay on.""",
 )
 
 
-@check(UNTOLD, UNUSED, DISABLED, needs_whole="method")
+@check(UNTOLD_EVENT, UNUSED_SKILL, VAIN_DISABLE, needs_whole="method")
 def skill_use(run: Pass) -> Iterator[Diagnostic]:
     """Find events and skills that do not go together."""
     enabled = [found.node for found in run.result(INDEX).of(nodes.Skill)]
@@ -141,7 +136,7 @@ def _joined(one: set[str] | None, other: set[str] | None) -> set[str] | None:
 
 def _untold(run: Pass, wait: nodes.WaitFor) -> Diagnostic:
     tellers = list(_tellers(run, wait.signal))
-    return UNTOLD.at(
+    return UNTOLD_EVENT.at(
         wait.span,
         f"no skill that is on here tells `{wait.signal}`",
         help=f"enable {' or '.join(tellers)}, or wait for another event",
@@ -159,7 +154,7 @@ def _disabled(run: Pass) -> Iterator[Diagnostic]:
         on = {skill.name for skill in primitive.node.enable}
         for skill in primitive.node.disable:
             if skill.name not in on:
-                yield DISABLED.at(
+                yield VAIN_DISABLE.at(
                     skill.span,
                     f"this primitive does not enable `{skill.name}`",
                     help="its skills go off by themselves; others it leaves on",
@@ -175,8 +170,46 @@ def _unused(run: Pass, enabled: set[str]) -> Iterator[Diagnostic]:
     with_raps = {rap.span.file for rap in run.library.raps.values()}
     for name, skill in run.library.skills.items():
         if name not in enabled and skill.span.file in with_raps:
-            yield UNUSED.at(
+            yield UNUSED_SKILL.at(
                 word_span(run.library.files, skill.span, 1),
                 f"nothing enables the skill `{name}`",
                 help="enable it somewhere, or remove its declaration",
+            )
+
+
+NOTHING_AWAITED = Rule(
+    code="RAP070",
+    name="nothing-awaited",
+    severity=Severity.WARNING,
+    summary="a primitive enables skills and waits for no event",
+    why="""Such a primitive ends well at once, and what it enabled is switched off with
+it: the skills hardly run. To let them run, wait for the event that says that they are
+done.""",
+    ignore="where the skill does its work at once when it is switched on",
+    source="S 3.2",
+    example="""\
+(declare-skill :follow-wall (?side))
+(define-rap (follow ?side)
+  (method (primitive (enable (:follow-wall ?side)))))
+""",
+    better="""\
+(declare-skill :follow-wall (?side))
+(declare-event :wall-ends ())
+(define-rap (follow ?side)
+  (method (primitive
+    (enable (:follow-wall ?side))
+    (wait-for (:wall-ends) :succeed))))
+""",
+)
+
+
+@check(NOTHING_AWAITED, needs_whole="method")
+def nothing_awaited(run: Pass) -> Iterator[Diagnostic]:
+    """Find primitives that enable skills and wait for no event."""
+    for use in run.result(INDEX).of(nodes.Skills):
+        if use.node.enable and not use.node.waits:
+            yield NOTHING_AWAITED.at(
+                use.node.span,
+                "this primitive awaits nothing and ends at once",
+                help="add `(wait-for (:event) :succeed)`",
             )

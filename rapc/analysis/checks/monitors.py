@@ -1,13 +1,4 @@
-"""RAP134, RAP135, RAP138, RAP139: standing tasks given wrongly, idle, or unready.
-
-RAP136 and RAP137: standing tasks of an agenda that get in each other's way.
-
-RAP157: beliefs that are to be younger than the time between two sensings.
-
-A fact is sensed as often as the tasks come up that ask for the primitives that tell it.
-Where all of these stand below standing tasks that wait between their rounds, the
-shortest of these times is how old the belief may well be.
-"""
+"""Monitors, and the tasks that stand by for what they wait for."""
 
 from __future__ import annotations
 
@@ -42,6 +33,7 @@ from rapc.analysis.facts.logic import (
     through,
 )
 from rapc.analysis.facts.statistics import LIMITS, THRESHOLDS
+from rapc.analysis.facts.variables import BINDINGS
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,
@@ -58,6 +50,46 @@ from rapc.ir.printer import format_formula
 from rapc.ir.walk import formulas, input_terms, substitute, variable_names
 from rapc.library.library import Library
 
+AGE_IN_MONITOR = Rule(
+    code="RAP068",
+    name="age-in-monitor",
+    severity=Severity.WARNING,
+    summary="a monitor binds an age, and so is tested whenever the clock moves",
+    why="""A monitor is woken by changes of memory, and `believe` with a number by the
+time at which the fact goes stale. An age that is bound changes with every tick and
+announces nothing: the formula is tested again each time the clock has moved, and sets
+no time of its own, so the task may wake late or not at all.""",
+    ignore="where the task has a monitor of time too, which wakes it",
+    source="T 4.1.1, 4.7.1",
+    example="""\
+(declare-memory-proposition seen (?thing))
+(define-rap (look))
+(define-rap (keep-looking)
+  (monitor-state (and (believe (seen box) ?age) (> ?age 30)))
+  (method (task-net (t1 (look)))))
+""",
+    better="""\
+(declare-memory-proposition seen (?thing))
+(define-rap (look))
+(define-rap (keep-looking)
+  (monitor-state (not (believe (seen box) 30)))
+  (method (task-net (t1 (look)))))
+""",
+)
+
+
+@check(AGE_IN_MONITOR, needs_whole="form")
+def age_in_monitor(run: Pass) -> Iterator[Diagnostic]:
+    """Find monitors that bind an age instead of testing one."""
+    for believe in run.result(BINDINGS).ages:
+        yield AGE_IN_MONITOR.at(
+            believe.age.span,
+            "an age is bound in a monitor, which no time wakes",
+            help="give `believe` a number: `(not (believe p 30))` wakes the task "
+            "when p is 30 old",
+        )
+
+
 _GARDEN = """\
 (declare-memory-property soil (?plant ?state) unknown)
 (declare-primitive pour (?plant) (okay) :on (okay (soil ?plant wet)))
@@ -70,7 +102,7 @@ _GARDEN = """\
 (define-agenda day (task (keep-wet){}) (task (water rose)))
 """
 
-ENDLESS = Rule(
+ENDLESS_TASK = Rule(
     code="RAP134",
     name="endless-task",
     severity=Severity.WARNING,
@@ -98,7 +130,7 @@ _CALL = """\
   (method (primitive (look))))
 """
 
-UNHEARD = Rule(
+UNHEARD_MONITOR = Rule(
     code="RAP135",
     name="unheard-monitor",
     severity=Severity.WARNING,
@@ -139,7 +171,7 @@ _UNREADY = """\
   (method (context (at-dock)) (primitive (plug-in))){})
 """
 
-UNREADY = Rule(
+UNREADY_REACTION = Rule(
     code="RAP138",
     name="unready-reaction",
     severity=Severity.WARNING,
@@ -166,7 +198,7 @@ _CONDITION = """\
   {}(method (primitive (plug-in))))
 """
 
-FAILING = Rule(
+FAILING_REACTION = Rule(
     code="RAP139",
     name="failing-reaction",
     severity=Severity.WARNING,
@@ -184,7 +216,7 @@ it does not hold.""",
 )
 
 
-@check(ENDLESS, UNHEARD, UNREADY, FAILING)
+@check(ENDLESS_TASK, UNHEARD_MONITOR, UNREADY_REACTION, FAILING_REACTION)
 def standing(run: Pass) -> Iterator[Diagnostic]:
     """Find tasks that never end where they should, and monitors of what never is."""
     library = run.library
@@ -221,7 +253,7 @@ def _endless(task: nodes.GivenTask, cause: Span, work: bool) -> Diagnostic:
     if not work:
         help_ += ", and give a task that is done: a run lasts as long as that"
     edit = Edit(Span(task.span.file, end, end), " :background true")
-    return ENDLESS.at(
+    return ENDLESS_TASK.at(
         task.goal.span,
         f"`{task.goal.name}` is never done, so a run with this task never ends",
         labels=(Label(cause, "this never succeeds"),),
@@ -270,7 +302,7 @@ def _unready(
             continue
         name = fact_name(one)
         if name in changed and name not in asked and not is_computed(library, name):
-            yield UNREADY.at(
+            yield UNREADY_REACTION.at(
                 one.span,
                 f"`{rap.name}` has no method where this does not hold, and "
                 "fails for good",
@@ -297,7 +329,7 @@ def _failing(
             continue
         if one.holds and always.holds(one.formula, given):
             continue
-        yield FAILING.at(
+        yield FAILING_REACTION.at(
             one.span,
             f"`{rap.name}` fails for good if it wakes where this does not hold",
             labels=(Label(monitor.span, "it wakes by this alone"),),
@@ -348,14 +380,14 @@ def _unheard(
         return
     names = ", ".join(f"`{name}`" for name in facts)
     if not any(name in changed for name in facts):
-        yield UNHEARD.at(
+        yield UNHEARD_MONITOR.at(
             monitor.span,
             f"nothing in the library ever changes {names}",
             help="ask for what a primitive, a datum or a rule changes, or declare that",
         )
     elif all(name in idle for name in facts if name in changed):
         first = next(name for name in facts if name in idle)
-        yield UNHEARD.at(
+        yield UNHEARD_MONITOR.at(
             monitor.span,
             f"no RAP ever asks for what changes {names}",
             help=f"`{idle[first]}` does: let a RAP ask for it, now and then",
@@ -382,7 +414,7 @@ _CART = """\
   (task (recharge) :priority {} :background true))
 """
 
-RIVALS = Rule(
+RIVAL_REACTIONS = Rule(
     code="RAP136",
     name="rival-reactions",
     severity=Severity.WARNING,
@@ -414,7 +446,7 @@ _LAMP = """\
   (task (keep-dark) :priority 6 :background true))
 """
 
-UNDOING = Rule(
+UNDOING_REACTIONS = Rule(
     code="RAP137",
     name="undoing-reactions",
     severity=Severity.WARNING,
@@ -429,7 +461,7 @@ one of them ask for more, so that there is a state in which both sleep.""",
 )
 
 
-@check(RIVALS, UNDOING)
+@check(RIVAL_REACTIONS, UNDOING_REACTIONS)
 def rivals(run: Pass) -> Iterator[Diagnostic]:
     """Find standing tasks of an agenda that get in each other's way."""
     told: set[tuple[str, str]] = set()
@@ -455,7 +487,7 @@ def _between(
     if first.monitor_state is None or second.monitor_state is None:
         return
     if _wakes(run, one.goal, other.goal) and _wakes(run, other.goal, one.goal):
-        yield UNDOING.at(
+        yield UNDOING_REACTIONS.at(
             second.monitor_state.span,
             f"`{first.name}` and `{second.name}` wake each other for good",
             labels=(Label(first.monitor_state.span, "this one comes true in turn"),),
@@ -467,7 +499,7 @@ def _between(
             _needed(library, first) & _needed(library, second), key=format_formula
         )
         if shared and both:
-            yield RIVALS.at(
+            yield RIVAL_REACTIONS.at(
                 other.span,
                 f"`{first.name}` and `{second.name}` wake by `{shared[0]}`, "
                 f"need `{format_formula(both[0])}`, and have one priority",
@@ -560,7 +592,7 @@ _GAUGE = """\
   (task (let-off-steam)))
 """
 
-FRESHER = Rule(
+FRESHER_THAN_SENSED = Rule(
     code="RAP157",
     name="fresher-than-sensed",
     severity=Severity.WARNING,
@@ -586,7 +618,7 @@ class _Sensed(msgspec.Struct, frozen=True):
     said: Span
 
 
-@check(FRESHER, needs_whole="form")
+@check(FRESHER_THAN_SENSED, needs_whole="form")
 def freshness(run: Pass) -> Iterator[Diagnostic]:
     """Find beliefs that are to be younger than the time between two sensings."""
     library = run.library
@@ -614,7 +646,7 @@ def _believed(run: Pass) -> Iterator[nodes.Believe]:
 
 def _fresher(believe: nodes.Believe, age: Number, sensed: _Sensed) -> Diagnostic:
     every = format_atom(sensed.every)
-    return FRESHER.at(
+    return FRESHER_THAN_SENSED.at(
         believe.age.span,
         f"`{believe.pattern.name}` is sensed every {every} at best, and is "
         f"seldom younger than {format_atom(age)}",

@@ -1,7 +1,8 @@
-"""RAP012: a variable without a value where one is needed [L 2.46, 2.49].
+"""Variables without a value, misspelt ones, and outputs that are never handed out.
 
-Where that is so is worked out by `bindings`; this pass finds the words: where else the
-variable is bound and why that does not help, or which variable was probably meant.
+Where a variable needs a value and lacks one is a fact (`BINDINGS`). The checks find the
+words: where else the variable is bound and why that does not help, or which variable
+was probably meant.
 """
 
 from __future__ import annotations
@@ -11,20 +12,22 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 import msgspec
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.facts.bindings import SIGNALS, Site, sites_by_name
+from rapc.analysis.facts.bindings import SIGNALS, Site, sites, sites_by_name
 from rapc.analysis.facts.effects import NeverDone
-from rapc.analysis.facts.index import Form
+from rapc.analysis.facts.index import INDEX, Form, VariableAt
+from rapc.analysis.facts.logic import is_never
 from rapc.analysis.facts.names import renaming
+from rapc.analysis.facts.statistics import THRESHOLDS
 from rapc.analysis.facts.task_nets import TASK_NETS, Net
 from rapc.analysis.facts.variables import BINDINGS, Missing
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity, Subject
-from rapc.base.names import Suggestions
+from rapc.base.names import Close, Suggestions, nearest
 from rapc.base.source import Span
-from rapc.ir import nodes
+from rapc.ir import clauses, nodes
 from rapc.ir.walk import formulas, steps
 from rapc.library.library import Library
 
-UNBOUND = Rule(
+UNBOUND_VARIABLE = Rule(
     code="RAP012",
     name="unbound-variable",
     severity=Severity.ERROR,
@@ -81,7 +84,7 @@ _BIND = {
 """Where to bind what these clauses need."""
 
 
-@check(UNBOUND, needs_whole="method")
+@check(UNBOUND_VARIABLE, needs_whole="method")
 def unbound_variable(run: Pass) -> Iterator[Diagnostic]:
     """Find variables that lack a value where one is needed."""
     missing = run.result(BINDINGS).missing
@@ -159,11 +162,11 @@ def _explain(
     near = None if elsewhere else places.names.near(name)
     if near is not None:
         site = places.by_name[near][0]
-        labels = [Label(site.span, _close(site))]
+        labels = [Label(site.span, _close_name(site))]
         help_ = f"did you mean `{near}`?"
     labels += [Label(m.variable.span, "nor here") for m in further[:_SHOWN]]
     lack = () if places.binds(first) else (Subject(first.variable.span),)
-    return UNBOUND.at(
+    return UNBOUND_VARIABLE.at(
         first.variable.span,
         f"`{name}` is not bound here",
         labels=tuple(labels),
@@ -188,7 +191,7 @@ def _with_fix(
     return msgspec.structs.replace(found, fix=fix)
 
 
-def _close(site: Site) -> str:
+def _close_name(site: Site) -> str:
     if site.clause in ("input", "resource"):
         return f"{site.what} with a close name is declared here"
     return "a variable with a close name is bound here"
@@ -315,3 +318,241 @@ def _may_precede(site: Site, missing: Missing, net: Net | None) -> bool:
     if site.clause in SIGNALS.values() or net.has_ended(one, other):
         return False
     return one not in net.early and not net.is_before(other, one)
+
+
+ANONYMOUS_VARIABLE = Rule(
+    code="RAP063",
+    name="anonymous-variable",
+    severity=Severity.ERROR,
+    summary="a bare `?` stands where a value is needed",
+    why="""`?` matches anything and is a new variable at each place, so it never has a
+value. In queries and patterns that is what is wanted; as an input of a step, in a
+request, a test or a sum there is nothing it could stand for.""",
+    source="T 4.1",
+    example="""\
+(define-rap (go-to ?place))
+(define-rap (wander)
+  (method (task-net (t1 (go-to ?)))))
+""",
+    better="""\
+(declare-memory-proposition place (?place))
+(define-rap (go-to ?place))
+(define-rap (wander)
+  (method
+    (context (place ?place))
+    (task-net (t1 (go-to ?place)))))
+""",
+)
+
+
+@check(ANONYMOUS_VARIABLE)
+def anonymous_variable(run: Pass) -> Iterator[Diagnostic]:
+    """Find a bare `?` where a value is needed."""
+    for variable in run.result(BINDINGS).anonymous:
+        yield ANONYMOUS_VARIABLE.at(
+            variable.span,
+            "`?` has no value here",
+            help="name the variable and bind it first; "
+            "`?` only matches, in queries and patterns",
+        )
+
+
+MISSPELT_VARIABLE = Rule(
+    code="RAP029",
+    name="misspelt-variable",
+    severity=Severity.WARNING,
+    summary="a variable is used only once, and another one is spelled almost so",
+    why="""A variable that occurs once matches anything, so one variable spelled two
+ways is two variables, and neither means what was meant. If anything will do, write a
+bare `?`, or a name of its own.""",
+    fix="unsafe: writes the variable that is spelled almost so",
+    ignore="where the two names are meant: give one of them a name that is less like "
+    "the other",
+    source="T 4.1",
+    example="""\
+(declare-memory-proposition inside (?thing ?box))
+(define-rap (open ?container))
+(define-rap (take-out ?thing)
+  (preconditions (inside ?thing ?contaner))
+  (method
+    (context (inside ?thing ?container))
+    (task-net (t1 (open ?container)))))
+""",
+    better="""\
+(declare-memory-proposition inside (?thing ?box))
+(define-rap (open ?container))
+(define-rap (take-out ?thing)
+  (preconditions (inside ?thing ?))
+  (method
+    (context (inside ?thing ?container))
+    (task-net (t1 (open ?container)))))
+""",
+)
+
+
+@check(MISSPELT_VARIABLE, needs_whole="form")
+def misspelt_variable(run: Pass) -> Iterator[Diagnostic]:
+    """Find variables used once whose names are close to another's."""
+    for owner, named in run.result(INDEX).variables():
+        if not isinstance(owner, nodes.DefineRap | nodes.DefineQuery):
+            continue
+        names = named
+        if "?" in named:
+            names = {name: uses for name, uses in named.items() if name != "?"}
+        once = [name for name, uses in names.items() if len(uses) == 1]
+        suspects = _suspects(once, names)
+        close = Close(names, THRESHOLDS.close_variable) if suspects else None
+        for name in suspects:
+            other = close.to(name) if close else None
+            if other is not None and _is_slip(names[name][0][0], names[other]):
+                yield _misspelt(run, names[name][0][0], names[other][0][0])
+
+
+def _suspects(once: Iterable[str], names: Iterable[str]) -> list[str]:
+    """The names used once that may be a slip for another: one about as long."""
+    lengths: dict[int, int] = {}
+    for name in names:
+        lengths[len(name)] = lengths.get(len(name), 0) + 1
+    return [
+        name
+        for name in once
+        if (len(name) >= THRESHOLDS.close_variable - 1 and len(name) + 1 in lengths)
+        or (
+            len(name) >= THRESHOLDS.close_variable
+            and (lengths[len(name)] > 1 or len(name) - 1 in lengths)
+        )
+    ]
+
+
+def _is_slip(one: nodes.Var, others: Sequence[VariableAt]) -> bool:
+    """Of two variables used once each, only the later one is taken for the slip.
+
+    A short name is no slip for its plural: `?arm` and `?arms`.
+    """
+    other = others[0][0]
+    if len(one.name) < THRESHOLDS.close_variable and other.name == f"{one.name}s":
+        return False
+    return len(others) > 1 or other.span.start < one.span.start
+
+
+def _misspelt(run: Pass, variable: nodes.Var, close: nodes.Var) -> Diagnostic:
+    return MISSPELT_VARIABLE.at(
+        variable.span,
+        f"`{variable.name}` is used only here",
+        labels=(Label(close.span, "a variable with a close name"),),
+        help=f"did you mean `{close.name}`? if anything will do, write `?`",
+        fix=renaming(run.library.files, variable.name, close.name, [variable.span]),
+        about=(Subject(variable.span, variable.name),),
+    )
+
+
+OUTPUT_IS_INPUT = Rule(
+    code="RAP105",
+    name="output-is-input",
+    severity=Severity.WARNING,
+    summary="a step is to hand out its result in an input, which has a value already",
+    why="""An output that meets a variable with another value fails the step, with
+`interference` [L 3.59]: it changes nothing. An input of the RAP, or of the very step,
+has its value from the start, so the step ends well only if it finds that and nothing
+else. Mostly another variable was meant; to make sure of a value, compare it in
+`succeed` or in a context.""",
+    ignore="where the step is to fail unless it finds this very value",
+    source="T 4.2",
+    example="""\
+(define-rap (find ?thing => ?place))
+(define-rap (fetch ?thing)
+  (method (task-net (t1 (find ?thing => ?thing)))))
+""",
+    better="""\
+(define-rap (find ?thing => ?place))
+(define-rap (fetch ?thing)
+  (method (task-net (t1 (find ?thing => ?)))))
+""",
+)
+
+
+@check(OUTPUT_IS_INPUT, needs_whole="form")
+def outputs(run: Pass) -> Iterator[Diagnostic]:
+    """Find outputs of steps in variables that have a value already."""
+    for rap in run.library.raps.values():
+        inputs = {variable.name: variable for variable in rap.inputs}
+        for method in rap.methods:
+            for step in steps(method):
+                yield from _taken(step.goal, inputs)
+
+
+def _taken(goal: nodes.Goal, inputs: dict[str, nodes.Var]) -> Iterator[Diagnostic]:
+    given = {term.name: term for term in goal.args if isinstance(term, nodes.Var)}
+    for output in goal.outputs:
+        if not isinstance(output, nodes.Var) or output.anonymous:
+            continue
+        first = given.get(output.name) or inputs.get(output.name)
+        if first is not None:
+            yield OUTPUT_IS_INPUT.at(
+                output.span,
+                f"`{output.name}` has a value already, which the output of "
+                f"`{goal.name}` would have to be",
+                labels=(Label(first.span, "it comes from here"),),
+                help="name another variable, or write `?`",
+                about=(Subject(output.span),),
+            )
+
+
+UNBINDABLE_OUTPUT = Rule(
+    code="RAP028",
+    name="unbindable-output",
+    severity=Severity.WARNING,
+    summary="an output variable is bound neither by `succeed` nor by any method",
+    why="""Outputs take the bindings of `succeed`, else those of the method that
+succeeded last. One that occurs in neither stays unbound, and so does the variable of
+whoever asked for it. (A RAP without methods may get them from a problem solver; there
+nothing is said.)""",
+    ignore="where a problem solver adds methods that bind the output",
+    source="T 4.2",
+    example="""\
+(declare-memory-proposition at (?thing ?place))
+(define-rap (look-around))
+(define-rap (look-for ?thing => ?place)
+  (succeed (at ?thing ?spot))
+  (method (task-net (t1 (look-around)))))
+""",
+    better="""\
+(declare-memory-proposition at (?thing ?place))
+(define-rap (look-around))
+(define-rap (look-for ?thing => ?place)
+  (succeed (at ?thing ?place))
+  (method (task-net (t1 (look-around)))))
+""",
+)
+
+_LOST = {c.word for c in clauses.RAP if c.required and not c.hands_on}
+"""Clauses of which nothing reads the bindings."""
+
+
+@check(UNBINDABLE_OUTPUT, needs_whole="form")
+def unbindable_output(run: Pass) -> Iterator[Diagnostic]:
+    """Find outputs that neither `succeed` nor any method can bind."""
+    for rap in run.library.forms:
+        if not isinstance(rap, nodes.DefineRap) or not rap.outputs or not rap.methods:
+            continue
+        if is_never(rap.succeed):
+            continue
+        names = {
+            site.name
+            for site in sites(rap, run.library.functions)
+            if not site.negated and site.clause not in _LOST
+        }
+        for output in rap.outputs:
+            if output.name not in names:
+                yield _unbindable(output, names)
+
+
+def _unbindable(output: nodes.Var, names: set[str]) -> Diagnostic:
+    near = nearest(output.name, names)
+    return UNBINDABLE_OUTPUT.at(
+        output.span,
+        f"nothing binds the output `{output.name}`",
+        help=f"did you mean `{near}`?"
+        if near
+        else "bind it in `succeed`, in a context, or as the output of a step",
+    )

@@ -1,0 +1,858 @@
+"""Names that nobody declares, or that are used otherwise than they are declared.
+
+A name is held against its declaration by the signature table
+(`rapc.library.signatures`); the fact `MISUSES` has each use that does not meet one. No
+world is imported to find out what it offers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from functools import partial
+from os.path import basename, dirname
+
+from rapc.analysis.check import Pass, check
+from rapc.analysis.facts.index import INDEX, Form, Index, NameUse
+from rapc.analysis.facts.names import (
+    Misuse,
+    UnknownNames,
+    declared_at,
+    misuses,
+    renaming,
+    unknown_names,
+    wrong_arity,
+    wrong_kind,
+)
+from rapc.analysis.facts.usage import CENSUS, SPACES, TRUTH, Place
+from rapc.base.diagnostics import (
+    Applicability,
+    Diagnostic,
+    Edit,
+    Fix,
+    Label,
+    Rule,
+    Severity,
+    Subject,
+)
+from rapc.base.files import SUFFIX
+from rapc.base.names import Suggestions
+from rapc.base.source import Span
+from rapc.base.values import format_atom, format_list
+from rapc.ir import nodes
+from rapc.ir.walk import variables
+from rapc.library.library import Library, name_span, word_span
+from rapc.library.signature import Signature
+from rapc.library.signatures import Fault, Use
+
+UNKNOWN_RAP = Rule(
+    code="RAP013",
+    name="unknown-rap",
+    severity=Severity.ERROR,
+    summary="a step, a rule or a test names a RAP that the library does not define",
+    why="""A step asks for a RAP by its name. If no file that was read defines one of
+that name, the method fails whenever it is chosen.""",
+    fix="unsafe: writes the name that is spelled almost so, where there is one",
+    ignore="where a host program or a problem solver brings the RAP, and says so when "
+    "it runs",
+    source="T 3.1.4",
+    example="""\
+(define-rap (go-to ?place))
+(define-rap (go-home)
+  (method (task-net (t1 (goto depot)))))
+""",
+    better="""\
+(define-rap (go-to ?place))
+(define-rap (go-home)
+  (method (task-net (t1 (go-to depot)))))
+""",
+)
+
+WRONG_STEP_ARITY = Rule(
+    code="RAP014",
+    name="wrong-step-arity",
+    severity=Severity.ERROR,
+    summary="a RAP is given another number of inputs or outputs than its index has",
+    why="""A step has to match the index of the RAP it asks for: as many inputs, and
+after `=>` as many outputs. An output that is not needed is written `?`.""",
+    source="T 4.2",
+    example="""\
+(define-rap (look-for ?thing => ?place))
+(define-rap (look)
+  (method (task-net (t1 (look-for)))))
+""",
+    better="""\
+(define-rap (look-for ?thing => ?place))
+(define-rap (look)
+  (method (task-net (t1 (look-for box => ?)))))
+""",
+)
+
+
+@check(UNKNOWN_RAP, WRONG_STEP_ARITY)
+def unknown_rap(run: Pass) -> Iterator[Diagnostic]:
+    """Find steps and memory rules whose RAP is not defined, or is not met."""
+    unknown = UnknownNames(UNKNOWN_RAP)
+    for one in misuses(run, ("goal",), "unknown"):
+        unknown.add(one.fault, one.used.place(run.library.files), one.used.owner)
+    for chosen in run.result(INDEX).of(nodes.MethodChosen):
+        name = chosen.node.rap
+        if name not in run.signatures.raps:
+            place = word_span(run.library.files, chosen.node.span, 1)
+            unknown.add(run.signatures.unknown("goal", name), place, chosen.owner)
+    yield from unknown.findings(run)
+    for one in misuses(run, ("goal",), "arguments"):
+        yield _misfit(run, one)
+
+
+def _misfit(run: Pass, one: Misuse) -> Diagnostic:
+    used, rap = one.used, run.library.raps[one.used.name]
+    arrow = ["=>", *(v.name for v in rap.outputs)] if rap.outputs else []
+    index = format_list([rap.name, *(v.name for v in rap.inputs), *arrow])
+    lacks_outputs = used.outputs == 0 and rap.outputs
+    return WRONG_STEP_ARITY.at(
+        used.span,
+        one.fault.message,
+        labels=(Label(rap.name_span, f"its index is `{index}`"),),
+        help="write `?` after `=>` for an output that is not needed"
+        if lacks_outputs
+        else "",
+        about=tuple(_not_handed_out(used, len(rap.outputs))) if lacks_outputs else (),
+    )
+
+
+def _not_handed_out(used: NameUse, outputs: int) -> Iterator[Subject]:
+    """Yield the variables that a step may have for outputs, and one for each output."""
+    for variable in variables(*used.node.args):
+        yield Subject(used.span, variable.name)
+    yield from [Subject(used.span)] * outputs
+
+
+UNDECLARED_PREDICATE = Rule(
+    code="RAP015",
+    name="undeclared-predicate",
+    severity=Severity.ERROR,
+    summary="a fact, property or test is not declared",
+    why="""Every proposition, property and function is declared, so that a slip of the
+pen is not taken for a fact that just never holds. Rows of comparators, `:reads` and
+`:excludes` name declared predicates too.""",
+    fix="unsafe: writes the name that is spelled almost so, where there is one",
+    source="T A.1",
+    example="""\
+(declare-memory-property location (?thing ?place) unknown)
+(define-rap (fetch ?thing)
+  (succeed (loction ?thing arm)))
+""",
+    better="""\
+(declare-memory-property location (?thing ?place) unknown)
+(define-rap (fetch ?thing)
+  (succeed (location ?thing arm)))
+""",
+)
+
+NOT_A_FACT = Rule(
+    code="RAP073",
+    name="not-a-fact",
+    severity=Severity.ERROR,
+    summary="a function or a query is asserted, noted or believed as if it were a fact",
+    why="""A declared function is computed when it is asked, and a named query is a
+formula. Neither is in memory, so nothing can put it there or take it away, be it an
+effect or an `:on`, and it has no age.""",
+    source="T A.1",
+    example="""\
+(declare-memory-function near (?this ?that) "Whether two things are near.")
+(define-rap (stay ?thing)
+  (succeed (believe (near ?thing truck) 10)))
+""",
+    better="""\
+(declare-memory-function near (?this ?that) "Whether two things are near.")
+(define-rap (stay ?thing)
+  (succeed (near ?thing truck)))
+""",
+)
+
+_FACTS: tuple[Use, ...] = ("test", "believed", "asserted", "erased")
+
+
+@check(UNDECLARED_PREDICATE, NOT_A_FACT)
+def undeclared_predicate(run: Pass) -> Iterator[Diagnostic]:
+    """Find facts and tests that are not declared, and what is taken for facts."""
+    unknown = UnknownNames(UNDECLARED_PREDICATE)
+    for one in misuses(run, _FACTS, "unknown"):
+        unknown.add(one.fault, one.used.place(run.library.files), one.used.owner)
+    for name, place, owner in _further(run.result(INDEX)):
+        if name not in run.signatures.predicates:
+            unknown.add(run.signatures.unknown("test", name), place, owner)
+    yield from unknown.findings(run)
+    yield from wrong_kind(run, NOT_A_FACT, _FACTS)
+
+
+def _further(index: Index) -> Iterator[tuple[str, Span, Form]]:
+    """Predicates named outside of propositions."""
+    for row in index.of(nodes.ComparatorRow):
+        yield row.node.property, row.node.span, row.owner
+    for function in index.of(nodes.DeclareFunction):
+        for name in function.node.reads or ():
+            yield name, function.node.span, function.owner
+
+
+UNDECLARED_FUNCTION = Rule(
+    code="RAP018",
+    name="undeclared-function",
+    severity=Severity.ERROR,
+    summary="a term is computed by a function that is not declared",
+    why="""A list that stands as an argument is computed. Besides arithmetic, `size-of`
+and `value` only declared functions can do that; a proposition or property has no value
+there.""",
+    fix="unsafe: writes the name that is spelled almost so, where there is one",
+    source="T A.1",
+    example="""\
+(declare-memory-property size (?thing ?size) unknown)
+(declare-memory-property room (?box ?size) unknown)
+(define-rap (pack ?thing ?box)
+  (preconditions (room ?box (size ?thing))))
+""",
+    better="""\
+(declare-memory-property size (?thing ?size) unknown)
+(declare-memory-property room (?box ?size) unknown)
+(define-rap (pack ?thing ?box)
+  (preconditions (and (size ?thing ?size) (room ?box ?size))))
+""",
+)
+
+WRONG_FUNCTION_ARITY = Rule(
+    code="RAP019",
+    name="wrong-function-arity",
+    severity=Severity.ERROR,
+    summary="a declared function gets another number of arguments than was declared",
+    why="""The function that the world or the host registers is called with what the
+term gives it; with too much or too little the query fails.""",
+    source="T A.1",
+    example="""\
+(declare-memory-function distance (?from ?to))
+(define-rap (go ?from ?to)
+  (duration (distance ?to)))
+""",
+    better="""\
+(declare-memory-function distance (?from ?to))
+(define-rap (go ?from ?to)
+  (duration (distance ?from ?to)))
+""",
+)
+
+
+@check(UNDECLARED_FUNCTION, WRONG_FUNCTION_ARITY)
+def functions(run: Pass) -> Iterator[Diagnostic]:
+    """Find computed terms whose function is not declared, or not met."""
+    about = partial(_variables, run.result(INDEX))
+    yield from unknown_names(run, UNDECLARED_FUNCTION, ("computed",), about)
+    yield from wrong_arity(run, WRONG_FUNCTION_ARITY, ("computed",))
+    yield from wrong_kind(run, UNDECLARED_FUNCTION, ("computed",), about)
+
+
+def _variables(index: Index, used: NameUse) -> Iterator[Subject]:
+    """Yield the variables that a fact in place of a computed value was to bind."""
+    here = index.at(used.span.file, used.span.start)
+    compared = here is not None and isinstance(here.parent, nodes.Compare)
+    place = here.parent if here is not None and compared else used.node
+    for variable in variables(place):
+        yield Subject(place.span, variable.name)
+
+
+UNDECLARED_PRIMITIVE = Rule(
+    code="RAP020",
+    name="undeclared-primitive",
+    severity=Severity.ERROR,
+    summary="a method or a test names a primitive that is not declared",
+    why="""A primitive is a request to the world. What the world offers is declared, so
+that a library can be checked without the world; what is not declared nobody answers. A
+step of a task-net is no primitive: it names a RAP.""",
+    fix="unsafe: writes the name that is spelled almost so, where there is one",
+    source="T 4.5.3",
+    example="""\
+(declare-primitive arm-grasp (?arm ?thing) (okay))
+(define-rap (grasp ?arm ?thing)
+  (method (primitive (arm-grsp ?arm ?thing))))
+""",
+    better="""\
+(declare-primitive arm-grasp (?arm ?thing) (okay))
+(define-rap (grasp ?arm ?thing)
+  (method (primitive (arm-grasp ?arm ?thing))))
+""",
+)
+
+WRONG_PRIMITIVE_ARITY = Rule(
+    code="RAP021",
+    name="wrong-primitive-arity",
+    severity=Severity.ERROR,
+    summary="a request has another number of arguments than its primitive",
+    why="""The world takes a request with the arguments that were declared for it and
+no others.""",
+    source="T 4.5.3",
+    example="""\
+(declare-primitive arm-grasp (?arm ?thing) (okay))
+(define-rap (grasp ?thing)
+  (method (primitive (arm-grasp ?thing))))
+""",
+    better="""\
+(declare-primitive arm-grasp (?arm ?thing) (okay))
+(define-rap (grasp ?thing)
+  (method (primitive (arm-grasp left ?thing))))
+""",
+)
+
+
+@check(UNDECLARED_PRIMITIVE, WRONG_PRIMITIVE_ARITY)
+def primitives(run: Pass) -> Iterator[Diagnostic]:
+    """Find requests for primitives that are not declared, or declared otherwise."""
+    yield from unknown_names(run, UNDECLARED_PRIMITIVE, ("primitive",))
+    yield from wrong_arity(run, WRONG_PRIMITIVE_ARITY, ("primitive",))
+
+
+_WALL = """\
+(declare-skill :follow-wall (?side))
+(declare-event :wall-ends ())
+(define-rap (follow ?side)
+  (method (primitive
+    (enable (:follow-wall ?side))
+    (wait-for (:wall-ends) :succeed))))
+"""
+
+UNDECLARED_SIGNAL = Rule(
+    code="RAP023",
+    name="undeclared-signal",
+    severity=Severity.ERROR,
+    summary="a skill or an event is not declared",
+    why="""Skills and events are what a world offers besides primitives. A skill that it
+does not have cannot be enabled, and an event that it never sends is awaited for
+ever.""",
+    fix="unsafe: writes the name that is spelled almost so, where there is one",
+    source="S 2",
+    example="""\
+(declare-skill :follow-wall (?side))
+(declare-event :wall-ends ())
+(define-rap (follow ?side)
+  (method (primitive
+    (enable (:follow-wall ?side))
+    (wait-for (:wall-end) :succeed))))
+""",
+    better=_WALL,
+)
+
+WRONG_SIGNAL_ARITY = Rule(
+    code="RAP024",
+    name="wrong-signal-arity",
+    severity=Severity.ERROR,
+    summary="a skill or an event has another number of arguments than was declared",
+    why="""A skill is enabled with the arguments it was declared with, and an event is
+sent with those it was declared with: another number of them never matches.""",
+    source="S 2",
+    example="""\
+(declare-skill :follow-wall (?side))
+(declare-event :wall-ends ())
+(define-rap (follow ?side)
+  (method (primitive
+    (enable (:follow-wall))
+    (wait-for (:wall-ends) :succeed))))
+""",
+    better=_WALL,
+)
+
+
+@check(UNDECLARED_SIGNAL, WRONG_SIGNAL_ARITY)
+def signals(run: Pass) -> Iterator[Diagnostic]:
+    """Find skills and events that are not declared, or declared otherwise."""
+    unknown = UnknownNames(UNDECLARED_SIGNAL)
+    for one in misuses(run, ("skill", "event"), "unknown"):
+        unknown.add(one.fault, one.used.place(run.library.files), one.used.owner)
+    for skill in run.result(INDEX).of(nodes.DeclareSkill):
+        for name in skill.node.events or ():
+            if name not in run.signatures.events:
+                fault = run.signatures.unknown("event", name)
+                unknown.add(fault, skill.node.span, skill.owner)
+    yield from unknown.findings(run)
+    yield from wrong_arity(run, WRONG_SIGNAL_ARITY, ("skill", "event"))
+
+
+_LOOK = """\
+(declare-primitive look () (okay))
+(declare-sensor-datum seen (?thing))
+(define-rap (look-around) (method (primitive (look))))
+(define-test sees-the-box
+  (world truck)
+  (script ((look) :data ((seen box))))
+  (task (look-around)))
+"""
+
+UNDECLARED_DATUM = Rule(
+    code="RAP075",
+    name="undeclared-datum",
+    severity=Severity.ERROR,
+    summary="a test sends, or a primitive tells, a sensor datum that is not declared",
+    why="""A row of a script may send sensor data with `:data`, and a primitive says
+with `:tells` which may come with it. What a world sends is declared in the library that
+is to take it in; no handler is called for anything else.""",
+    fix="unsafe: writes the name that is spelled almost so, where there is one",
+    source="T 3.3.1",
+    example="""\
+(declare-primitive look () (okay))
+(declare-sensor-datum seen (?thing))
+(define-rap (look-around) (method (primitive (look))))
+(define-test sees-the-box
+  (world truck)
+  (script ((look) :data ((sene box))))
+  (task (look-around)))
+""",
+    better=_LOOK,
+)
+
+WRONG_DATUM_ARITY = Rule(
+    code="RAP076",
+    name="wrong-datum-arity",
+    severity=Severity.ERROR,
+    summary="a sensor datum has another number of arguments than was declared",
+    why="""A world sends a datum with the arguments it was declared with, and its
+handler takes those and no others.""",
+    source="T 3.3.1",
+    example="""\
+(declare-primitive look () (okay))
+(declare-sensor-datum seen (?thing))
+(define-rap (look-around) (method (primitive (look))))
+(define-test sees-the-box
+  (world truck)
+  (script ((look) :data ((seen box here))))
+  (task (look-around)))
+""",
+    better=_LOOK,
+)
+
+
+@check(UNDECLARED_DATUM, WRONG_DATUM_ARITY)
+def data(run: Pass) -> Iterator[Diagnostic]:
+    """Find sensor data that are not declared, or declared otherwise."""
+    unknown = UnknownNames(UNDECLARED_DATUM)
+    for one in misuses(run, ("datum",), "unknown"):
+        unknown.add(one.fault, one.used.place(run.library.files), one.used.owner)
+    for primitive in run.result(INDEX).of(nodes.DeclarePrimitive):
+        for name in primitive.node.tells:
+            if name not in run.signatures.data:
+                fault = run.signatures.unknown("datum", name)
+                unknown.add(fault, primitive.node.span, primitive.owner)
+    yield from unknown.findings(run)
+    yield from wrong_arity(run, WRONG_DATUM_ARITY, ("datum",))
+
+
+UNKNOWN_AGENDA = Rule(
+    code="RAP080",
+    name="unknown-agenda",
+    severity=Severity.ERROR,
+    summary="a test names an agenda that the library does not define",
+    why="""The tasks of an agenda are given to the robot as the test begins. Without
+the agenda there would be none of them.""",
+    source="T 5.4",
+    example="""\
+(define-rap (watch))
+(define-agenda night (task (watch) :background true))
+(define-test the-robot-watches
+  (agenda nigt)
+  (until 10))
+""",
+    better="""\
+(define-rap (watch))
+(define-agenda night (task (watch) :background true))
+(define-test the-robot-watches
+  (agenda night)
+  (until 10))
+""",
+)
+
+
+@check(UNKNOWN_AGENDA)
+def unknown_agenda(run: Pass) -> Iterator[Diagnostic]:
+    """Find tests that name an agenda that is not defined."""
+    known = run.library.agendas
+    unknown = UnknownNames(UNKNOWN_AGENDA)
+    near = Suggestions(known)
+    for test in run.library.tests:
+        name = test.agenda
+        if name is not None and name not in known:
+            advice = "define it with `define-agenda`, or `require` the file that does"
+            help = near.did_you_mean(name, advice)
+            message, meant = f"no agenda is called `{name}`", near.near(name)
+            fault = Fault("unknown", message, help, name=name, meant=meant)
+            place = word_span(run.library.files, test.span, 1)
+            unknown.add(fault, place, test)
+    yield from unknown.findings(run)
+
+
+UNKNOWN_METHOD = Rule(
+    code="RAP067",
+    name="unknown-method",
+    severity=Severity.ERROR,
+    summary="a question or a test names a method that its RAP does not have",
+    why="""`method-tried` and `result-with-method` are about the methods of the RAP that
+asks them, by their names; so is `(method rap name)` in a test, where `#1` is the first
+method if it has no name. One that no method has was never tried and never had a result.
+(In a RAP without methods of its own, a problem solver may bring methods with any name,
+and so it may in a test that names a world.)""",
+    fix="unsafe: writes the name that is spelled almost so, where there is one",
+    source="T 4.1.2",
+    example="""\
+(define-rap (knock))
+(define-rap (ring))
+(define-rap (call)
+  (method bell (task-net (t1 (ring))))
+  (method door (context (method-tried bel)) (task-net (t1 (knock)))))
+""",
+    better="""\
+(define-rap (knock))
+(define-rap (ring))
+(define-rap (call)
+  (method bell (task-net (t1 (ring))))
+  (method door (context (method-tried bell)) (task-net (t1 (knock)))))
+""",
+)
+
+
+def _methods(rap: nodes.DefineRap) -> Suggestions:
+    return Suggestions(format_atom(m.name) for m in rap.methods if m.name is not None)
+
+
+def _names_in_traces(rap: nodes.DefineRap) -> Suggestions:
+    return Suggestions(
+        f"#{method.position}" if method.name is None else format_atom(method.name)
+        for method in rap.methods
+    )
+
+
+@check(UNKNOWN_METHOD, needs_whole="form")
+def unknown_method(run: Pass) -> Iterator[Diagnostic]:
+    """Find questions about methods that the RAP does not have."""
+    index = run.result(INDEX)
+    known: dict[int, Suggestions] = {}
+    for found in index.of(nodes.HistoryTest):
+        rap, history = found.owner, found.node
+        if history.query == "last-result" or not isinstance(rap, nodes.DefineRap):
+            continue
+        asked = history.args[0]
+        if isinstance(asked, nodes.Const) and rap.methods:
+            if id(rap) not in known:
+                known[id(rap)] = _methods(rap)
+            word = format_atom(asked.value)
+            yield from _unknown_method(run, rap, word, asked.span, known[id(rap)])
+    traced: dict[int, Suggestions] = {}
+    for chosen in index.of(nodes.MethodChosen):
+        named, test = run.library.raps.get(chosen.node.rap), chosen.owner
+        # A world may bring a solver along, whose methods nobody knows before.
+        if named is not None and isinstance(test, nodes.DefineTest) and not test.world:
+            if id(named) not in traced:
+                traced[id(named)] = _names_in_traces(named)
+            place = word_span(run.library.files, chosen.node.span, 2)
+            yield from _unknown_method(
+                run, named, chosen.node.method, place, traced[id(named)]
+            )
+
+
+def _unknown_method(
+    run: Pass, rap: nodes.DefineRap, name: str, place: Span, known: Suggestions
+) -> Iterator[Diagnostic]:
+    """Yield a method's name if the RAP does not have it."""
+    if name not in known:
+        counted = f"#{name}"
+        meant = counted if counted in known else known.near(name)
+        yield UNKNOWN_METHOD.at(
+            place,
+            f"`{rap.name}` has no method called `{name}`",
+            help=f"did you mean `{meant}`?" if meant else "",
+            fix=renaming(run.library.files, name, meant, [place]),
+        )
+
+
+WRONG_FACT_ARITY = Rule(
+    code="RAP016",
+    name="wrong-fact-arity",
+    severity=Severity.ERROR,
+    summary="a fact or test has another number of arguments than was declared",
+    why="""A fact with too many or too few arguments matches nothing in memory; a
+function called so fails. Erasing takes a prefix, which may be shorter but not longer
+than the facts it is to erase.""",
+    source="T A.1",
+    example="""\
+(declare-memory-proposition road (?from ?to))
+(define-rap (drive ?from ?to)
+  (preconditions (road ?from ?to paved)))
+""",
+    better="""\
+(declare-memory-proposition road (?from ?to))
+(define-rap (drive ?from ?to)
+  (preconditions (road ?from ?to)))
+""",
+)
+
+IMPLIED_TRUE = Rule(
+    code="RAP017",
+    name="implied-true",
+    severity=Severity.INFO,
+    summary="a property is used without its value, which then means `true`",
+    why="""`(class ?x box)` for `(class ?x box true)` is read as it was meant, but a
+reader cannot see whether the value was left out on purpose, and a property whose value
+is not true or false never holds so.""",
+    fix="safe: writes the value `true`",
+    ignore="where all of a library leaves out the value of its yes-or-no properties",
+    source="T A.1",
+    example="""\
+(declare-memory-property open (?door ?is) unknown)
+(define-rap (pass ?door)
+  (preconditions (open ?door)))
+""",
+    better="""\
+(declare-memory-property open (?door ?is) unknown)
+(define-rap (pass ?door)
+  (preconditions (open ?door true)))
+""",
+)
+
+
+MISSING_VALUE = Rule(
+    code="RAP106",
+    name="missing-value",
+    severity=Severity.WARNING,
+    summary="a property is used without its value, and its value is never `true`",
+    why="""A property one argument short means the value `true` [L 2.25]. Where its kind
+has no such value, or the library gives it others and never this one, the fact is never
+found: the value was forgotten.""",
+    ignore="where a world asserts `true` and the library does not say so",
+    source="T A.1",
+    example="""\
+(declare-memory-property door (?door ?state) unknown)
+(declare-primitive push (?door) (okay) :on (okay (door ?door open)))
+(declare-primitive drive (?door) (okay))
+(define-rap (pass ?door)
+  (method (context (door ?door)) (primitive (drive ?door)))
+  (method (context (door ?door shut)) (primitive (push ?door))))
+""",
+    better="""\
+(declare-memory-property door (?door ?state) unknown)
+(declare-primitive push (?door) (okay) :on (okay (door ?door open)))
+(declare-primitive drive (?door) (okay))
+(define-rap (pass ?door)
+  (method (context (door ?door open)) (primitive (drive ?door)))
+  (method (context (door ?door shut)) (primitive (push ?door))))
+""",
+)
+
+
+@check(WRONG_FACT_ARITY, IMPLIED_TRUE, MISSING_VALUE)
+def wrong_fact_arity(run: Pass) -> Iterator[Diagnostic]:
+    """Find facts and tests with too many or too few arguments."""
+    yield from wrong_arity(run, WRONG_FACT_ARITY, _FACTS)
+    properties = {
+        name: signature
+        for name, signature in run.signatures.relations.items()
+        if signature.is_property and signature.most is not None
+    }
+    for used in run.result(INDEX).uses():
+        declared = properties.get(used.name)
+        if declared is None or used.count + 1 != declared.most or not used.count:
+            continue
+        if used.use in _FACTS and used.use != "erased":
+            if _never_true(run, declared):
+                yield _missing_value(run, used, declared)
+            else:
+                yield _implied_value(run, used, declared)
+
+
+def _never_true(run: Pass, declared: Signature) -> bool:
+    """Whether nothing in the library lets a property have the value `true`."""
+    args = declared.args or ()
+    kind = args[-1].kind if args else None
+    if kind is not None and not run.signatures.kinds.holds(kind, "true"):
+        return True
+    place = Place("predicate", declared.name, (declared.most or 1) - 1)
+    there = run.result(CENSUS).at(place)
+    values = {one.written for one in there if one.count == declared.most}
+    values.discard("unknown")
+    return bool(values) and values.isdisjoint(TRUTH)
+
+
+def _missing_value(run: Pass, used: NameUse, declared: Signature) -> Diagnostic:
+    label = Label(declared_at(run, declared), f"declared here as `{declared.written}`")
+    return MISSING_VALUE.at(
+        used.span,
+        f"the value of `{used.name}` is left out, and `true` is none of its values",
+        labels=(label,),
+        help="write the value that was meant, or a variable for any",
+    )
+
+
+def _implied_value(run: Pass, used: NameUse, declared: Signature) -> Diagnostic:
+    end = used.node.args[-1].span.end
+    edit = Edit(Span(used.span.file, end, end), " true")
+    label = Label(declared_at(run, declared), f"declared here as `{declared.written}`")
+    return IMPLIED_TRUE.at(
+        used.span,
+        f"the value of `{used.name}` is left out and means `true`",
+        labels=(label,),
+        fix=Fix(Applicability.SAFE, "write the value", (edit,)),
+    )
+
+
+_FILES = """\
+;;; house.rap
+(require "doors")
+(require "visits")
+;;; doors.rap
+(declare-primitive push (?door) (okay))
+(define-rap (open ?door) (method (primitive (push ?door))))
+;;; visits.rap
+{}(declare-primitive ring (?bell) (okay))
+(define-rap (call-at ?bell) (method (primitive (ring ?bell))))
+(define-rap (visit ?door)
+  (method (task-net (t1 (open ?door) (for t2)) (t2 (call-at ?door)))))
+"""
+
+MISSING_REQUIRE = Rule(
+    code="RAP088",
+    name="missing-require",
+    severity=Severity.WARNING,
+    summary="a file uses a name of another file that it does not require",
+    why="""A file that is required stands for itself: whoever requires it may count on
+all that it needs being there. One that uses a name of a file that neither it nor a file
+that it requires brings in works only as long as somebody else happens to require both;
+checked alone, or required from elsewhere, it has a name that nobody knows. Files that
+neither require anything nor are required are parts of one folder, and not looked
+at.""",
+    fix="unsafe: writes the `require`, where one file alone has the name",
+    ignore="where the files are always required together, and never alone",
+    source="L 1",
+    example=_FILES.format(""),
+    better=_FILES.format('(require "doors")\n'),
+)
+
+
+@check(MISSING_REQUIRE)
+def missing_require(run: Pass) -> Iterator[Diagnostic]:
+    """Find names of files that a file does not require."""
+    library = run.library
+    if not run.required or not run.complete:
+        return
+    homes = _homes(library)
+    brought = _Brought(run.required)
+    first: dict[tuple[str, str], tuple[NameUse, nodes.TopForm]] = {}
+    for use in run.result(INDEX).uses():
+        here = use.span.file
+        form = homes.get((SPACES[use.use], use.name))
+        if form is None or form.span.file == here or not brought.stands_alone(here):
+            continue
+        if form.span.file in brought.by(here):
+            continue
+        known = first.setdefault((here, form.span.file), (use, form))
+        if use.span.start < known[0].span.start:
+            first[here, form.span.file] = use, form
+    for use, form in first.values():
+        yield _finding(run, use, form)
+
+
+def _homes(library: Library) -> dict[tuple[str, str], nodes.TopForm]:
+    """Return the definition of each name of which there is one alone."""
+    tables: Mapping[str, tuple[Mapping[str, nodes.TopForm], ...]] = {
+        "RAP": (library.raps,),
+        "predicate": (
+            library.propositions,
+            library.properties,
+            library.functions,
+            library.queries,
+        ),
+        "primitive": (library.primitives,),
+        "datum": (library.data,),
+        "skill": (library.skills,),
+        "event": (library.events,),
+    }
+    linked = {id(form) for rows in tables.values() for t in rows for form in t.values()}
+    others = {
+        form.name
+        for form in library.forms
+        if isinstance(form, _NAMED) and id(form) not in linked
+    }
+    return {
+        (space, name): form
+        for space, rows in tables.items()
+        for table in rows
+        for name, form in table.items()
+        if name not in others
+    }
+
+
+_NAMED = (
+    nodes.DefineRap
+    | nodes.DeclareProposition
+    | nodes.DeclareProperty
+    | nodes.DeclareFunction
+    | nodes.DefineQuery
+    | nodes.DeclarePrimitive
+    | nodes.DeclareDatum
+    | nodes.DeclareSkill
+    | nodes.DeclareEvent
+)
+"""The forms whose names are used elsewhere."""
+
+
+class _Brought:
+    """Which files a file brings in.
+
+    Args:
+        required: the files that each file requires itself.
+    """
+
+    def __init__(self, required: Mapping[str, tuple[str, ...]]) -> None:
+        self._required = required
+        self._known: dict[str, set[str]] = {}
+        self._by_others = {file for there in required.values() for file in there}
+
+    def stands_alone(self, file: str) -> bool:
+        """Whether a file is required, or requires something: no mere part."""
+        return file in self._required or file in self._by_others
+
+    def by(self, file: str) -> set[str]:
+        """Return a file and all that it requires, directly or not."""
+        found = self._known.get(file)
+        if found is None:
+            found = self._known[file] = {file}
+            waiting = [file]
+            while waiting:
+                for other in self._required.get(waiting.pop(), ()):
+                    if other not in found:
+                        found.add(other)
+                        waiting.append(other)
+        return found
+
+
+def _finding(run: Pass, use: NameUse, form: nodes.TopForm) -> Diagnostic:
+    library = run.library
+    here, there = use.span.file, form.span.file
+    fix = None
+    help_ = "require that file"
+    if dirname(here) == dirname(there) and there.endswith(SUFFIX):
+        word = f'(require "{basename(there).removesuffix(SUFFIX)}")'
+        help_ = f"write `{word}`"
+        fix = Fix(Applicability.UNSAFE, help_, tuple(_edits(run, here, word)))
+    return MISSING_REQUIRE.at(
+        use.place(library.files),
+        f"`{use.name}` is defined in `{basename(there)}`, which "
+        f"`{basename(here)}` does not require",
+        labels=(Label(name_span(library.files, form), "defined here"),),
+        help=help_,
+        fix=fix,
+    )
+
+
+def _edits(run: Pass, here: str, word: str) -> Iterator[Edit]:
+    """Yield what puts a `require` behind the others, or before the first form."""
+    own = [form for form in run.library.forms if form.span.file == here]
+    last = [form for form in own if isinstance(form, nodes.Require)][-1:]
+    if last:
+        end = last[0].span.end
+        yield Edit(Span(here, end, end), f"\n{word}")
+    else:
+        every = (*run.library.forms, *run.library.tests)
+        start = next(form.span.start for form in every if form.span.file == here)
+        yield Edit(Span(here, start, start), f"{word}\n\n")

@@ -1,0 +1,213 @@
+"""Tests that name what no trace holds, or need a world and name none."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rapc import events
+from rapc.analysis.check import Pass, check
+from rapc.analysis.facts.index import INDEX
+from rapc.analysis.facts.names import renaming
+from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.base.names import Suggestions
+from rapc.base.source import Span
+from rapc.ir import nodes
+from rapc.library.library import Library, word_span
+from rapc.library.signature import CONSTANT_DEFAULTS
+
+WORLDLESS_TEST = Rule(
+    code="RAP167",
+    name="worldless-test",
+    severity=Severity.ERROR,
+    summary="a test names no world, but needs what only a world brings along",
+    why="""Handlers of sensor data, comparators and the options of a world come from the
+world that a test names by `(world name)`; so do the functions of a library, unless
+`answers` says what they return. Without them the test cannot be run.""",
+    source="L 1",
+    example="""\
+(declare-memory-function distance (?from ?to))
+(define-rap (wait))
+(define-test waits
+  (task (wait))
+  (expect (succeeds (wait))))
+""",
+    better="""\
+(declare-memory-function distance (?from ?to))
+(define-rap (wait))
+(define-test waits
+  (answers ((distance ? ?) 3))
+  (task (wait))
+  (expect (succeeds (wait))))
+""",
+)
+
+
+@check(WORLDLESS_TEST)
+def worldless_test(run: Pass) -> Iterator[Diagnostic]:
+    """Find tests without a world that need what only a world brings along."""
+    for test in run.library.tests:
+        if test.world is None:
+            for place, message in _lacking(run.library, test):
+                help = "name the world by `(world name)`"
+                yield WORLDLESS_TEST.at(place, message, help=help)
+
+
+def _lacking(library: Library, test: nodes.DefineTest) -> Iterator[tuple[Span, str]]:
+    """Yield what a test without a world lacks, each with its place."""
+    for option in test.options[:1]:
+        message = "these are options of a world, and the test names none"
+        yield option.span, message
+    asked = [row for row in test.script if row.kind == "request"]
+    for row in asked:
+        for datum in row.data:
+            if datum.name in library.data:
+                message = f"there is no handler for the datum `{datum.name}`"
+                yield datum.span, message
+    answered = {answer.call.function for answer in test.answers}
+    for declared in library.properties.values():
+        default = declared.default
+        known = default in CONSTANT_DEFAULTS or default in library.functions
+        if not known and default not in answered:
+            message = f"no default function is registered as `{default}`"
+            yield test.name_span, message
+    for name in library.functions:
+        if name not in answered:
+            yield test.name_span, f"no function is registered as `{name}`"
+    named = [node.comparator for node in library.indistinct.values()]
+    named += [node.function for node in library.comparators]
+    for comparator in dict.fromkeys(filter(None, named)):
+        yield test.name_span, f"no comparator is registered as `{comparator}`"
+
+
+IMPOSSIBLE_ROW = Rule(
+    code="RAP087",
+    name="impossible-row",
+    severity=Severity.ERROR,
+    summary="a row of a script says what its request or skill cannot do",
+    why="""An atomic primitive holds the interpreter until it ends [L 3.72], so it does
+not end `:after` it was asked for. A skill has no result and sends no data; only a skill
+tells its signals with waits between them, or again and again; what goes off neither
+waits nor is refused.""",
+    source="L 3.72",
+    example="""\
+(declare-primitive drive (?place) (okay))
+(define-rap (go ?place) (method (primitive (drive ?place))))
+(define-test it-gets-there
+  (script ((drive dock) :after 5))
+  (task (go dock))
+  (expect (succeeds (go dock))))
+""",
+    better="""\
+(declare-primitive drive (?place) (okay) :atomic false)
+(define-rap (go ?place) (method (primitive (drive ?place))))
+(define-test it-gets-there
+  (script ((drive dock) :after 5))
+  (task (go dock))
+  (expect (succeeds (go dock))))
+""",
+)
+
+
+@check(IMPOSSIBLE_ROW)
+def impossible_row(run: Pass) -> Iterator[Diagnostic]:
+    """Find rows of scripts that say what their request or skill cannot do."""
+    for use in run.result(INDEX).of(nodes.ScriptRow):
+        row = use.node
+        wrong = _of_request(row) if row.kind == "request" else _of_skill(row)
+        for message in wrong:
+            yield IMPOSSIBLE_ROW.at(row.span, message)
+        declared = run.library.primitives.get(row.request.name)
+        later = row.kind == "request" and row.after is not None
+        if later and declared is not None and declared.atomic:
+            yield _atomic(row, declared)
+
+
+def _atomic(row: nodes.ScriptRow, declared: nodes.DeclarePrimitive) -> Diagnostic:
+    name = declared.name
+    return IMPOSSIBLE_ROW.at(
+        row.span,
+        f"`{name}` is declared atomic, so it does not end `:after` its request",
+        labels=(Label(declared.span, "declared here"),),
+        help="declare it with `:atomic false`, or say how long it `:takes`",
+    )
+
+
+def _of_request(row: nodes.ScriptRow) -> Iterator[str]:
+    if row.every is not None or row.pauses:
+        yield "only a skill tells signals with waits between them, or again"
+
+
+def _of_skill(row: nodes.ScriptRow) -> Iterator[str]:
+    """Yield what a row of a skill says that cannot be said of one."""
+    off = row.kind == "disable"
+    given = (
+        ("result", row.result is not None),
+        ("`:takes`", bool(row.takes)),
+        ("`:data`", bool(row.data)),
+        ("`:after`", off and row.after is not None),
+        ("`:every`", off and row.every is not None),
+        ("`:refused`", off and row.refused),
+        ("wait between signals", off and bool(row.pauses)),
+    )
+    for what, said in given:
+        if said:
+            yield f"a skill that {'goes off' if off else 'is enabled'} has no {what}"
+
+
+UNKNOWN_EVENT = Rule(
+    code="RAP077",
+    name="unknown-event",
+    severity=Severity.ERROR,
+    summary="a test expects an event, or a key of one, that no trace ever holds",
+    why="""`(trace (event :key value...)...)` holds if the trace has such events in that
+order. The names of events and of their keys are those of the trace; one that is spelled
+otherwise is never found.""",
+    fix="unsafe: writes the event or key that is spelled almost so",
+    source="L 1",
+    example="""\
+(define-rap (wait))
+(define-test waits
+  (task (wait))
+  (expect (trace (task-succeded :goal (wait)))))
+""",
+    better="""\
+(define-rap (wait))
+(define-test waits
+  (task (wait))
+  (expect (trace (task-succeeded :goal (wait)))))
+""",
+)
+
+
+@check(UNKNOWN_EVENT)
+def unknown_event(run: Pass) -> Iterator[Diagnostic]:
+    """Find events and keys of events in tests that no trace ever holds."""
+    known_kinds = events.kinds()
+    near_kinds = Suggestions(known_kinds)
+    keys: dict[str, Suggestions] = {}
+    for found in run.result(INDEX).of(nodes.EventPattern):
+        pattern = found.node
+        place = word_span(run.library.files, pattern.span, 0)
+        if pattern.event not in known_kinds:
+            fix = renaming(
+                run.library.files,
+                pattern.event,
+                near_kinds.near(pattern.event),
+                [place],
+            )
+            help_ = near_kinds.did_you_mean(pattern.event, "`docs/trace.md` lists them")
+            message = f"no event is called `{pattern.event}`"
+            yield UNKNOWN_EVENT.at(place, message, help=help_, fix=fix)
+            continue
+        if pattern.event not in keys:
+            keys[pattern.event] = Suggestions(events.keys(known_kinds[pattern.event]))
+        known = keys[pattern.event]
+        for key, _ in pattern.keys:
+            if key not in known:
+                message = f"`{pattern.event}` has no key `{key}`"
+                near, place = known.near(key), pattern.span
+                fix = renaming(
+                    run.library.files, f":{key}", near and f":{near}", [place]
+                )
+                help_ = known.did_you_mean(key)
+                yield UNKNOWN_EVENT.at(place, message, help=help_, fix=fix)

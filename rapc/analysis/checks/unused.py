@@ -1,0 +1,604 @@
+"""Inputs, variables, declarations, facts and things that nothing uses."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+import msgspec
+
+from rapc.analysis.check import Pass, check
+from rapc.analysis.facts.index import INDEX, Form, Index, NameUse, Occurrence
+from rapc.analysis.facts.names import declared_at, renaming
+from rapc.analysis.facts.statistics import THRESHOLDS
+from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.base.names import Close, Suggestions, is_row, plural
+from rapc.base.source import Span
+from rapc.ir import nodes
+from rapc.ir.printer import format_formula
+from rapc.ir.walk import steps
+from rapc.library.library import Library, name_span
+from rapc.library.signature import Signature
+from rapc.library.signatures import Use
+
+UNUSED_INPUT = Rule(
+    code="RAP160",
+    name="unused-input",
+    severity=Severity.INFO,
+    opt_in=True,
+    summary="a RAP that has methods never uses one of its inputs",
+    why="""Every step that asks for the RAP has to give a value for the input, and
+nothing comes of it; a constant or another variable may stand where the input was meant.
+Where several RAPs are to be asked for in one way, an input may be left unused on
+purpose. The rule is opt-in for that reason.""",
+    ignore="where several RAPs are to be asked for in one way",
+    source="T 4.2",
+    example="""\
+(declare-primitive drive (?place) (okay))
+(define-rap (go ?place)
+  (method (primitive (drive dock))))
+""",
+    better="""\
+(declare-primitive drive (?place) (okay))
+(define-rap (go ?place)
+  (method (primitive (drive ?place))))
+""",
+)
+
+UNREACHED_RAP = Rule(
+    code="RAP161",
+    name="unreached-rap",
+    severity=Severity.INFO,
+    opt_in=True,
+    summary="no task of an agenda leads to a RAP, though the library has agendas",
+    why="""Agendas say what is to be done; what none of them asks for, directly or
+through other RAPs, is never carried out: it is left over, or a step is missing that
+should ask for it. Tasks of tests in the same file count too. What is given on a command
+line, by a program, or by a test file of its own is not seen here. The rule is opt-in
+for that reason.""",
+    ignore="where the RAP is asked for on a command line, by a program or by other "
+    "libraries",
+    source="T 5.4",
+    example="""\
+(declare-primitive drive (?place) (okay))
+(declare-primitive dock () (okay))
+(define-rap (go ?place) (method (primitive (drive ?place))))
+(define-rap (recharge) (method (primitive (dock))))
+(define-agenda day (task (go home)))
+""",
+    better="""\
+(declare-primitive drive (?place) (okay))
+(declare-primitive dock () (okay))
+(define-rap (go ?place) (method (primitive (drive ?place))))
+(define-rap (recharge) (method (primitive (dock))))
+(define-agenda day (task (go home)) (task (recharge)))
+""",
+)
+
+
+@check(UNUSED_INPUT, UNREACHED_RAP, needs_whole="form")
+def leftovers(run: Pass) -> Iterator[Diagnostic]:
+    """Find inputs that their RAP never uses, and RAPs that nothing reaches."""
+    index = run.result(INDEX)
+    yield from _unused_inputs(run, index)
+    read = not any(run.unsure(form.span) for form in run.library.forms)
+    if run.library.agendas and run.complete and read:
+        yield from _unreached(run, index)
+
+
+def _unused_inputs(run: Pass, index: Index) -> Iterator[Diagnostic]:
+    own = {id(v) for rap in run.library.raps.values() for v in rap.inputs}
+    used = {
+        (id(one.owner), one.node.name)
+        for one in index.of(nodes.Var)
+        if id(one.node) not in own
+    }
+    for rap in run.library.raps.values():
+        for variable in rap.inputs if rap.methods else ():
+            if not variable.anonymous and (id(rap), variable.name) not in used:
+                yield UNUSED_INPUT.at(
+                    variable.span,
+                    f"`{rap.name}` never uses its input `{variable.name}`",
+                    help="use it, or take it away here and where the RAP is asked for",
+                )
+
+
+def _unreached(run: Pass, index: Index) -> Iterator[Diagnostic]:
+    calls: dict[str, list[str]] = {}
+    waiting = []
+    for goal in index.of(nodes.Goal):
+        if isinstance(goal.owner, nodes.DefineRap):
+            calls.setdefault(goal.owner.name, []).append(goal.node.name)
+        else:
+            waiting.append(goal.node.name)
+    reached = set(waiting)
+    while waiting:
+        for name in calls.get(waiting.pop(), ()):
+            if name not in reached:
+                reached.add(name)
+                waiting.append(name)
+    for rap in run.library.raps.values():
+        if rap.name not in reached:
+            yield UNREACHED_RAP.at(
+                rap.name_span,
+                f"no task that is given here leads to `{rap.name}`",
+                help="give it as a task, ask for it in a step, or take it away",
+            )
+
+
+SINGLETON_VARIABLE = Rule(
+    code="RAP163",
+    name="singleton-variable",
+    severity=Severity.INFO,
+    opt_in=True,
+    summary="a variable occurs once in its form, where a bare `?` would do",
+    why="""A variable that occurs once matches anything and hands nothing on. Often
+another one was meant: an input, or one bound in another clause. Where anything will do
+a bare `?` says so. A name may still tell a reader what stands there; the rule is opt-in
+for that reason.""",
+    ignore="where the name tells a reader what stands there",
+    source="T 4.1",
+    example="""\
+(declare-memory-proposition inside (?thing ?box))
+(declare-primitive open (?box) (okay))
+(define-rap (take-out ?thing)
+  (preconditions (inside ?thing ?case))
+  (method (primitive (open ?thing))))
+""",
+    better="""\
+(declare-memory-proposition inside (?thing ?box))
+(declare-primitive open (?box) (okay))
+(define-rap (take-out ?thing)
+  (preconditions (inside ?thing ?))
+  (method (primitive (open ?thing))))
+""",
+)
+
+UNUSED_DECLARATION = Rule(
+    code="RAP162",
+    name="unused-declaration",
+    severity=Severity.INFO,
+    opt_in=True,
+    summary="something is declared that nothing in the library uses",
+    why="""A proposition, property, function, query, primitive or datum that nobody
+names, or a fact that is told and that nobody asks for, is left over, or its use was
+forgotten. A file of declarations for several libraries holds more than each of them
+uses; the rule is opt-in for that reason.""",
+    ignore="where the file declares what several libraries use",
+    source="T A.1",
+    example="""\
+(declare-memory-proposition inside (?thing ?box))
+(declare-memory-proposition on-top-of (?thing ?other))
+(declare-primitive open (?box) (okay))
+(define-rap (take-out ?thing ?box)
+  (preconditions (inside ?thing ?box))
+  (method (primitive (open ?box))))
+""",
+    better="""\
+(declare-memory-proposition inside (?thing ?box))
+(declare-primitive open (?box) (okay))
+(define-rap (take-out ?thing ?box)
+  (preconditions (inside ?thing ?box))
+  (method (primitive (open ?box))))
+""",
+)
+
+
+@check(SINGLETON_VARIABLE, UNUSED_DECLARATION, needs_whole="form")
+def singletons(run: Pass) -> Iterator[Diagnostic]:
+    """Find variables that occur once, and declarations that nobody uses."""
+    index = run.result(INDEX)
+    for variable in _single(index):
+        yield SINGLETON_VARIABLE.at(
+            variable.span,
+            f"`{variable.name}` occurs only here",
+            help="write `?` if anything will do",
+        )
+    read = not any(run.unsure(form.span) for form in run.library.forms)
+    if run.complete and read:
+        for declared, how in _unused_declarations(run, index):
+            yield UNUSED_DECLARATION.at(
+                declared_at(run, declared),
+                f"nobody {how} `{declared.name}`",
+                help="use it, or take the declaration away",
+            )
+
+
+def _single(index: Index) -> Iterator[nodes.Var]:
+    """Yield the variables that occur once in a RAP, query or rule, and in no index."""
+    once: dict[tuple[int, str], Occurrence[nodes.Var] | None] = {}
+    for use in index.of(nodes.Var):
+        if isinstance(use.owner, _BODIES):
+            key = (id(use.owner), use.node.name)
+            once[key] = use if key not in once else None
+    for (_, name), only in once.items():
+        if only is not None and name != "?" and not _is_declared(only):
+            yield only.node
+
+
+_BODIES = (nodes.DefineRap, nodes.DefineQuery, nodes.MemoryRule, nodes.EventRule)
+
+
+def _is_declared(use: Occurrence[nodes.Var]) -> bool:
+    """Whether this is where an input, an output or an argument is declared."""
+    own: Form = use.owner
+    index = isinstance(own, nodes.MemoryRule) and use.parent is own.index
+    kinds = nodes.Argument | nodes.Resource
+    return index or use.parent is own or isinstance(use.parent, kinds)
+
+
+_FACTS: Sequence[Use] = ("test", "believed", "computed")
+_TOLD: Sequence[Use] = ("asserted", "erased")
+
+
+def _unused_declarations(run: Pass, index: Index) -> Iterator[tuple[Signature, str]]:
+    """Yield the declarations that nobody uses, with what nobody does."""
+    used = {(one.use, one.name) for one in index.uses()}
+    reads = {name for f in run.library.functions.values() for name in f.reads or ()}
+    for name, declared in run.signatures.predicates.items():
+        if any((use, name) in used for use in _FACTS) or name in reads:
+            continue
+        told = any((use, name) in used for use in _TOLD)
+        yield declared, "asks for" if told else "uses"
+    for name, declared in run.signatures.primitives.items():
+        if ("primitive", name) not in used:
+            yield declared, "asks for"
+    told_data = {name for p in run.library.primitives.values() for name in p.tells}
+    for name, declared in run.signatures.data.items():
+        if name not in told_data and ("datum", name) not in used:
+            yield declared, "tells"
+
+
+_DOOR = """\
+(declare-memory-property door (?door ?state) unknown)
+(declare-memory-proposition heard (?sound))
+(declare-primitive push (?door) (okay)
+  :on (okay (door ?door open){}))
+(define-rap (open ?door)
+  (succeed (door ?door open))
+  (method{}(primitive (push ?door))))
+"""
+
+UNREAD_FACT = Rule(
+    code="RAP165",
+    name="unread-fact",
+    severity=Severity.INFO,
+    opt_in=True,
+    summary="a fact is put into memory, and nothing asks for it",
+    why="""What is kept of a world serves those who ask for it: formulas, functions that
+read it (`:reads`), comparators. A fact that nobody asks for costs memory and time, and
+often shows that a test is missing, or asks for another fact. A library that describes a
+whole world for others tells more than it asks itself; the rule is opt-in for that
+reason.""",
+    ignore="where the library describes a world for others",
+    source="T 2.2",
+    example=_DOOR.format(" (heard creaking)", " "),
+    better=_DOOR.format(
+        " (heard creaking)", "\n    (context (not (heard creaking)))\n    "
+    ),
+)
+
+UNASSERTED_FACT = Rule(
+    code="RAP166",
+    name="unasserted-fact",
+    severity=Severity.INFO,
+    opt_in=True,
+    summary="a fact is asked for, and nothing in the library brings it there",
+    why="""A fact that no primitive, datum, rule, notation or test brings there is what
+it was at the start: its default, or what the host or the world has given. For maps and
+other things that never change this is as it should be, and the rule is opt-in for that
+reason; elsewhere another fact was meant, or an effect is not declared.""",
+    ignore="where the host or the world gives the fact at the start, as it gives a map",
+    source="T 2.2",
+    example=_DOOR.format("", "\n    (context (not (heard creaking)))\n    "),
+    better=_DOOR.format(
+        " (heard creaking)", "\n    (context (not (heard creaking)))\n    "
+    ),
+)
+
+
+class _Uses(msgspec.Struct, frozen=True):
+    """The first use of each fact in each way."""
+
+    asked: dict[str, NameUse]
+    brought: dict[str, Span]
+    taken: dict[str, Span]
+
+
+@check(UNREAD_FACT, UNASSERTED_FACT)
+def facts(run: Pass) -> Iterator[Diagnostic]:
+    """Find facts that come from nowhere, and facts that nobody asks for."""
+    library = run.library
+    if not run.complete or any(run.unsure(form.span) for form in library.forms):
+        return
+    uses = _uses(run.result(INDEX))
+    declared: dict[str, nodes.DeclareProposition | nodes.DeclareProperty] = {
+        **library.propositions,
+        **library.properties,
+    }
+    for name, form in declared.items():
+        place = name_span(library.files, form)
+        if name in uses.asked and name not in uses.brought:
+            yield _unasserted(run, uses, name, place)
+        elif name in uses.brought and not _is_read(library, uses, name):
+            yield _unread(name, place, uses.brought[name])
+
+
+def _uses(index: Index) -> _Uses:
+    found = _Uses({}, {}, {})
+    negated = {
+        id(effect.node.pattern)
+        for effect in index.of(nodes.DeclaredEffect)
+        if effect.node.negated
+    }
+    promised = {
+        id(effect.node.pattern)
+        for effect in index.of(nodes.DeclaredEffect)
+        if type(effect.parent) is nodes.DefineRap
+    }
+    for one in index.uses():
+        if one.use in ("test", "believed"):
+            if type(one.owner) is not nodes.DefineTest:
+                found.asked.setdefault(one.name, one)
+        elif id(one.node) in promised:
+            continue
+        elif one.use == "erased" or id(one.node) in negated:
+            found.taken.setdefault(one.name, one.span)
+        elif one.use == "asserted":
+            found.brought.setdefault(one.name, one.span)
+    return found
+
+
+def _is_read(library: Library, uses: _Uses, name: str) -> bool:
+    """Whether anything may ask for a fact: a formula, a function, a comparator."""
+    return name in uses.asked or any(
+        read is None or name in read for read in _readers(library)
+    )
+
+
+def _readers(library: Library) -> Iterator[tuple[str, ...] | None]:
+    """Yield what functions and comparators read; None where they do not say."""
+    for function in library.functions.values():
+        yield function.reads
+    for comparator in library.comparators:
+        if comparator.function is not None:
+            yield None
+        yield tuple([row.property for row in comparator.rows])
+
+
+def _unasserted(run: Pass, uses: _Uses, name: str, place: Span) -> Diagnostic:
+    labels = [Label(uses.asked[name].place(run.library.files), "asked here")]
+    if name in uses.taken:
+        labels.append(Label(uses.taken[name], "taken away here"))
+    return UNASSERTED_FACT.at(
+        place,
+        f"nothing in the library ever brings `{name}` there",
+        labels=tuple(labels),
+        help="ignore this where the host or the world gives it",
+    )
+
+
+def _unread(name: str, place: Span, by: Span) -> Diagnostic:
+    return UNREAD_FACT.at(
+        place,
+        f"nothing in the library asks for `{name}`",
+        labels=(Label(by, "put into memory here"),),
+        help="ask for it, or leave it out",
+    )
+
+
+UNUSED_CLAIM = Rule(
+    code="RAP084",
+    name="unused-claim",
+    severity=Severity.WARNING,
+    summary="a RAP that runs once claims a thing that nothing else uses or claims",
+    why="""A claim keeps other tasks from a thing that they use or claim. Things are not
+declared. Here one task of an agenda leads to the RAP, by one step each, so that no
+second task of the RAP claims the thing; no other RAP, primitive or skill names it with
+as many arguments. The claim has no effect: another name was meant, or another RAP or
+primitive lacks the thing.""",
+    fix="unsafe: writes the thing that is spelled almost so, where there is one",
+    ignore="where another library uses the thing, and runs beside this one",
+    source="L 8",
+    example="""\
+(declare-primitive drive (?to) (okay) :uses (wheels))
+(define-rap (go ?to) (method (primitive (drive ?to))))
+(define-rap (visit ?to)
+  (method (claims robot) (task-net (t1 (go ?to)))))
+(define-agenda day (task (visit lab)))
+""",
+    better="""\
+(declare-primitive drive (?to) (okay) :uses (wheels))
+(define-rap (go ?to) (method (primitive (drive ?to))))
+(define-rap (visit ?to)
+  (method (claims wheels) (task-net (t1 (go ?to)))))
+(define-agenda day (task (visit lab)))
+""",
+)
+
+MISSPELT_THING = Rule(
+    code="RAP086",
+    name="misspelt-thing",
+    severity=Severity.WARNING,
+    summary="a thing is named only once, and another one is spelled almost so",
+    why="""Things are not declared: whoever uses or claims one keeps others off who name
+it in the same way. One that nobody else names keeps nobody off, so two primitives that
+need the same arm are under way at once. If it is another thing, give it a name that
+shows so.""",
+    fix="unsafe: writes the thing that is spelled almost so",
+    ignore="where the two things are meant: give one of them a name that is less like "
+    "the other",
+    source="L 8",
+    example="""\
+(declare-primitive drive (?to) (okay) :uses (wheels))
+(declare-primitive turn (?to) (okay) :uses (wheels))
+(declare-primitive dock () (okay) :uses (wheles))
+""",
+    better="""\
+(declare-primitive drive (?to) (okay) :uses (wheels))
+(declare-primitive turn (?to) (okay) :uses (wheels))
+(declare-primitive dock () (okay) :uses (wheels))
+""",
+)
+
+
+_Sort = tuple[str, int]
+"""A thing by its name and number of arguments."""
+
+_Places = Mapping[_Sort, Sequence[Occurrence[nodes.Thing]]]
+"""Where things are named, each once for each method or declaration."""
+
+
+@check(UNUSED_CLAIM, MISSPELT_THING)
+def unused_claim(run: Pass) -> Iterator[Diagnostic]:
+    """Find things that nothing else uses or claims, and names of things misspelt."""
+    places = _places(run.result(INDEX).of(nodes.Thing))
+    settled: set[_Sort] = set()
+    for one, other in _misspelt(places):
+        settled |= {_sort(one), _sort(other)}
+        yield _close(run, one.node, other.node)
+    users_known = not any(run.unsure(one.span) for one in _offers(run))
+    if not run.complete or not users_known:
+        return
+    near = Suggestions(sorted({name for name, _ in places}))
+    callers = _callers(run)
+    for sort, named in places.items():
+        if sort not in settled and _is_unused(named, places, callers):
+            yield _unused_thing(run, named[0].node, near, places)
+
+
+def _places(things: Iterable[Occurrence[nodes.Thing]]) -> _Places:
+    found: dict[_Sort, dict[int, Occurrence[nodes.Thing]]] = {}
+    for thing in things:
+        sort = thing.node.name, len(thing.node.args)
+        found.setdefault(sort, {}).setdefault(id(thing.parent), thing)
+    return {sort: list(named.values()) for sort, named in found.items()}
+
+
+def _misspelt(
+    places: _Places,
+) -> Iterator[tuple[Occurrence[nodes.Thing], Occurrence[nodes.Thing]]]:
+    """Yield things named once whose names are close to another, with that other.
+
+    What several name is meant by all of them. Of two that are named once each, a claim
+    is taken for the slip, and of two claims the one further down.
+    """
+    close: dict[int, Close] = {}
+    for count in {count for _, count in places}:
+        names = sorted(name for name, number in places if number == count)
+        close[count] = Close(names, THRESHOLDS.close_thing)
+    for (name, count), named in places.items():
+        others = [
+            places[other, count]
+            for other in close[count].all_to(name)
+            if not is_row(name, other) and _is_meant(places[other, count], named)
+        ]
+        if others:
+            yield named[0], others[0][0]
+
+
+def _is_meant(
+    other: Sequence[Occurrence[nodes.Thing]], named: Sequence[Occurrence[nodes.Thing]]
+) -> bool:
+    """Whether a thing of a close name is what is meant by one that is named once."""
+    (this, *further), that = named, other[0]
+    if further or len(other) > 1:
+        return not further
+    if not isinstance(this.parent, nodes.Method):
+        return False
+    return not isinstance(that.parent, nodes.Method) or _is_above(that, this)
+
+
+def _is_above(one: Occurrence[nodes.Thing], other: Occurrence[nodes.Thing]) -> bool:
+    first, second = one.node.span, other.node.span
+    return (first.file, first.start) < (second.file, second.start)
+
+
+def _close(run: Pass, thing: nodes.Thing, other: nodes.Thing) -> Diagnostic:
+    return MISSPELT_THING.at(
+        thing.span,
+        f"nothing else uses or claims `{format_formula(thing)}`",
+        labels=(Label(other.span, "a thing with a close name"),),
+        help=f"did you mean `{other.name}`?",
+        fix=renaming(run.library.files, thing.name, other.name, [thing.span]),
+    )
+
+
+# --- claims without effect ------------------------------------------------------------
+
+
+def _callers(run: Pass) -> Mapping[str, Sequence[str | None]]:
+    """Return by RAP the RAPs whose steps ask for it; None stands for an agenda."""
+    found: dict[str, list[str | None]] = {}
+    for agenda in run.library.agendas.values():
+        for task in agenda.tasks:
+            found.setdefault(task.goal.name, []).append(None)
+    for rap in run.library.raps.values():
+        for method in rap.methods:
+            for step in steps(method):
+                found.setdefault(step.goal.name, []).append(rap.name)
+    return found
+
+
+def _runs_once(name: str, callers: Mapping[str, Sequence[str | None]]) -> bool:
+    """Whether one task of an agenda leads to a RAP, by one step each.
+
+    A host may start any other RAP as often as it likes.
+    """
+    seen = set[str]()
+    here: str | None = name
+    while here is not None and here not in seen:
+        seen.add(here)
+        by = callers.get(here, ())
+        if len(by) != 1:
+            return False
+        here = by[0]
+    return here is None
+
+
+def _is_unused(
+    named: Sequence[Occurrence[nodes.Thing]],
+    places: _Places,
+    callers: Mapping[str, Sequence[str | None]],
+) -> bool:
+    """Whether nobody else names a thing, so that its claims have no effect.
+
+    One that is named with other arguments elsewhere is a slip, however often it runs.
+    """
+    first = named[0]
+    if any(
+        not isinstance(one.parent, nodes.Method) or one.owner is not first.owner
+        for one in named
+    ):
+        return False
+    assert isinstance(first.owner, nodes.DefineRap)
+    name, count = _sort(first)
+    elsewhere = any(other == name and number != count for other, number in places)
+    return elsewhere or _runs_once(first.owner.name, callers)
+
+
+def _offers(run: Pass) -> Iterable[nodes.DeclarePrimitive | nodes.DeclareSkill]:
+    """Return what may use things."""
+    return (*run.library.primitives.values(), *run.library.skills.values())
+
+
+def _sort(thing: Occurrence[nodes.Thing]) -> _Sort:
+    return thing.node.name, len(thing.node.args)
+
+
+def _unused_thing(
+    run: Pass, thing: nodes.Thing, near: Suggestions, places: _Places
+) -> Diagnostic:
+    written = format_formula(thing)
+    others = sorted(count for name, count in places if name == thing.name)
+    others.remove(len(thing.args))
+    help_, meant = near.did_you_mean(thing.name), near.near(thing.name)
+    if others:
+        meant = None
+        amount = plural(others[0], "argument") if others[0] else "no arguments"
+        help_ = f"`{thing.name}` is named with {amount} elsewhere"
+    return UNUSED_CLAIM.at(
+        thing.span,
+        f"nothing else uses or claims `{written}`",
+        help=help_,
+        fix=renaming(run.library.files, thing.name, meant, [thing.span]),
+    )
