@@ -58,7 +58,6 @@ EDITS = (
         "events.py",
         "class TaskRemoved(",
         "class TaskGivenUp(Event, frozen=True, kw_only=True):\n"
-        "    words: ClassVar[Mapping[str, Write]] = {'why': format_list}\n"
         "    task: int\n"
         "    why: Fact\n\n"
         "    def line(self) -> str:\n"
