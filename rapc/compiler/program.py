@@ -6,11 +6,10 @@ from msgspec.structs import replace
 
 from rapc.compiler.compiler import Compiler
 from rapc.compiler.rap_plan import MethodPlan, RapPlan
-from rapc.compiler.rules import EventRulePlan, event_rules
+from rapc.compiler.rules import event_rules
 from rapc.ir import nodes
 from rapc.library.library import Library
 from rapc.library.saved_check import Verifier
-from rapc.library.signatures import Signatures
 
 
 class Program:
@@ -24,31 +23,15 @@ class Program:
     def __init__(self, library: Library, name: str = "library") -> None:
         self.library = library
         self.name = name
-        self._compiler = Compiler(library)
+        #: For compiling what comes later, too: methods of problem solvers.
+        self.compiler = Compiler(library)
+        #: What the declarations say.
+        self.signatures = self.compiler.signatures
+        #: The rules of no RAP.
+        self.event_rules = event_rules(self.compiler)
+        #: Whether any RAP has a rule for signals.
+        self.hears_events = any(rule.when == "event" for rule in library.memory_rules)
         self._plans: dict[str, RapPlan] = {}
-        self._event_rules: tuple[EventRulePlan, ...] | None = None
-
-    @property
-    def signatures(self) -> Signatures:
-        """Return what the declarations say."""
-        return self._compiler.signatures
-
-    @property
-    def compiler(self) -> Compiler:
-        """For compiling what comes later: methods of problem solvers."""
-        return self._compiler
-
-    @property
-    def event_rules(self) -> tuple[EventRulePlan, ...]:
-        """The rules of no RAP, compiled the first time they are asked for."""
-        if self._event_rules is None:
-            self._event_rules = event_rules(self._compiler)
-        return self._event_rules
-
-    @property
-    def hears_events(self) -> bool:
-        """Whether any RAP has a rule for signals."""
-        return any(rule.when == "event" for rule in self.library.memory_rules)
 
     def rap(self, name: str) -> RapPlan | None:
         """The plan of a RAP, compiled the first time it is asked for."""
@@ -57,7 +40,7 @@ class Program:
             node = self.library.raps.get(name)
             if node is None:
                 return None
-            plan = self._plans[name] = RapPlan(self._compiler, node)
+            plan = self._plans[name] = RapPlan(self.compiler, node)
         return plan
 
     def known_rap(self, name: str) -> RapPlan:
@@ -78,4 +61,4 @@ class Program:
             UnsoundError: for a method with names that the library does not declare so.
         """
         Verifier(self.signatures).rap(replace(rap.node, methods=(node,)))
-        return MethodPlan(self._compiler, rap.node, node, index)
+        return MethodPlan(self.compiler, rap.node, node, index)
