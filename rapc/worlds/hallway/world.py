@@ -85,12 +85,10 @@ class HallwayWorld(SkillWorld):
     def __init__(self, rng: Random, options: Mapping[str, Atom | bool]) -> None:
         given = {o.name: o.default for o in OPTIONS} | dict(options)
         self._map = _read_map(given)
-        numbers = {}
-        for name in ("doors", "people", "lift", "drift", "usage"):
-            value = given[name]
+        numbers = {name: given[name] for name in HallwaySettings.__struct_fields__}
+        for name, value in numbers.items():
             if not isinstance(value, int | float) or value < 0:
                 raise ValueError(f"`{name}` must not be below 0")
-            numbers[name] = value
         settings = msgspec.convert(numbers, HallwaySettings)
         self.simulation = Simulation(self._map, catalogue(), rng, settings)
         super().__init__(self.simulation.runtime)
