@@ -279,13 +279,13 @@ def _values(shell: Shell, text: str) -> Iterator[Candidate]:
     words = text[start + 1 :].split(" ") if start >= 0 else []
     if len(words) < 2 or ")" in text[start:]:
         return
-    machine = shell.history.run
+    run = shell.history.run
     name, prefix, at = words[0].lower(), words[-1], len([w for w in words[:-1] if w])
-    if name not in machine.library.signatures.relations:
+    if name not in run.library.signatures.relations:
         return
     seen = {
         format_atom(fact[at])
-        for fact in machine.beliefs.facts.table(name).stamps
+        for fact in run.beliefs.facts.table(name).stamps
         if at < len(fact)
     }
     yield from _matching(((value, "") for value in seen), prefix)

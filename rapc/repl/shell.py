@@ -86,10 +86,10 @@ class Shell:
             WriteError: as `rapc.base.outputs.check_output`, also for a file of the
                 library or of the world.
         """
-        machine = self.history.run
-        world = innermost(machine.port)
+        run = self.history.run
+        world = innermost(run.port)
         module = getattr(sys.modules.get(type(world).__module__), "__file__", None)
-        read = (*self.paths, *machine.library.library.files, module)
+        read = (*self.paths, *run.library.library.files, module)
         check_output(path, output, (read, "is a file of the library or of the world"))
 
     @property

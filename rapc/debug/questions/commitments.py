@@ -81,7 +81,7 @@ def commitment(history: History, number: int) -> Commitment:
         plans = run.state.methods(before.plan)
         plan = next((m for m in plans if m.name == told.keys["method"]), None)
         facts = tuple(method_supports(run, before, plan))
-    machine, task = history.run, history.run.task(number)
+    run, task = history.run, history.run.task(number)
     query = None if task.run is None else task.run.plan.choice
     now = "its context now"
     return Commitment(
@@ -89,11 +89,11 @@ def commitment(history: History, number: int) -> Commitment:
         goal=str(task.goal()),
         chosen=told,
         rested_on=facts,
-        gone=tuple(fact for fact in facts if fact not in machine.beliefs.facts),
-        now=None if query is None else ask(machine, now, query, task, task.env),
+        gone=tuple(fact for fact in facts if fact not in run.beliefs.facts),
+        now=None if query is None else ask(run, now, query, task, task.env),
         would=tuple(
             (one.name, {} if one.context is None else one.context.bindings)
-            for one in methods(machine, task)
+            for one in methods(run, task)
             if one.holds
         ),
     )

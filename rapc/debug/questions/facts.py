@@ -150,15 +150,15 @@ _USES: tuple[Use, ...] = ("test", "believed", "asserted", "erased")
 def who(history: History, args: Arguments) -> Answer:
     """Tell who asserted a fact, who asks for it, and who waits for it."""
     pattern = read_pattern(args.word("a fact"))
-    machine, name = history.run, str(pattern[0])
-    if name not in machine.library.signatures.relations:
-        raise ArgumentError(str(machine.library.signatures.unknown("test", name)))
+    run, name = history.run, str(pattern[0])
+    if name not in run.library.signatures.relations:
+        raise ArgumentError(str(run.library.signatures.unknown("test", name)))
     facts = [
         fact
-        for fact in machine.beliefs.facts.table(name).stamps
+        for fact in run.beliefs.facts.table(name).stamps
         if match_pattern(pattern, fact[: len(pattern)]) is not None
     ]
-    stamps = {fact: last_asserted(machine, fact) for fact in facts}
+    stamps = {fact: last_asserted(run, fact) for fact in facts}
     found = origins(history, stamps, history.cycle + 1)
     rows = [*map(_believed, found), *_noted_by(history, facts)]
     rows += [*_listening(history, pattern), *_places(history, name)]

@@ -28,15 +28,15 @@ def beliefs(history: History, name: str, *values: Atom | None) -> Answer:
         ArgumentError: if nothing is declared by that name, or a value is not of the
             declared kind.
     """
-    machine = history.run
-    signatures = machine.library.signatures
+    run = history.run
+    signatures = run.library.signatures
     if name not in signatures.relations:
         raise ArgumentError(str(signatures.unknown("test", name)))
     wrong = signatures.wrong_kind("erased", name, values)
     if wrong is not None:
         raise ArgumentError(wrong)
     rows = []
-    for fact, stamp in machine.beliefs.facts.table(name).stamps.items():
+    for fact, stamp in run.beliefs.facts.table(name).stamps.items():
         given = zip(values, fact[1:], strict=False)
         if all(want is None or want == value for want, value in given):
             since = None if stamp is None or stamp == NEVER else number(stamp)
@@ -63,13 +63,13 @@ def items(history: History, args: Arguments) -> Answer:
 @question()
 def monitors(history: History, args: Arguments) -> Answer:
     """List the tasks with monitors, and what each waits for."""
-    machine = history.run
+    run = history.run
     entries = {entry.task: entry for entry in history.run.agenda()}
     rows = []
-    for task in machine.state.live_tasks():
+    for task in run.state.live_tasks():
         if task.plan.monitored:
             entry, wait = entries[task.number], task.wait
-            formula = machine.monitors.reason(task) if task.bound else ""
+            formula = run.monitors.reason(task) if task.bound else ""
             timer = None if wait is None else wait.timer
             told = (task.number, entry.goal, entry.state, formula, timer)
             rows.append((*told, entry.deadline))

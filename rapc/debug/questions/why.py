@@ -183,14 +183,14 @@ _RULES = (
 
 def _choice(history: History, task: int) -> Choice:
     """Return why a task is the next to come up; the run is about to choose."""
-    machine = history.run
-    live = {one.number: one for one in machine.state.live_tasks()}
-    sole, others = machine.eligible.entries()
+    run = history.run
+    live = {one.number: one for one in run.state.live_tasks()}
+    sole, others = run.eligible.entries()
     late = {number: (start, failed) for number, start, failed in others}
     if sole is not None:
         late[sole] = 0, False
     highest = max(live[n].priority for n in late)
-    open_to = [family for level, family in machine.eligible.stack if level <= highest]
+    open_to = [family for level, family in run.eligible.stack if level <= highest]
     keys = {
         n: (-live[n].priority, *late[n], live[n].family not in open_to[-1:])
         for n in late
@@ -208,43 +208,39 @@ def _choice(history: History, task: int) -> Choice:
     return Choice(task, history.cycle + 1, history.now, candidates, tuple(rules))
 
 
-def _doing(
-    machine: Run, task: Task, settled: ToldEvent | None
-) -> tuple[Doing, Supports]:
+def _doing(run: Run, task: Task, settled: ToldEvent | None) -> tuple[Doing, Supports]:
     """Return what a task did, and what that rested on; the run stands before it."""
     if not task.bound:
-        read_inputs(machine, task)
+        read_inputs(run, task)
     if settled is None:
         return Doing(), {}
     outcome, keys = _SETTLES[settled.kind], settled.keys
     if outcome == "method":
-        name, found = keys["method"], tuple(methods(machine, task))
-        plan = next(
-            (m for m in machine.state.methods(task.plan) if m.name == name), None
-        )
+        name, found = keys["method"], tuple(methods(run, task))
+        plan = next((m for m in run.state.methods(task.plan) if m.name == name), None)
         if plan is None:
             found += (MethodAnswer(name, None, False, 0, 0, solved=True),)
-        rests_on = method_supports(machine, task, plan)
+        rests_on = method_supports(run, task, plan)
         return Doing(outcome, name, keys["bindings"], (), found), rests_on
     if outcome == "succeeded":
-        rests_on = _supports_of(machine, task, task.plan.succeed)
+        rests_on = _supports_of(run, task, task.plan.succeed)
         return Doing(outcome, "", keys["outputs"]), rests_on
     if outcome == "failed":
         return Doing(outcome, keys["reason"], because=keys["because"]), {}
     return Doing(outcome, keys["on"]), {}
 
 
-def method_supports(machine: Run, task: Task, method: MethodPlan | None) -> Supports:
+def method_supports(run: Run, task: Task, method: MethodPlan | None) -> Supports:
     """Return the facts that the context of a method rests on now."""
-    return _supports_of(machine, task, None if method is None else method.choice)
+    return _supports_of(run, task, None if method is None else method.choice)
 
 
-def _supports_of(machine: Run, task: Task, query: Query | None) -> Supports:
+def _supports_of(run: Run, task: Task, query: Query | None) -> Supports:
     if query is None:
         return {}
-    machine.noting.begin(task)
-    found = query.first(machine.noting, task.env) or {}
-    return supports(machine, query.formula, {**task.env, **found})
+    run.noting.begin(task)
+    found = query.first(run.noting, task.env) or {}
+    return supports(run, query.formula, {**task.env, **found})
 
 
 # --- where facts come from ----------------------------------------------------------

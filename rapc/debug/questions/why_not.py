@@ -244,18 +244,18 @@ def last_cycle(history: History, number: int) -> int:
 
 
 def _answer(run: Interpreter, number: int, cycle: int, *, past: bool) -> TaskAnswer:
-    machine, task = run, run.task(number)
+    task = run.task(number)
     entries = {entry.task: entry for entry in run.agenda()}
     own = entries[number]
     if not task.bound:
-        read_inputs(machine, task)
+        read_inputs(run, task)
     return TaskAnswer(
         task=number,
         goal=task.goal(),
         cycle=cycle,
         stands=tuple(_stands(task, own, entries.values(), cycle, past)),
-        clauses=tuple(_clauses(machine, task)),
-        methods=tuple(methods(machine, task)) if task.bound else (),
+        clauses=tuple(_clauses(run, task)),
+        methods=tuple(methods(run, task)) if task.bound else (),
     )
 
 
@@ -274,52 +274,52 @@ def _stands(
         yield f"  method {task.run.plan.name} is under way"
 
 
-def _clauses(machine: Run, task: Task) -> Iterator[ClauseAsked]:
+def _clauses(run: Run, task: Task) -> Iterator[ClauseAsked]:
     """Ask the clauses of a task that a cycle asks before methods."""
     plan, env = task.plan, task.env
     for clause in clauses.RAP if task.bound else ():
         if clause.word in plan.clauses and not clause.is_condition:
             words = f"{clause.word} of `{plan.name}`"
-            yield ask(machine, words, plan.clauses[clause.word], task, env)
+            yield ask(run, words, plan.clauses[clause.word], task, env)
     for words, query, asker, bound in conditions(task):
-        yield ask(machine, words, query, asker, bound)
-    run = task.within
-    while run is not None:
-        if run.plan.constraints is not None:
-            words = f"constraints of method `{run.plan.name}`"
-            yield ask(machine, words, run.plan.constraints, run.task, run.env)
-        run = run.task.within
+        yield ask(run, words, query, asker, bound)
+    method = task.within
+    while method is not None:
+        if method.plan.constraints is not None:
+            words = f"constraints of method `{method.plan.name}`"
+            yield ask(run, words, method.plan.constraints, method.task, method.env)
+        method = method.task.within
 
 
-def methods(machine: Run, task: Task) -> Iterator[MethodAnswer]:
+def methods(run: Run, task: Task) -> Iterator[MethodAnswer]:
     """Ask each method of a task whether it could be chosen now."""
     held = False
-    for method in machine.state.methods(task.plan):
+    for method in run.state.methods(task.plan):
         context = None
         if method.choice is not None:
             clause = f"context of method `{method.name}`"
-            context = ask(machine, clause, method.choice, task, task.env)
+            context = ask(run, clause, method.choice, task, task.env)
         answer = MethodAnswer(
             name=method.name,
             context=context,
             otherwise=method.otherwise and held,
             failures=task.failures_of(method),
             tries=task.times_tried(method),
-            held_by=_held_by(machine, task, method, context),
+            held_by=_held_by(run, task, method, context),
         )
         held = held or answer.holds
         yield answer
 
 
 def _held_by(
-    machine: Run, task: Task, method: MethodPlan, context: ClauseAsked | None
+    run: Run, task: Task, method: MethodPlan, context: ClauseAsked | None
 ) -> str:
     """Return what a method would have to wait for, and whose it is."""
     if not method.things or (context is not None and not context.holds):
         return ""
     env = task.env if context is None else {**task.env, **context.bindings}
-    asks = asks_of(machine, task, method, env)
-    obstacle = None if asks is None else machine.things.obstacle(task, asks)
+    asks = asks_of(run, task, method, env)
+    obstacle = None if asks is None else run.things.obstacle(task, asks)
     if obstacle is None:
         return ""
     holder = obstacle.run.task
@@ -338,37 +338,37 @@ def why_not_query(history: History, text: str) -> ClauseAsked:
         ValueError: for names that the library does not declare.
     """
     history.run.question(text)  # looks at the names
-    formula, machine = parse_formula(text), history.run
-    query = machine.library.compiler.query(formula, "question", formula.span)
-    return ask(machine, "the question", query, None, {})
+    formula, run = parse_formula(text), history.run
+    query = run.library.compiler.query(formula, "question", formula.span)
+    return ask(run, "the question", query, None, {})
 
 
 def ask(
-    machine: Run, clause: str, query: Query, asker: Task | None, env: Env
+    run: Run, clause: str, query: Query, asker: Task | None, env: Env
 ) -> ClauseAsked:
     """Ask a clause as a task would, conjunct by conjunct.
 
     Args:
-        machine: the run's.
+        run: the run.
         clause: the clause in words.
         query: what is asked.
         asker: the task whose clause it is; None for a question of the user.
         env: what is bound beforehand.
     """
-    asked = list(ask_in_parts(machine, query, asker, env, MOST))
+    asked = list(ask_in_parts(run, query, asker, env, MOST))
     parts = tuple([(one.text, len(one.solutions)) for one in asked])
     count, last = len(query.beginnings()), asked[-1] if asked else None
     if last is None or last.solutions:  # `(and)` has no conjuncts, and holds
         return ClauseAsked(clause, parts, count, last.solutions[0] if last else {})
     before = asked[-2].solutions if asked[1:] else [{}]
     known = [{**env, **one} for one in before]
-    missing, unwanted, near = _facts_about(machine, last.part, known)
+    missing, unwanted, near = _facts_about(run, last.part, known)
     return ClauseAsked(
         clause=clause,
         parts=parts,
         count=count,
         bindings={n: v for n, v in known[0].items() if n in Query.names(last.part)},
-        note=machine.noting.noted,
+        note=run.noting.noted,
         missing=missing,
         unwanted=unwanted,
         near=near,
@@ -379,32 +379,32 @@ _Facts = tuple[Fact, ...]
 
 
 def _facts_about(
-    machine: Run, part: nodes.Formula, known: list[dict[str, Value]]
+    run: Run, part: nodes.Formula, known: list[dict[str, Value]]
 ) -> tuple[_Facts, _Facts, _Facts]:
     """Return facts that a conjunct without a solution lacks, that negate it, and near.
 
     Args:
-        machine: the run's.
+        run: the run.
         part: the conjunct.
         known: what is bound in the solutions of those before it.
     """
     inner = part.part if isinstance(part, nodes.Not) else part
     if isinstance(inner, nodes.Believe):
         inner = inner.pattern
-    if not isinstance(inner, nodes.Proposition) or not _in_memory(machine, inner):
+    if not isinstance(inner, nodes.Proposition) or not _in_memory(run, inner):
         return (), (), ()
-    patterns = [_with_values(machine, inner, one) for one in known]
+    patterns = [_with_values(run, inner, one) for one in known]
     if isinstance(part, nodes.Not):
-        facts = machine.beliefs.facts
+        facts = run.beliefs.facts
         found = [fact for one in patterns[:_NEAR] for fact in facts.matching(one)]  # type: ignore[arg-type]
         return (), tuple(dict.fromkeys(found))[:_NEAR], ()
     ground = dict.fromkeys(pattern for pattern in patterns if None not in pattern)
     missing: _Facts = tuple(ground)[:_NEAR]  # type: ignore[assignment]  # all atoms
-    return missing, (), tuple(_nearest(machine, patterns[0]))
+    return missing, (), tuple(_nearest(run, patterns[0]))
 
 
-def _in_memory(machine: Run, part: nodes.Proposition) -> bool:
-    return part.name in machine.library.signatures.relations
+def _in_memory(run: Run, part: nodes.Proposition) -> bool:
+    return part.name in run.library.signatures.relations
 
 
 Pattern = tuple[object, ...]
@@ -412,15 +412,15 @@ Pattern = tuple[object, ...]
 
 
 def _with_values(
-    machine: Run, part: nodes.Proposition, env: Mapping[str, Value]
+    run: Run, part: nodes.Proposition, env: Mapping[str, Value]
 ) -> Pattern:
     """Return a proposition with the values that variables have, None for the others."""
-    relation = machine.library.signatures.relations[part.name]
+    relation = run.library.signatures.relations[part.name]
     values = [_value(term, env) for term in relation.full(part.args)]
-    place = machine.beliefs.place
+    place = run.beliefs.place
     if part.name == "location" and values[-1:] == [EXTERNAL] and place is not None:
         values[-1] = place
-    known: Pattern = machine.beliefs.canonical((part.name, *values))
+    known: Pattern = run.beliefs.canonical((part.name, *values))
     return known
 
 
@@ -431,14 +431,14 @@ def _value(term: nodes.Term, env: Mapping[str, Value]) -> object:
     return env.get(term.name) if isinstance(term, nodes.Var) else None
 
 
-def _nearest(machine: Run, pattern: Pattern) -> Iterable[Fact]:
+def _nearest(run: Run, pattern: Pattern) -> Iterable[Fact]:
     """Return the facts that agree with a pattern in most arguments."""
 
     def agreement(fact: Fact) -> int:
         given = zip(pattern[1:], fact[1:], strict=False)
         return sum(1 for want, value in given if want is not None and want == value)
 
-    facts = machine.beliefs.facts.table(str(pattern[0])).stamps
+    facts = run.beliefs.facts.table(str(pattern[0])).stamps
     agreeing = sorted(filter(agreement, facts), key=agreement, reverse=True)
     return agreeing[:_NEAR]
 
@@ -447,9 +447,7 @@ Supports = dict[Fact, Time | None]
 """Facts that a clause rests on, each with when it was last asserted, if it was."""
 
 
-def supports(
-    machine: Run, formula: nodes.Formula, env: Mapping[str, Value]
-) -> Supports:
+def supports(run: Run, formula: nodes.Formula, env: Mapping[str, Value]) -> Supports:
     """Return the facts that make a formula hold, with these bindings, in its order."""
     found: Supports = {}
     stack = [formula]
@@ -460,28 +458,28 @@ def supports(
         elif isinstance(part, nodes.Believe):
             stack.append(part.pattern)
         elif isinstance(part, nodes.Proposition):
-            for fact in _rests_on(machine, part, env):
-                found.setdefault(fact, last_asserted(machine, fact))
+            for fact in _rests_on(run, part, env):
+                found.setdefault(fact, last_asserted(run, fact))
     return found
 
 
 def _rests_on(
-    machine: Run, part: nodes.Proposition, env: Mapping[str, Value]
+    run: Run, part: nodes.Proposition, env: Mapping[str, Value]
 ) -> Iterable[Fact]:
     """Return the first fact that a proposition matches; those of a named query."""
-    query = machine.library.library.queries.get(part.name)
+    query = run.library.library.queries.get(part.name)
     if query is not None:
         given = zip(query.args, part.args, strict=False)
         values = {one.variable.name: _value(term, env) for one, term in given}
         inner = {name: value for name, value in values.items() if value is not None}
-        return supports(machine, query.formula, inner)  # type: ignore[arg-type]
-    if not _in_memory(machine, part):
+        return supports(run, query.formula, inner)  # type: ignore[arg-type]
+    if not _in_memory(run, part):
         return ()
-    facts = machine.beliefs.facts.matching(_with_values(machine, part, env))  # type: ignore[arg-type]
+    facts = run.beliefs.facts.matching(_with_values(run, part, env))  # type: ignore[arg-type]
     return facts[:1]
 
 
-def last_asserted(machine: Run, fact: Fact) -> Time | None:
+def last_asserted(run: Run, fact: Fact) -> Time | None:
     """Return when a fact was last asserted; None if it never was, or is a default."""
-    stamp = machine.beliefs.facts.stamp(fact)
+    stamp = run.beliefs.facts.stamp(fact)
     return None if stamp is None or stamp == NEVER else stamp
