@@ -56,6 +56,12 @@ class Fix(msgspec.Struct, frozen=True):
     message: str
     edits: tuple[Edit, ...]
 
+    @classmethod
+    def of(cls, message: str, *edits: Edit, sure: bool = False) -> Fix:
+        """Return a fix that is safe if it is `sure` to keep the meaning."""
+        kind = Applicability.SAFE if sure else Applicability.UNSAFE
+        return cls(kind, message, edits)
+
 
 class Subject(NamedTuple):
     """A name at a place; no name stands for a variable that is missing there."""

@@ -11,7 +11,7 @@ from typing import Any, Protocol, TypedDict, Unpack
 
 import msgspec
 
-from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix, Label
+from rapc.base.diagnostics import Diagnostic, Edit, Fix, Label
 from rapc.base.names import nearest
 from rapc.base.source import SourceFile, Span
 from rapc.language.grammar import GRAMMAR
@@ -166,18 +166,18 @@ class Context:
     def replace(self, datum: Datum, content: str, *, sure: bool = True) -> Fix:
         """The fix that writes `content` in place of a datum."""
         edit = Edit(self.span(datum), content)
-        return _fix(sure, f"write `{content}`", (edit,))
+        return Fix.of(f"write `{content}`", edit, sure=sure)
 
     def insert(self, offset: int, content: str, *, sure: bool = True) -> Fix:
         """The fix that inserts `content`."""
         edit = Edit(self.source.span(offset, offset), content)
-        return _fix(sure, f"insert `{content.strip()}`", (edit,))
+        return Fix.of(f"insert `{content.strip()}`", edit, sure=sure)
 
     def wrap(self, first: Datum, last: Datum, left: str, *, sure: bool = True) -> Fix:
         """The fix that puts `left` before some data and `)` behind them."""
         before = Edit(self.source.span(first.start, first.start), left)
         after = Edit(self.source.span(last.end, last.end), ")")
-        return _fix(sure, "put parentheses around it", (before, after))
+        return Fix.of("put parentheses around it", before, after, sure=sure)
 
     def unknown(
         self, rule: str, what: str, word: Symbol | Keyword, known: Iterable[str]
@@ -214,10 +214,6 @@ class Context:
             fix=self.replace(word, meant, sure=False) if meant else None,
         )
         return meant
-
-
-def _fix(sure: bool, message: str, edits: tuple[Edit, ...]) -> Fix:
-    return Fix(Applicability.SAFE if sure else Applicability.UNSAFE, message, edits)
 
 
 def kind_of(datum: Datum) -> str:

@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cache
 from typing import Any
 
-from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix
+from rapc.base.diagnostics import Diagnostic, Edit, Fix
 from rapc.base.limits import LARGEST_NUMBER, MAX_FINDINGS, MAX_NAME, MAX_NUMBER
 from rapc.base.source import SourceFile
 from rapc.base.values import Number, format_atom, number
@@ -240,7 +240,7 @@ class ReadLog:
         fits = abs(value) < LARGEST_NUMBER
         content = format_atom(number(value)) if fits else "0"
         span = self.source.span(start, end)
-        fix = Fix(Applicability.SAFE, f"write `{content}`", (Edit(span, content),))
+        fix = Fix.of(f"write `{content}`", Edit(span, content), sure=True)
         self.report(
             Diagnostic(
                 "malformed-number",
@@ -271,14 +271,13 @@ class ReadLog:
         content = " " if text.isspace() else text.translate(_MEANT)
         span = self.source.span(start, end)
         doing = f"write `{content}` for it" if content.strip() else "take it out"
-        sure = Applicability.SAFE if harmless else Applicability.UNSAFE
         self.diagnostics.append(
             Diagnostic(
                 "illegal-character",
                 f"{_shown(text)} means nothing here",
                 span,
                 help=_advice(text),
-                fix=Fix(sure, doing, (Edit(span, content),)),
+                fix=Fix.of(doing, Edit(span, content), sure=harmless),
             )
         )
 

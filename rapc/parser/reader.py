@@ -15,7 +15,7 @@ from functools import cache
 
 import msgspec
 
-from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix, Label
+from rapc.base.diagnostics import Diagnostic, Edit, Fix, Label
 from rapc.base.limits import MAX_DEPTH
 from rapc.base.source import SourceFile, Span
 from rapc.language.comments import BLOCK_MARK
@@ -270,11 +270,7 @@ def _unclosed(
             Label(source.span(end - 1, end), f"`{mark}` is most likely missing here"),
             Label(source.span(noticed, noticed + 1), last),
         ),
-        fix=Fix(
-            Applicability.UNSAFE,
-            f"insert `{mark}`",
-            (Edit(source.span(end, end), closer),),
-        ),
+        fix=Fix.of(f"insert `{mark}`", Edit(source.span(end, end), closer)),
     )
 
 

@@ -16,7 +16,7 @@ from typing import cast
 
 import msgspec
 
-from rapc.base.diagnostics import Applicability, Diagnostic, Edit, Fix, Label
+from rapc.base.diagnostics import Diagnostic, Edit, Fix, Label
 from rapc.base.limits import MAX_DEPTH
 from rapc.base.source import SourceFile
 from rapc.language.heads import FORMS, METHOD_CLAUSES, RAP_CLAUSES
@@ -257,7 +257,7 @@ def repair_findings(
             "missing-parenthesis",
             f"a `(` is missing before `{source.text[start:stop]}`",
             source.span(start, stop),
-            fix=_fix("insert `(`", Edit(source.span(start, start), "(")),
+            fix=Fix.of("insert `(`", Edit(source.span(start, start), "(")),
         )
     for index in repair.extra:
         span = source.span(tokens[index][1], tokens[index][2])
@@ -265,12 +265,8 @@ def repair_findings(
             "surplus-parenthesis",
             "there is a `(` too many",
             span,
-            fix=_fix("take it out", Edit(span, "")),
+            fix=Fix.of("take it out", Edit(span, "")),
         )
-
-
-def _fix(message: str, *edits: Edit) -> Fix:
-    return Fix(Applicability.UNSAFE, message, edits)
 
 
 def _unclosed(
@@ -296,7 +292,7 @@ def _unclosed(
         source.span(start, start + 1),
         label="opened here",
         labels=(*labels, Label(source.span(end, end + 1), noticed)),
-        fix=_fix("close it", *edits),
+        fix=Fix.of("close it", *edits),
     )
 
 
@@ -325,7 +321,7 @@ def _surplus(source: SourceFile, tokens: Sequence[Token], repair: Repair) -> Dia
         spans[0],
         label="it closes nothing" if opener is None else "this one most likely",
         labels=tuple(labels),
-        fix=_fix("take it out", *edits),
+        fix=Fix.of("take it out", *edits),
     )
 
 
@@ -396,7 +392,7 @@ def _adopt(log: ReadLog, kept: list[Datum], strays: list[List]) -> None:
                 Label(opener, "the RAP begins here"),
                 Label(first, f"`{_head(strays[0])}` stands outside of it"),
             ),
-            fix=Fix(Applicability.UNSAFE, "close the RAP behind its clauses", edits),
+            fix=Fix.of("close the RAP behind its clauses", *edits),
         )
     )
     log.damage.append(rap.start)
