@@ -482,14 +482,15 @@ def rules_over_memory(
 ) -> Iterator[tuple[Sequence[nodes.Rule], set[str]]]:
     """Yield rules that run together, with the variables that have values there."""
     if isinstance(form, nodes.EventRule):
-        yield form.rules, _variables(form.args)
+        yield form.rules, names_of(form.args)
         return
-    index = _variables((*form.index.args, *form.index.outputs))
+    index = names_of((*form.index.args, *form.index.outputs))
     for case in form.cases:
         result = case.result
         args = result.args if isinstance(result, nodes.Signal) else (result,)
-        yield case.rules, index | _variables(args)
+        yield case.rules, index | names_of(args)
 
 
-def _variables(terms: tuple[nodes.Term, ...]) -> set[str]:
+def names_of(terms: Iterable[nodes.Term]) -> set[str]:
+    """Return the names of the variables among some terms, but for bare `?`."""
     return {t.name for t in terms if isinstance(t, nodes.Var) and not t.anonymous}

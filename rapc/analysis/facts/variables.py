@@ -13,7 +13,7 @@ passes `unbound-variable`, `anonymous-variable` and `age-in-monitor`.
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
 
 import msgspec
 
@@ -22,6 +22,7 @@ from rapc.analysis.facts.bindings import (
     BindingWalker,
     Bound,
     Findings,
+    names_of,
     query_arguments,
     rules_over_memory,
 )
@@ -70,7 +71,8 @@ def _run(run: Pass) -> Bindings:
             walk.walker.formula(form.formula, Bound(None, query_arguments(form)))
             walk.note("query")
         elif isinstance(form, nodes.DeclarePrimitive | nodes.DeclareSkill):
-            _things(walk, form.uses, _declared(form), ":uses")
+            own = Bound(None, (arg.variable.name for arg in form.args))
+            walk.values(_arguments(form.uses), own, ":uses")
         else:
             continue
         if walk.missing:
@@ -114,6 +116,17 @@ class _Walk:
         self.missing.extend(Missing(v, clause, method, step) for v in found)
         found.clear()
 
+    def values(
+        self,
+        terms: Iterable[nodes.Term],
+        bound: Bound,
+        clause: str,
+        method: nodes.Method | None = None,
+    ) -> None:
+        """Walk terms of a clause that need values."""
+        self.walker.values(terms, bound)
+        self.note(clause, method)
+
 
 # --- a RAP -------------------------------------------------------------------------
 
@@ -123,17 +136,17 @@ def _rap(walk: _Walk, rap: nodes.DefineRap) -> None:
     base = Bound(None, (v.name for v in rap.inputs))
     for resource in rap.resources:
         if resource.initial is not None:
-            walker.value(resource.initial, base)
-            walk.note("resources")
+            walk.values((resource.initial,), base, "resources")
         base.names.add(resource.variable.name)
     if rap.duration is not None:
-        walker.value(rap.duration, base)
-        walk.note("duration")
+        walk.values((rap.duration,), base, "duration")
     if rap.monitor_time is not None:
-        walker.values((rap.monitor_time.start, rap.monitor_time.stop), base)
-        walk.note("monitor-time")
-    if rap.effects:
-        _effects(walk, rap, base)
+        times = (rap.monitor_time.start, rap.monitor_time.stop)
+        walk.values(times, base, "monitor-time")
+    known = Bound(base, (v.name for v in rap.outputs))
+    for arg in _arguments(effect.pattern for effect in rap.effects):
+        if not isinstance(arg, nodes.Var) or not arg.anonymous:
+            walk.values((arg,), known, "effects")
     handed = Bound(base)
     for clause, formula in clauses.held(clauses.RAP, rap):
         walker.findings.ages.clear()
@@ -145,67 +158,34 @@ def _rap(walk: _Walk, rap: nodes.DefineRap) -> None:
         _method(walk, method, Bound(handed))
 
 
-def _effects(walk: _Walk, rap: nodes.DefineRap, base: Bound) -> None:
-    known = Bound(base, (v.name for v in rap.outputs))
-    for effect in rap.effects:
-        named = [a for a in effect.pattern.args if not _is_anonymous(a)]
-        walk.walker.values(named, known)
-        walk.note("effects")
-
-
-def _is_anonymous(term: nodes.Term) -> bool:
-    return isinstance(term, nodes.Var) and term.anonymous
+def _arguments(patterns: Iterable[nodes.Pattern]) -> Iterator[nodes.Term]:
+    return (arg for pattern in patterns for arg in pattern.args)
 
 
 def _method(walk: _Walk, method: nodes.Method, bound: Bound) -> None:
     for clause, formula in clauses.held(clauses.METHOD, method):
         walk.walker.formula(formula, bound if clause.hands_on else Bound(bound))
         walk.note(clause.word, method)
-    for notation in method.notations:
-        walk.walker.values(notation.args, bound)
-        walk.note("notations", method)
-    if method.claims:
-        _things(walk, method.claims, bound, "claims", method)
-    if method.skills:
-        _things(walk, method.skills, bound, "skills", method)
+    walk.values(_arguments(method.notations), bound, "notations", method)
+    walk.values(_arguments(method.claims), bound, "claims", method)
+    walk.values(_arguments(method.skills), bound, "skills", method)
     body = method.body
     if type(body) is nodes.TaskNet:
         _task_net(walk, method, body, bound)
     elif type(body) is nodes.Primitive:
-        walk.walker.values(body.request.args, bound)
-        walk.note("primitive", method)
+        walk.values(body.request.args, bound, "primitive", method)
     elif type(body) is nodes.Skills:
         _skills(walk, method, body, bound)
-
-
-def _things(
-    walk: _Walk,
-    named: Iterable[nodes.Pattern],
-    bound: Bound,
-    clause: str,
-    method: nodes.Method | None = None,
-) -> None:
-    """Walk things, or skills, all arguments of which need a value."""
-    for one in named:
-        walk.walker.values(one.args, bound)
-    walk.note(clause, method)
-
-
-def _declared(form: nodes.DeclarePrimitive | nodes.DeclareSkill) -> Bound:
-    return Bound(None, (arg.variable.name for arg in form.args))
 
 
 def _skills(
     walk: _Walk, method: nodes.Method, body: nodes.Skills, bound: Bound
 ) -> None:
-    for skill in body.enable:
-        walk.walker.values(skill.args, bound)
-    awaited = [_names(wait.args) for wait in body.waits]
+    walk.walker.values(_arguments(body.enable), bound)
+    awaited = [names_of(wait.args) for wait in body.waits]
     if awaited:
         bound.names.update(set.intersection(*awaited))
-    for skill in body.disable:
-        walk.walker.values(skill.args, bound)
-    walk.note("primitive", method)
+    walk.values(_arguments(body.disable), bound, "primitive", method)
 
 
 # --- a task-net ----------------------------------------------------------------------
@@ -248,8 +228,9 @@ def _cyclic_net(
 
 def _step(walk: _Walk, step: nodes.Step, bound: Bound, net: Net, at: int) -> None:
     """Walk all that a step says; what it surely binds is bound afterwards."""
-    if step.annotations:
-        _windows(walk, step, bound)
+    for note in step.annotations:
+        if type(note) is nodes.Window:
+            walk.walker.values((note.start, note.stop), bound)
     if net.edges[at]:
         _formulas(walk, net, at, bound)
     if step.annotations:
@@ -257,20 +238,9 @@ def _step(walk: _Walk, step: nodes.Step, bound: Bound, net: Net, at: int) -> Non
     walk.walker.values(step.goal.args, bound)
     if step.goal.outputs:
         walk.walker.match(step.goal.outputs, bound)
-    if step.annotations:
-        _resource_effects(walk, step, bound)
-
-
-def _windows(walk: _Walk, step: nodes.Step, bound: Bound) -> None:
-    for annotation in step.annotations:
-        if type(annotation) is nodes.Window:
-            walk.walker.values((annotation.start, annotation.stop), bound)
-
-
-def _resource_effects(walk: _Walk, step: nodes.Step, bound: Bound) -> None:
-    for annotation in step.annotations:
-        if type(annotation) is nodes.ResourceChange:
-            walk.walker.values((annotation.resource, annotation.amount), bound)
+    for note in step.annotations:
+        if type(note) is nodes.ResourceChange:
+            walk.walker.values((note.resource, note.amount), bound)
 
 
 def _formulas(walk: _Walk, net: Net, at: int, bound: Bound) -> None:
@@ -289,14 +259,14 @@ def _signals(step: nodes.Step) -> set[str]:
     names: set[str] = set()
     for annotation in step.annotations:
         if type(annotation) is nodes.WaitFor and annotation.mode == "proceed":
-            names |= _names(annotation.args)
+            names |= names_of(annotation.args)
     return names
 
 
 def _sure_at_the_end(walk: _Walk, step: nodes.Step, bound: set[str]) -> set[str]:
     """The variables that have values however a step ends, which a signal may end."""
     ways = [
-        _names(note.args)
+        names_of(note.args)
         for note in step.annotations
         if isinstance(note, nodes.WaitFor) and note.mode == "succeed"
     ]
@@ -362,9 +332,8 @@ def _rules(walk: _Walk, rules: Iterable[nodes.Rule], bound: Bound) -> None:
         for alternative in rule.alternatives:
             scope = Bound(bound)
             walk.walker.formula(alternative.query, scope)
-            for action in alternative.actions:
-                walk.walker.values(action.pattern.args, scope)
-            walk.note("rule")
+            patterns = (action.pattern for action in alternative.actions)
+            walk.values(_arguments(patterns), scope, "rule")
 
 
 # --- tests ---------------------------------------------------------------------------
@@ -373,13 +342,12 @@ def _rules(walk: _Walk, rules: Iterable[nodes.Rule], bound: Bound) -> None:
 def _test(walk: _Walk, test: nodes.DefineTest) -> None:
     """Bind a row's request for what the row does, a formula for itself."""
     for row in test.script:
-        bound = Bound(None, _names(row.request.args))
-        for effect in (*row.asserts, *row.erases, *row.data, *row.signals):
-            walk.walker.values(effect.args, bound)
+        bound = Bound(None, names_of(row.request.args))
+        told = (*row.asserts, *row.erases, *row.data, *row.signals)
+        walk.walker.values(_arguments(told), bound)
         for moved in row.moves:
             walk.walker.values((moved.item, moved.place), bound)
-        walk.walker.values(row.loses, bound)
-        walk.note("script")
+        walk.values(row.loses, bound, "script")
     later = [action for at in test.ats for action in at.actions]
     inner = [one.expectations for one in later if isinstance(one, nodes.Expect)]
     for expectations in (*inner, test.expectations):
@@ -387,7 +355,3 @@ def _test(walk: _Walk, test: nodes.DefineTest) -> None:
             if isinstance(one, nodes.MemoryHolds):
                 walk.walker.formula(one.formula, Bound(None))
                 walk.note("memory")
-
-
-def _names(terms: Iterable[nodes.Term]) -> set[str]:
-    return {t.name for t in terms if isinstance(t, nodes.Var) and not t.anonymous}
