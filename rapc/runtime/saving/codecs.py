@@ -146,13 +146,19 @@ class Codec(NamedTuple):
     write: Callable[[Writer, Any], Any] | None = None
     read: Callable[[Reader, Any], Any] | None = None
 
-    def written(self, writer: Writer, value: Any) -> Any:
-        """Return what is saved of a value."""
-        return value if self.write is None else self.write(writer, value)
+    @property
+    def written(self) -> Callable[[Writer, Any], Any]:
+        """Return what writes a value."""
+        return self.write or _same
 
-    def made(self, reader: Reader, saved: Any) -> Any:
-        """Return the value of what was saved."""
-        return saved if self.read is None else self.read(reader, saved)
+    @property
+    def made(self) -> Callable[[Reader, Any], Any]:
+        """Return what makes a value of what was saved."""
+        return self.read or _same
+
+
+def _same(_: object, value: Any) -> Any:
+    return value
 
 
 def _live(task: Task | None) -> int | None:
@@ -260,18 +266,20 @@ def _is_data(kind: Any) -> bool:
 
 
 def _of_optional(part: Codec) -> Codec:
+    write, read = part.written, part.made
     return Codec(
         part.saved | None,
-        lambda w, it: None if it is None else part.written(w, it),
-        lambda r, it: None if it is None else part.made(r, it),
+        lambda w, it: None if it is None else write(w, it),
+        lambda r, it: None if it is None else read(r, it),
     )
 
 
 def _of_row(made: Any, part: Codec) -> Codec:
+    write, read = part.written, part.made
     return Codec(
         _tuple[part.saved, ...],
-        lambda w, it: tuple([part.written(w, one) for one in it]),
-        lambda r, it: made([part.made(r, one) for one in it]),
+        lambda w, it: tuple([write(w, one) for one in it]),
+        lambda r, it: made([read(r, one) for one in it]),
     )
 
 
@@ -313,19 +321,16 @@ class Record:
             for name, saved_as in kind.FIELDS.items()
             if saved_as != LEFT_OUT
         }
-        names = [name.lstrip("_") for name in codecs]
-        types = [one.saved for one in codecs.values()]
         self.saved = msgspec.defstruct(
-            kind.__name__, list(zip(names, types, strict=True)), frozen=True
+            kind.__name__,
+            [(name.lstrip("_"), one.saved) for name, one in codecs.items()],
+            frozen=True,
         )
         self._get = attrgetter(*codecs)
         self._writes = [
             (at, one.write) for at, one in enumerate(codecs.values()) if one.write
         ]
-        self._reads = [
-            (name, saved, one.read)
-            for (name, one), saved in zip(codecs.items(), names, strict=True)
-        ]
+        self._reads = [(name, one.read) for name, one in codecs.items()]
         self.codec = Codec(self.saved, self.write, self.read)
 
     def write(self, writer: Writer, made: Any) -> Any:
@@ -341,8 +346,8 @@ class Record:
 
     def fill(self, reader: Reader, made: Any, saved: Any) -> Any:
         """Set the fields of an object to what a record says, in order; return it."""
-        for name, saved_name, read in self._reads:
-            value = getattr(saved, saved_name)
+        values = msgspec.structs.astuple(saved)
+        for (name, read), value in zip(self._reads, values, strict=True):
             setattr(made, name, value if read is None else read(reader, value))
         return made
 
