@@ -313,7 +313,9 @@ def traced(case: RunCase, seed: int) -> list[Answer]:
             saved, before = run.save(), stream.tell()
     stream.write(f"end {run.now}: {_results(run)}\n")
     told = stream.getvalue()
-    found = [Answer(f"traces/{case.name}/{seed:03}", _digests(told))]
+    found = [
+        Answer(f"traces/{case.name}/{seed:03}", _digests(told.replace(f"{HERE}/", "")))
+    ]
     if saved is not None and not any(cycle > half for cycle in acts):
         stream = StringIO()
         other = _begun(rapc, library, case, seed, stream)
