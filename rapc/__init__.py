@@ -58,40 +58,28 @@ if TYPE_CHECKING:
 
 __version__ = _VERSION
 
-_HOMES = {
-    "ArgumentError": "rapc.errors",
-    "CheckError": "rapc.host",
-    "CheckedLibrary": "rapc.host",
-    "Error": "rapc.errors",
-    "FactError": "rapc.errors",
-    "Interpreter": "rapc.runtime.interpreter",
-    "JsonTrace": "rapc.runtime.events.trace",
-    "LoadError": "rapc.errors",
-    "PortError": "rapc.errors",
-    "RefusedError": "rapc.errors",
-    "CheckReport": "rapc.analysis.driver",
-    "RunResult": "rapc.host",
-    "RunSpec": "rapc.spec",
-    "SavedError": "rapc.errors",
-    "SettingError": "rapc.errors",
-    "Settings": "rapc.runtime.settings",
-    "StateError": "rapc.errors",
-    "TaskRequest": "rapc.runtime.task_request",
-    "TextError": "rapc.errors",
-    "TextTrace": "rapc.runtime.events.trace",
-    "World": "rapc.world",
-    "WorldError": "rapc.errors",
-    "check": "rapc.host",
-    "load": "rapc.host",
-    "loads": "rapc.host",
-    "methods": "rapc.host",
-    "rap_text": "rapc.host",
-    "open_world": "rapc.worlds.registry",
-    "run": "rapc.host",
-    "test": "rapc.testing.from_python",
-    "TestResult": "rapc.testing.from_python",
+_NAMES = {
+    "rapc.errors": (
+        "ArgumentError Error FactError LoadError PortError "
+        "RefusedError SavedError SettingError StateError TextError "
+        "WorldError"
+    ),
+    "rapc.host": (
+        "CheckError CheckedLibrary RunResult check load loads methods rap_text run"
+    ),
+    "rapc.runtime.interpreter": "Interpreter",
+    "rapc.runtime.events.trace": "JsonTrace TextTrace",
+    "rapc.analysis.driver": "CheckReport",
+    "rapc.spec": "RunSpec",
+    "rapc.runtime.settings": "Settings",
+    "rapc.runtime.task_request": "TaskRequest",
+    "rapc.world": "World",
+    "rapc.worlds.registry": "open_world",
+    "rapc.testing.from_python": "test TestResult",
 }
-"""Every public name that is no module, with the module that has it."""
+"""Every public name that is no module, by the module that has it."""
+
+_HOMES = {name: home for home, names in _NAMES.items() for name in names.split()}
 
 _MODULES = {"events": "rapc.events", "world": "rapc.world"}
 

@@ -84,6 +84,11 @@ class StateError(Error):
     """A run that cannot be saved, or a saved run that cannot be taken up."""
 
 
+def in_a_line(error: Error) -> str:
+    """Return an error with what to do about it."""
+    return f"{error.message}; {error.help}" if error.help else error.message
+
+
 def reason(error: OSError) -> str:
     """Return why the system could not do something, in lower case."""
     return (error.strerror or str(error)).lower()

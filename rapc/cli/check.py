@@ -35,6 +35,7 @@ from rapc.cli.common import (
     write_output,
 )
 from rapc.cli.options import USAGE, command, fail, options_of, say, settings
+from rapc.errors import in_a_line
 from rapc.library.loader import STANDARD_INPUT, Units
 
 EXAMPLES = """\b
@@ -78,7 +79,7 @@ def check(**given: Any) -> None:
     try:
         done = _run(_with_input(options), Units())
     except UnknownRuleError as error:
-        fail(f"{error}{f'; {error.help}' if error.help else ''}")
+        fail(in_a_line(error))
     if done.left:
         raise SystemExit(USAGE)
     if done.grave and not options.exit_zero:

@@ -11,6 +11,7 @@ from rapc.analysis import registry
 from rapc.analysis.selection import UnknownRuleError, rule_names
 from rapc.base.diagnostics import Rule
 from rapc.cli.options import command, fail
+from rapc.errors import in_a_line
 
 EXAMPLES = """\b
 Examples:
@@ -59,7 +60,7 @@ def _find(word: str) -> Rule:
     try:
         (name,) = rule_names([word])
     except UnknownRuleError as error:
-        fail(f"{error}{f'; {error.help}' if error.help else ''}")
+        fail(in_a_line(error))
     return registry.rules()[name]
 
 

@@ -9,12 +9,11 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Collection, Iterable, Iterator
-from io import StringIO
 from itertools import chain, takewhile
 from typing import Any, NamedTuple
 
 from rapc.events import Event
-from rapc.runtime.events.trace import TextTrace
+from rapc.runtime.events.trace import text_lines
 from rapc.world import Time
 
 MOST = 60_000
@@ -116,8 +115,4 @@ class EventLog:
 
 def in_lines(told: Iterable[ToldEvent]) -> list[str]:
     """Return events as lines of a text trace."""
-    written = StringIO()
-    trace = TextTrace(written)
-    for one in told:
-        trace(one.event())
-    return written.getvalue().splitlines()
+    return text_lines(one.event() for one in told)

@@ -5,13 +5,12 @@ A record listens to the events of one run. It knows nothing of what is expected.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from io import StringIO
+from collections.abc import Mapping
 
 from rapc import events
 from rapc.base.values import Fact, format_list, readable
 from rapc.ir import nodes
-from rapc.runtime.events.trace import TextTrace
+from rapc.runtime.events.trace import text_lines
 from rapc.testing.patterns import goal_matches
 from rapc.world import Time
 
@@ -135,13 +134,9 @@ class Record:
         """The events of a name."""
         return [e for e in self.events if e.__struct_config__.tag == name]
 
-    def last_lines(self, count: int) -> Iterator[str]:
-        """Iterate over the last cycles among the first `count` events, for people."""
+    def last_lines(self, count: int) -> list[str]:
+        """Return the last cycles among the first `count` events, for people."""
         told = self.events[:count]
         first = (told[-1].cycle if told else 0) - _LAST_CYCLES
-        stream = StringIO()
-        trace = TextTrace(stream)
-        for event in told:
-            if event.cycle > first:
-                trace(event)
-        yield from stream.getvalue().splitlines()[-_LAST_LINES:]
+        lines = text_lines(event for event in told if event.cycle > first)
+        return lines[-_LAST_LINES:]

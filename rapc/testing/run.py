@@ -15,7 +15,7 @@ from rapc.analysis.driver import Finding
 from rapc.base.source import Span
 from rapc.base.values import format_atom, format_list, readable
 from rapc.compiler.program import Program
-from rapc.errors import FactError, PortError, RefusedError, WorldError
+from rapc.errors import FactError, PortError, RefusedError, WorldError, in_a_line
 from rapc.ir import nodes
 from rapc.runtime.events.recorder import Listener
 from rapc.runtime.interpreter import Interpreter
@@ -30,7 +30,6 @@ from rapc.testing.setting import (
     Unmet,
     borrowed_kit,
     functions,
-    in_a_line,
     problems,
     row_of,
 )

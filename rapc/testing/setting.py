@@ -17,7 +17,7 @@ import msgspec
 
 from rapc.base.source import Span
 from rapc.base.values import Atom, Fact, format_list, match_pattern
-from rapc.errors import Error, WorldError
+from rapc.errors import Error, WorldError, in_a_line
 from rapc.ir import nodes
 from rapc.library.library import Library
 from rapc.library.signatures import Signatures
@@ -115,11 +115,6 @@ def _options(
         except WorldError as error:
             found.append(Unmet(option.span, (in_a_line(error),)))
     return values, found
-
-
-def in_a_line(error: Error) -> str:
-    """Return an error with what to do about it."""
-    return f"{error.message}; {error.help}" if error.help else error.message
 
 
 def problems(

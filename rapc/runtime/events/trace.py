@@ -7,8 +7,9 @@ of an event is in `rapc.events`.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import cache
+from io import StringIO
 from typing import Any, NamedTuple, Protocol
 
 import msgspec
@@ -202,3 +203,12 @@ class TextTrace:
         stamp = "" if event.time == self._time else readable(event.time)
         self._time = event.time
         self._stream.write(f"{stamp:>7} {text}\n")
+
+
+def text_lines(told: Iterable[events.Event]) -> list[str]:
+    """Return the lines of a text trace of some events."""
+    stream = StringIO()
+    trace = TextTrace(stream)
+    for event in told:
+        trace(event)
+    return stream.getvalue().splitlines()
