@@ -7,22 +7,21 @@ world is imported to find out what it offers.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from functools import partial
+from collections.abc import Container, Iterable, Iterator, Mapping
 from os.path import basename, dirname
+from typing import NamedTuple, get_args
 
 from rapc.analysis.check import Pass, check
 from rapc.analysis.facts.index import INDEX, Form, Index, NameUse
 from rapc.analysis.facts.names import (
+    MISUSES,
     Misuse,
     UnknownNames,
     declared_at,
     misuses,
     renaming,
-    unknown_names,
-    wrong_arity,
-    wrong_kind,
 )
+from rapc.analysis.facts.statistics import THRESHOLDS
 from rapc.analysis.facts.usage import CENSUS, SPACES, TRUTH, Place
 from rapc.base.diagnostics import (
     Applicability,
@@ -88,45 +87,6 @@ after `=>` as many outputs. An output that is not needed is written `?`.""",
 )
 
 
-@check(UNKNOWN_RAP, WRONG_STEP_ARITY)
-def unknown_rap(run: Pass) -> Iterator[Diagnostic]:
-    """Find steps and memory rules whose RAP is not defined, or is not met."""
-    unknown = UnknownNames(UNKNOWN_RAP)
-    for one in misuses(run, ("goal",), "unknown"):
-        unknown.add(one.fault, one.used.place(run.library.files), one.used.owner)
-    for chosen in run.result(INDEX).of(nodes.MethodChosen):
-        name = chosen.node.rap
-        if name not in run.signatures.raps:
-            place = word_span(run.library.files, chosen.node.span, 1)
-            unknown.add(run.signatures.unknown("goal", name), place, chosen.owner)
-    yield from unknown.findings(run)
-    for one in misuses(run, ("goal",), "arguments"):
-        yield _misfit(run, one)
-
-
-def _misfit(run: Pass, one: Misuse) -> Diagnostic:
-    used, rap = one.used, run.library.raps[one.used.name]
-    arrow = ["=>", *(v.name for v in rap.outputs)] if rap.outputs else []
-    index = format_list([rap.name, *(v.name for v in rap.inputs), *arrow])
-    lacks_outputs = used.outputs == 0 and rap.outputs
-    return WRONG_STEP_ARITY.at(
-        used.span,
-        one.fault.message,
-        labels=(Label(rap.name_span, f"its index is `{index}`"),),
-        help="write `?` after `=>` for an output that is not needed"
-        if lacks_outputs
-        else "",
-        about=tuple(_not_handed_out(used, len(rap.outputs))) if lacks_outputs else (),
-    )
-
-
-def _not_handed_out(used: NameUse, outputs: int) -> Iterator[Subject]:
-    """Yield the variables that a step may have for outputs, and one for each output."""
-    for variable in variables(*used.node.args):
-        yield Subject(used.span, variable.name)
-    yield from [Subject(used.span)] * outputs
-
-
 UNDECLARED_PREDICATE = Rule(
     code="RAP015",
     name="undeclared-predicate",
@@ -169,31 +129,6 @@ effect or an `:on`, and it has no age.""",
   (succeed (near ?thing truck)))
 """,
 )
-
-_FACTS: tuple[Use, ...] = ("test", "believed", "asserted", "erased")
-
-
-@check(UNDECLARED_PREDICATE, NOT_A_FACT)
-def undeclared_predicate(run: Pass) -> Iterator[Diagnostic]:
-    """Find facts and tests that are not declared, and what is taken for facts."""
-    unknown = UnknownNames(UNDECLARED_PREDICATE)
-    for one in misuses(run, _FACTS, "unknown"):
-        unknown.add(one.fault, one.used.place(run.library.files), one.used.owner)
-    for name, place, owner in _further(run.result(INDEX)):
-        if name not in run.signatures.predicates:
-            unknown.add(run.signatures.unknown("test", name), place, owner)
-    yield from unknown.findings(run)
-    yield from wrong_kind(run, NOT_A_FACT, _FACTS)
-
-
-def _further(index: Index) -> Iterator[tuple[str, Span, Form]]:
-    """Predicates named outside of propositions."""
-    for row in index.of(nodes.ComparatorRow):
-        yield row.node.property, row.node.span, row.owner
-    for function in index.of(nodes.DeclareFunction):
-        for name in function.node.reads or ():
-            yield name, function.node.span, function.owner
-
 
 UNDECLARED_FUNCTION = Rule(
     code="RAP018",
@@ -240,24 +175,6 @@ term gives it; with too much or too little the query fails.""",
 )
 
 
-@check(UNDECLARED_FUNCTION, WRONG_FUNCTION_ARITY)
-def functions(run: Pass) -> Iterator[Diagnostic]:
-    """Find computed terms whose function is not declared, or not met."""
-    about = partial(_variables, run.result(INDEX))
-    yield from unknown_names(run, UNDECLARED_FUNCTION, ("computed",), about)
-    yield from wrong_arity(run, WRONG_FUNCTION_ARITY, ("computed",))
-    yield from wrong_kind(run, UNDECLARED_FUNCTION, ("computed",), about)
-
-
-def _variables(index: Index, used: NameUse) -> Iterator[Subject]:
-    """Yield the variables that a fact in place of a computed value was to bind."""
-    here = index.at(used.span.file, used.span.start)
-    compared = here is not None and isinstance(here.parent, nodes.Compare)
-    place = here.parent if here is not None and compared else used.node
-    for variable in variables(place):
-        yield Subject(place.span, variable.name)
-
-
 UNDECLARED_PRIMITIVE = Rule(
     code="RAP020",
     name="undeclared-primitive",
@@ -299,13 +216,6 @@ no others.""",
   (method (primitive (arm-grasp left ?thing))))
 """,
 )
-
-
-@check(UNDECLARED_PRIMITIVE, WRONG_PRIMITIVE_ARITY)
-def primitives(run: Pass) -> Iterator[Diagnostic]:
-    """Find requests for primitives that are not declared, or declared otherwise."""
-    yield from unknown_names(run, UNDECLARED_PRIMITIVE, ("primitive",))
-    yield from wrong_arity(run, WRONG_PRIMITIVE_ARITY, ("primitive",))
 
 
 _WALL = """\
@@ -356,21 +266,6 @@ sent with those it was declared with: another number of them never matches.""",
 """,
     better=_WALL,
 )
-
-
-@check(UNDECLARED_SIGNAL, WRONG_SIGNAL_ARITY)
-def signals(run: Pass) -> Iterator[Diagnostic]:
-    """Find skills and events that are not declared, or declared otherwise."""
-    unknown = UnknownNames(UNDECLARED_SIGNAL)
-    for one in misuses(run, ("skill", "event"), "unknown"):
-        unknown.add(one.fault, one.used.place(run.library.files), one.used.owner)
-    for skill in run.result(INDEX).of(nodes.DeclareSkill):
-        for name in skill.node.events or ():
-            if name not in run.signatures.events:
-                fault = run.signatures.unknown("event", name)
-                unknown.add(fault, skill.node.span, skill.owner)
-    yield from unknown.findings(run)
-    yield from wrong_arity(run, WRONG_SIGNAL_ARITY, ("skill", "event"))
 
 
 _LOOK = """\
@@ -426,19 +321,181 @@ handler takes those and no others.""",
 )
 
 
-@check(UNDECLARED_DATUM, WRONG_DATUM_ARITY)
-def data(run: Pass) -> Iterator[Diagnostic]:
-    """Find sensor data that are not declared, or declared otherwise."""
-    unknown = UnknownNames(UNDECLARED_DATUM)
-    for one in misuses(run, ("datum",), "unknown"):
-        unknown.add(one.fault, one.used.place(run.library.files), one.used.owner)
-    for primitive in run.result(INDEX).of(nodes.DeclarePrimitive):
+WRONG_FACT_ARITY = Rule(
+    code="RAP016",
+    name="wrong-fact-arity",
+    severity=Severity.ERROR,
+    summary="a fact or test has another number of arguments than was declared",
+    why="""A fact with too many or too few arguments matches nothing in memory; a
+function called so fails. Erasing takes a prefix, which may be shorter but not longer
+than the facts it is to erase.""",
+    source="T A.1",
+    example="""\
+(declare-memory-proposition road (?from ?to))
+(define-rap (drive ?from ?to)
+  (preconditions (road ?from ?to paved)))
+""",
+    better="""\
+(declare-memory-proposition road (?from ?to))
+(define-rap (drive ?from ?to)
+  (preconditions (road ?from ?to)))
+""",
+)
+
+_FACTS: tuple[Use, ...] = ("test", "believed", "asserted", "erased")
+_ALL_USES: tuple[Use, ...] = get_args(Use)
+
+
+class _Space(NamedTuple):
+    """Names that are used alike, and the rules about them."""
+
+    uses: tuple[Use, ...]
+    undeclared: Rule
+    #: Another number of arguments than was declared; a step is looked at apart.
+    arity: Rule | None = None
+    #: A name that is declared as something else.
+    kind: Rule | None = None
+
+
+_SPACES = (
+    _Space(("goal",), UNKNOWN_RAP),
+    _Space(_FACTS, UNDECLARED_PREDICATE, WRONG_FACT_ARITY, NOT_A_FACT),
+    _Space(
+        ("computed",), UNDECLARED_FUNCTION, WRONG_FUNCTION_ARITY, UNDECLARED_FUNCTION
+    ),
+    _Space(("primitive",), UNDECLARED_PRIMITIVE, WRONG_PRIMITIVE_ARITY),
+    _Space(("skill", "event"), UNDECLARED_SIGNAL, WRONG_SIGNAL_ARITY),
+    _Space(("datum",), UNDECLARED_DATUM, WRONG_DATUM_ARITY),
+)
+
+
+@check(
+    *dict.fromkeys(rule for space in _SPACES for rule in space[1:] if rule is not None),
+    WRONG_STEP_ARITY,
+)
+def undeclared_or_misused_names(run: Pass) -> Iterator[Diagnostic]:
+    """Find names that are not declared, or used otherwise than they are declared."""
+    index = run.result(INDEX)
+    further = list(_named_apart(run, index))
+    for space in _SPACES:
+        unknown = UnknownNames(space.undeclared)
+        for one in misuses(run, space.uses, "unknown"):
+            used = one.used
+            place = used.place(run.library.files)
+            unknown.add(one.fault, place, used.owner, _meant_to_bind(index, used))
+        for use, name, place, owner in further:
+            if use in space.uses and name not in run.signatures.table(use):
+                unknown.add(run.signatures.unknown(use, name), place, owner)
+        yield from unknown.findings(run)
+        if space.arity is not None:
+            yield from _wrong_arity(run, space.arity, space.uses)
+        for one in misuses(run, space.uses, "kind"):
+            assert space.kind is not None
+            yield _declared_otherwise(run, space.kind, one)
+    for one in misuses(run, ("goal",), "arguments"):
+        yield _misfit(run, one)
+
+
+def _named_apart(run: Pass, index: Index) -> Iterator[tuple[Use, str, Span, Form]]:
+    """Yield the names that are used in declarations and tests alone."""
+    for chosen in index.of(nodes.MethodChosen):
+        place = word_span(run.library.files, chosen.node.span, 1)
+        yield "goal", chosen.node.rap, place, chosen.owner
+    for row in index.of(nodes.ComparatorRow):
+        yield "test", row.node.property, row.node.span, row.owner
+    for function in index.of(nodes.DeclareFunction):
+        for name in function.node.reads or ():
+            yield "test", name, function.node.span, function.owner
+    for skill in index.of(nodes.DeclareSkill):
+        for name in skill.node.events or ():
+            yield "event", name, skill.node.span, skill.owner
+    for primitive in index.of(nodes.DeclarePrimitive):
         for name in primitive.node.tells:
-            if name not in run.signatures.data:
-                fault = run.signatures.unknown("datum", name)
-                unknown.add(fault, primitive.node.span, primitive.owner)
-    yield from unknown.findings(run)
-    yield from wrong_arity(run, WRONG_DATUM_ARITY, ("datum",))
+            yield "datum", name, primitive.node.span, primitive.owner
+
+
+def _wrong_arity(run: Pass, rule: Rule, uses: Container[Use]) -> Iterator[Diagnostic]:
+    """Yield the uses with another number of arguments than was declared."""
+    faults: dict[tuple[str, str], list[Misuse]] = {}
+    for one in misuses(run, uses, "arguments"):
+        faults.setdefault((one.used.name, one.fault.message), []).append(one)
+    for (name, _), wrong in faults.items():
+        number = run.result(MISUSES).uses()
+        every = sum(number[use, name] for use in _ALL_USES if use in uses)
+        alike = every == len(wrong) >= THRESHOLDS.all_misused
+        for one in wrong[:1] if alike else wrong:
+            declared = one.fault.declared
+            assert declared is not None
+            label = Label(
+                declared_at(run, declared), f"declared here as `{declared.written}`"
+            )
+            note = f"so it is in all {every} places: is the declaration wrong?"
+            yield rule.at(
+                one.used.span,
+                one.fault.message,
+                labels=(label,),
+                notes=(note,) if alike else (),
+                about=_left_out(wrong if alike else [one]),
+            )
+
+
+def _left_out(wrong: Iterable[Misuse]) -> tuple[Subject, ...]:
+    """Return a subject for each test that lacks one argument, which would be bound."""
+    return tuple(
+        Subject(one.used.span)
+        for one in wrong
+        if one.used.use == "test"
+        and one.fault.declared is not None
+        and not one.fault.declared.is_property
+        and one.used.count + 1 == one.fault.declared.most
+    )
+
+
+def _declared_otherwise(run: Pass, rule: Rule, one: Misuse) -> Diagnostic:
+    """Return the finding about a name that is declared as something else."""
+    declared, used = one.fault.declared, one.used
+    assert declared is not None
+    place = used.span if used.use == "computed" else used.place(run.library.files)
+    return rule.at(
+        place,
+        one.fault.message,
+        labels=(Label(declared_at(run, declared), "declared here"),),
+        help=one.fault.help,
+        about=tuple(_meant_to_bind(run.result(INDEX), used)),
+    )
+
+
+def _meant_to_bind(index: Index, used: NameUse) -> Iterator[Subject]:
+    """Yield the variables that a fact in place of a computed value was to bind."""
+    if used.use == "computed":
+        here = index.at(used.span.file, used.span.start)
+        compared = here is not None and isinstance(here.parent, nodes.Compare)
+        place = here.parent if here is not None and compared else used.node
+        for variable in variables(place):
+            yield Subject(place.span, variable.name)
+
+
+def _misfit(run: Pass, one: Misuse) -> Diagnostic:
+    used, rap = one.used, run.library.raps[one.used.name]
+    arrow = ["=>", *(v.name for v in rap.outputs)] if rap.outputs else []
+    index = format_list([rap.name, *(v.name for v in rap.inputs), *arrow])
+    lacks_outputs = used.outputs == 0 and rap.outputs
+    return WRONG_STEP_ARITY.at(
+        used.span,
+        one.fault.message,
+        labels=(Label(rap.name_span, f"its index is `{index}`"),),
+        help="write `?` after `=>` for an output that is not needed"
+        if lacks_outputs
+        else "",
+        about=tuple(_not_handed_out(used, len(rap.outputs))) if lacks_outputs else (),
+    )
+
+
+def _not_handed_out(used: NameUse, outputs: int) -> Iterator[Subject]:
+    """Yield the variables that a step may have for outputs, and one for each output."""
+    for variable in variables(*used.node.args):
+        yield Subject(used.span, variable.name)
+    yield from [Subject(used.span)] * outputs
 
 
 UNKNOWN_AGENDA = Rule(
@@ -567,27 +624,6 @@ def _unknown_method(
         )
 
 
-WRONG_FACT_ARITY = Rule(
-    code="RAP016",
-    name="wrong-fact-arity",
-    severity=Severity.ERROR,
-    summary="a fact or test has another number of arguments than was declared",
-    why="""A fact with too many or too few arguments matches nothing in memory; a
-function called so fails. Erasing takes a prefix, which may be shorter but not longer
-than the facts it is to erase.""",
-    source="T A.1",
-    example="""\
-(declare-memory-proposition road (?from ?to))
-(define-rap (drive ?from ?to)
-  (preconditions (road ?from ?to paved)))
-""",
-    better="""\
-(declare-memory-proposition road (?from ?to))
-(define-rap (drive ?from ?to)
-  (preconditions (road ?from ?to)))
-""",
-)
-
 IMPLIED_TRUE = Rule(
     code="RAP017",
     name="implied-true",
@@ -641,10 +677,9 @@ found: the value was forgotten.""",
 )
 
 
-@check(WRONG_FACT_ARITY, IMPLIED_TRUE, MISSING_VALUE)
-def wrong_fact_arity(run: Pass) -> Iterator[Diagnostic]:
-    """Find facts and tests with too many or too few arguments."""
-    yield from wrong_arity(run, WRONG_FACT_ARITY, _FACTS)
+@check(IMPLIED_TRUE, MISSING_VALUE)
+def left_out_values(run: Pass) -> Iterator[Diagnostic]:
+    """Find properties without their value."""
     properties = {
         name: signature
         for name, signature in run.signatures.relations.items()

@@ -10,13 +10,11 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from functools import partial
-from typing import get_args
 
 import msgspec
 
 from rapc.analysis.check import Fact, Pass
 from rapc.analysis.facts.index import INDEX, USES, Form, NameUse, Uses
-from rapc.analysis.facts.statistics import THRESHOLDS
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,
@@ -76,77 +74,6 @@ def misuses(run: Pass, uses: Container[Use], sort: str) -> Iterator[Misuse]:
     for one in run.result(MISUSES).found:
         if one.used.use in uses and one.fault.sort == sort:
             yield one
-
-
-About = Callable[[NameUse], Iterable[Subject]]
-"""What a finding about the use of a name is about, besides."""
-
-
-def unknown_names(
-    run: Pass, rule: Rule, uses: Container[Use], about: About = lambda used: ()
-) -> Iterator[Diagnostic]:
-    """Yield the unknown names among some uses, as findings of `rule`."""
-    unknown = UnknownNames(rule)
-    for one in misuses(run, uses, "unknown"):
-        place = one.used.place(run.library.files)
-        unknown.add(one.fault, place, one.used.owner, about(one.used))
-    yield from unknown.findings(run)
-
-
-def wrong_arity(run: Pass, rule: Rule, uses: Container[Use]) -> Iterator[Diagnostic]:
-    """Yield the uses with another number of arguments than was declared."""
-    faults: dict[tuple[str, str], list[Misuse]] = {}
-    for one in misuses(run, uses, "arguments"):
-        faults.setdefault((one.used.name, one.fault.message), []).append(one)
-    for (name, _), wrong in faults.items():
-        number = run.result(MISUSES).uses()
-        every = sum(number[use, name] for use in _ALL_USES if use in uses)
-        alike = every == len(wrong) >= THRESHOLDS.all_misused
-        for one in wrong[:1] if alike else wrong:
-            declared = one.fault.declared
-            assert declared is not None
-            label = Label(
-                declared_at(run, declared), f"declared here as `{declared.written}`"
-            )
-            note = f"so it is in all {every} places: is the declaration wrong?"
-            yield rule.at(
-                one.used.span,
-                one.fault.message,
-                labels=(label,),
-                notes=(note,) if alike else (),
-                about=_left_out(wrong if alike else [one]),
-            )
-
-
-def _left_out(wrong: Iterable[Misuse]) -> tuple[Subject, ...]:
-    """Return a subject for each test that lacks one argument, which would be bound."""
-    return tuple(
-        Subject(one.used.span)
-        for one in wrong
-        if one.used.use == "test"
-        and one.fault.declared is not None
-        and not one.fault.declared.is_property
-        and one.used.count + 1 == one.fault.declared.most
-    )
-
-
-def wrong_kind(
-    run: Pass, rule: Rule, uses: Container[Use], about: About = lambda used: ()
-) -> Iterator[Diagnostic]:
-    """Yield the uses of names that are declared as something else."""
-    files = run.library.files
-    for one in misuses(run, uses, "kind"):
-        declared = one.fault.declared
-        assert declared is not None
-        place = one.used.span if one.used.use == "computed" else one.used.place(files)
-        label = Label(declared_at(run, declared), "declared here")
-        yield rule.at(
-            place,
-            one.fault.message,
-            labels=(label,),
-            help=one.fault.help,
-            about=tuple(about(one.used)),
-        )
 
 
 def declared_at(run: Pass, signature: Signature) -> Span:
@@ -222,7 +149,6 @@ def _unused(run: Pass, meant: Signature | None) -> Iterator[Label]:
         yield Label(declared_at(run, meant), label)
 
 
-_ALL_USES: Sequence[Use] = get_args(Use)
 _OF_FACTS: Sequence[Use] = ("test", "believed", "asserted", "erased", "computed")
 
 _SAME: Mapping[str, Sequence[Use]] = {
