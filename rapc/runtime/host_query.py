@@ -21,7 +21,7 @@ from rapc.ir.nodes import Formula
 from rapc.ir.walk import subformulas, subterms, terms
 from rapc.library.signatures import Fault, Signatures
 from rapc.parser.parse import parse_formula
-from rapc.runtime.query_context import HostContext, QueryContext
+from rapc.runtime.query_context import QueryContext
 from rapc.runtime.run import Run
 
 Answer = dict[str, Value]
@@ -75,7 +75,9 @@ class HostQuery:
         if context is None:
             _check_kinds(formula, signatures)
             most = run.settings.query_steps
-            context = HostContext(run.beliefs, run.recorder, functions, most)
+            context = QueryContext(
+                run.beliefs, run.recorder, functions, most, quiet=True
+            )
         self._context = context
         self._renamings = -1
         self._query = self._compiled()

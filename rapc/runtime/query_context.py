@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from rapc.base.values import Fact, Number, format_atom, number
@@ -22,7 +22,7 @@ hundredths of a second."""
 
 
 class QueryContext:
-    """What `rapc.compiler.query.query` asks of a run: there is one for each.
+    """What `rapc.compiler.query.query` asks of a run.
 
     `task` is set before each query to the task whose clause it is. While `horizon`
     is a list, the times at which beliefs that held go stale are added to it.
@@ -32,6 +32,8 @@ class QueryContext:
         recorder: is told of faults.
         functions: the registered functions, by name.
         most_steps: how often a question may go back in vain.
+        quiet: whether questions leave no mark on the run: those of a host, and those
+            that ask why something failed. Faults are then only noted.
     """
 
     def __init__(
@@ -40,6 +42,7 @@ class QueryContext:
         recorder: Recorder,
         functions: Mapping[str, Callable[..., Any]],
         most_steps: int = Settings().query_steps,
+        quiet: bool = False,
     ) -> None:
         self.facts = memory.facts
         self.bound = BoundQueries(self)
@@ -48,35 +51,65 @@ class QueryContext:
         self.task: Task | None = None
         self.horizon: list[Time] | None = None
         #: How often a question of the run may go back in vain.
-        self.bound_of_a_run = most_steps
+        self.step_limit = most_steps
         self.most_steps = self.steps_left = most_steps
-        #: How many faults there have been.
+        #: How many faults there have been, and what the last one was.
         self.faults = 0
+        self.noted = ""
         #: The clauses that were given up in a cycle, by name, each with its last one.
         self.given_up: dict[str, int] = {}
+        self.facts_at = memory.facts_at
+        self.accessible_items = memory.items.accessible
+        self.is_accessible = memory.items.is_accessible
         self._memory = memory
         self._recorder = recorder
+        self._quiet = quiet
 
     def fault(self, where: str, what: str) -> None:
-        """Trace that a clause met an unbound variable or an ill-typed value."""
+        """Trace or note that a clause met an unbound variable or an ill-typed value."""
         self.faults += 1
-        if self._recorder.on:
+        self.noted = what
+        if self._recorder.on and not self._quiet:
             number = self.task.number if self.task is not None else None
             self._recorder.emit(QueryFaulted, task=number, what=f"{where}: {what}")
 
     def give_up(self, where: str) -> None:
-        """Trace that a question went back too often in vain [L 2.70]."""
+        """Trace or note that a question went back too often in vain [L 2.70]."""
+        if self.most_steps < self.step_limit:
+            most = f"given up after {MOST_EXPLAINED} steps back"
+            self.noted = f"{most}: an explanation takes no more"
+            return
         self.given_up[where] = self._recorder.cycle
-        self.fault(where, told_of_giving_up(self.bound_of_a_run))
+        self.fault(where, self._told_of_giving_up())
 
     def told_if_given_up(self, where: str) -> str:
         """Return what is said of a clause that this cycle has given up, or nothing."""
         given_up = self.given_up.get(where) == self._recorder.cycle
-        return told_of_giving_up(self.bound_of_a_run) if given_up else ""
+        return self._told_of_giving_up() if given_up else ""
+
+    def _told_of_giving_up(self) -> str:
+        return f"given up after {self.step_limit} steps back: see `rapc.query-steps`"
 
     def unfit(self, where: str, value: object, wanted: str) -> None:
         """Trace that a value is not what a clause needs: `a number`, say."""
         self.fault(where, f"`{format_atom(value)}` is not {wanted}")
+
+    # --- explanations ---------------------------------------------------------------
+
+    def begin(self, asker: Task | None) -> None:
+        """Begin an explanation of what a task asked, or a user."""
+        self.task = asker
+        self.most_steps, self.steps_left = MOST_EXPLAINED, MOST_EXPLAINED
+        self._left = MOST_EXPLAINED
+        self.next_part()
+
+    def next_part(self) -> None:
+        """Go on to the next question of an explanation, with what steps are left."""
+        self.noted = ""
+        self._left -= self.most_steps - self.steps_left
+        self.most_steps = self.steps_left = max(min(self._left, self.step_limit), 0)
+
+    # --- what formulas ask ----------------------------------------------------------
 
     def young(self, stamp: Time, limit: Number) -> bool:
         """Whether a fact with that stamp is younger than `limit` time units."""
@@ -95,10 +128,6 @@ class QueryContext:
         """Whether `place` is `external` and a location fact says it of an item."""
         return place == EXTERNAL and self._memory.is_here(fact)
 
-    def facts_at(self, place: object) -> Iterator[Fact]:
-        """Location facts of a place, `external` among them, oldest first."""
-        return self._memory.facts_at(place)
-
     def method_tried(self, name: object) -> bool:
         """Whether the task has tried a method of that name."""
         return self.task is not None and self.task.has_tried(name)
@@ -111,66 +140,9 @@ class QueryContext:
             return self.task.last_result
         return self.task.result_of(method)
 
-    def accessible_items(self) -> Sequence[str]:
-        """The items with a sensor name, in the order of introduction."""
-        return self._memory.items.accessible()
-
-    def is_accessible(self, item: object) -> bool:
-        """Whether an item has a sensor name; a plain symbol is its own."""
-        return self._memory.items.is_accessible(item)
-
     def count(self, kind: object, place: Any) -> Number:
         """Return how many items of a class memory expects at a place."""
         return self.view.count(str(kind), place)
-
-
-def told_of_giving_up(steps: int) -> str:
-    """Return what is said of a question that was given up after so many steps back."""
-    return f"given up after {steps} steps back: see `rapc.query-steps`"
-
-
-class HostContext(QueryContext):
-    """What the queries of a host see: they leave no mark on the run."""
-
-    def fault(self, where: str, what: str) -> None:
-        """Do nothing: the query fails, and the host sees that it has."""
-
-
-class NotingContext(QueryContext):
-    """What asks why something failed: as a task asks, but faults are only noted."""
-
-    #: The fault met last, without the clause's name.
-    noted: str = ""
-    #: How often the questions of one explanation may still go back in vain, together.
-    left: int = MOST_EXPLAINED
-
-    def begin(self, asker: Task | None) -> None:
-        """Begin an explanation of what a task asked, or a user."""
-        self.task, self.noted = asker, ""
-        self.left, self.most_steps = MOST_EXPLAINED, self._allowed(MOST_EXPLAINED)
-        self.steps_left = self.most_steps
-
-    def go_on(self) -> None:
-        """Go on to the next question of an explanation, with what steps are left."""
-        self.noted = ""
-        self.left -= self.most_steps - self.steps_left
-        self.most_steps = self.steps_left = self._allowed(self.left)
-
-    def fault(self, where: str, what: str) -> None:
-        """Note what was wrong, for whoever asks."""
-        self.noted = what
-
-    def give_up(self, where: str) -> None:
-        """Note that a question was given up, for good or as one to be explained."""
-        steps = self.bound_of_a_run
-        if self.most_steps < steps:
-            most = f"given up after {MOST_EXPLAINED} steps back"
-            self.noted = f"{most}: an explanation takes no more"
-        else:
-            self.noted = told_of_giving_up(steps)
-
-    def _allowed(self, left: int) -> int:
-        return max(min(left, self.bound_of_a_run), 0)
 
 
 def time_of(context: QueryContext, term: TermValue, env: Env) -> Number | None:

@@ -19,7 +19,7 @@ from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.held_world import HeldWorld
 from rapc.runtime.memory.gate import Gate
 from rapc.runtime.monitors.monitors import Monitors
-from rapc.runtime.query_context import NotingContext, QueryContext
+from rapc.runtime.query_context import QueryContext
 from rapc.runtime.settings import Settings
 from rapc.runtime.state.agenda import Agenda
 from rapc.runtime.state.run_state import RunState
@@ -66,7 +66,7 @@ class Run:
         asked = self.beliefs, self.recorder, functions, settings.query_steps
         self.context = QueryContext(*asked)
         #: Asks what kept a task from going on, without leaving a mark on the run.
-        self.noting = NotingContext(*asked)
+        self.noting = QueryContext(*asked, quiet=True)
         #: The tasks that may run now.
         self.eligible = Agenda(self.rng)
         self.things = Things()

@@ -20,7 +20,7 @@ class QuestionContext(Protocol):
 
     @property
     def facts(self) -> Any:
-        """The facts by name: `rapc.runtime.memory.store.FactStore`."""
+        """The facts by name: `rapc.runtime.memory.facts.FactStore`."""
 
     @property
     def functions(self) -> Mapping[str, Callable[..., Any]]:

@@ -29,7 +29,7 @@ from rapc.events import Cause
 from rapc.ir import clauses, nodes
 from rapc.ir.printer import format_formula, format_goal, format_term
 from rapc.ir.walk import subterms
-from rapc.runtime.query_context import NotingContext, time_of
+from rapc.runtime.query_context import QueryContext, time_of
 from rapc.runtime.run import Run
 from rapc.runtime.state.task import Env, MethodRun, Task
 
@@ -443,7 +443,7 @@ def ask_in_parts(
     """
     context = context_of(machine, asker)
     for part, up_to_it, text in query.beginnings():
-        context.go_on()
+        context.next_part()
         if most == 1:
             first = up_to_it.first(context, env)
             found = [] if first is None else [first]
@@ -454,7 +454,7 @@ def ask_in_parts(
             return
 
 
-def context_of(machine: Run, asker: Task | None) -> NotingContext:
+def context_of(machine: Run, asker: Task | None) -> QueryContext:
     """Return what asks as a task would, and tells nobody."""
     context = machine.noting
     context.begin(asker)
