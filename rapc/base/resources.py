@@ -7,6 +7,8 @@ detector and the recursion test see. When they change is for the interpreter to 
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from rapc.base.values import Atom, Number, format_atom, number
 
 
@@ -60,9 +62,11 @@ Value = Atom | Resource
 """What a variable may be bound to."""
 
 
-def frozen(value: Value) -> object:
-    """A value as detectors compare it: resources by what they hold now."""
-    kind = type(value)
-    if kind is Counter or kind is SetResource:
-        return value.frozen()  # type: ignore[union-attr]  # it is a resource
-    return value
+def frozen(values: Iterable[Value]) -> list[object]:
+    """Return values as detectors compare them: resources by what they hold now."""
+    return [
+        value.frozen() if isinstance(value, _RESOURCES) else value for value in values
+    ]
+
+
+_RESOURCES = (Counter, SetResource)

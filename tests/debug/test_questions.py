@@ -70,6 +70,6 @@ def test_clauses_are_asked_in_parts_by_one_function() -> None:
     calling = [
         path.name
         for path in Path(rapc.__path__[0]).rglob("*.py")
-        if ".next_part()" in path.read_text(encoding="utf-8")
+        if "context.next_part()" in path.read_text(encoding="utf-8")
     ]
     assert calling == ["causes.py"]

@@ -145,7 +145,7 @@ def tries(task: Task, method: nodes.Method) -> int:
 
 def choice(method: nodes.Method, env: Bindings) -> tuple[object, ...]:
     """A method and every binding alive, as the futile-loop detector sees them."""
-    bound = sorted((name, frozen(value)) for name, value in env.items())
+    bound = sorted(zip(env, frozen(env.values()), strict=True))
     return (method.position, *bound)
 
 

@@ -31,7 +31,7 @@ def settle(run: Run, task: Task) -> None:
     names = [variable.name for variable in task.rap.inputs]
     inputs = {n: v for n, v in zip(names, task.args, strict=True) if v is not None}
     if task.full and task.bound_as is None:
-        task.bound_as = [frozen(arg) for arg in task.args if arg is not None]
+        task.bound_as = frozen([arg for arg in task.args if arg is not None])
     task.own = {**inputs, **task.resources}
     waiting = {n for n in names if n not in inputs}
     if not task.prepared and not any(uses(t, waiting) for t in evaluated(task.rap)):

@@ -127,6 +127,18 @@ class FactTable:
             self.add(fact, time)
 
 
+class _Tables(dict[Atom, FactTable]):
+    """The tables of a store by name. One that is looked up is made if there is none."""
+
+    def __init__(self, relation: Callable[[str], Signature | None]) -> None:
+        super().__init__()
+        self._relation = relation
+
+    def __missing__(self, name: Atom) -> FactTable:
+        found = self[name] = FactTable(self._relation(str(name)))
+        return found
+
+
 class FactStore:
     """Ground facts with time stamps and indexes, a `FactTable` for each name.
 
@@ -135,8 +147,7 @@ class FactStore:
     """
 
     def __init__(self, relation: Callable[[str], Signature | None]) -> None:
-        self.tables: dict[Atom, FactTable] = {}
-        self._relation = relation
+        self.tables = _Tables(relation)
 
     def __contains__(self, fact: object) -> bool:
         """Whether a fact is stored."""
@@ -157,10 +168,7 @@ class FactStore:
 
     def table(self, name: Atom) -> FactTable:
         """The facts of a name, now and later: there is one table for each."""
-        found = self.tables.get(name)
-        if found is None:
-            found = self.tables[name] = FactTable(self._relation(str(name)))
-        return found
+        return self.tables[name]
 
     def stamp(self, fact: Fact) -> Time | None:
         """The time of a fact's last assertion, or None."""

@@ -128,10 +128,7 @@ class Memory:
                 for other in self.exclusions.of(fact):
                     self.remove(other, "memory")
                 self.exclusions.asserted(fact, stamp)
-        table = self._tables.get(fact[0])
-        if table is None:
-            table = self.facts.table(fact[0])
-        replaced = table.add(fact, stamp)
+        replaced = self._tables[fact[0]].add(fact, stamp)
         if replaced is not None:
             self._gone(replaced, by, REPLACED)
         if recorder.on:
@@ -166,8 +163,28 @@ class Memory:
         Raises:
             FactError: if the declarations do not allow it.
         """
-        fact = full_form(fact, self._relations)
+        fact = self.full_form(fact)
         return self.canonical(fact) if self.items.aliases else fact
+
+    def full_form(self, fact: Fact) -> Fact:
+        """Return `fact` with numbers in their one form, and no value left out.
+
+        Raises:
+            FactError: if the declarations do not allow it.
+        """
+        name = fact[0] if fact else ""
+        relation = self._relations.get(name) if type(name) is str else None
+        if relation is None:
+            raise _undeclared(fact)
+        fact = _in_one_form(fact)
+        given, most = len(fact) - 1, relation.most
+        if given != most:
+            wrong = relation.miscount(given)
+            if wrong is not None:
+                raise FactError(f"{wrong}: {format_list(fact)}")
+            if most is not None:
+                fact = (*fact, "true")
+        return fact
 
     def canonical(self, fact: tuple[Any, ...]) -> tuple[Any, ...]:
         """Return a fact, prefix or pattern with the names that stand for others now."""
@@ -255,26 +272,6 @@ class Memory:
 
 
 # --- the one form of facts ---------------------------------------------------------
-
-
-def full_form(fact: Fact, relations: Mapping[str, Signature]) -> Fact:
-    """A fact as it is kept: numbers in their one form, no value left out.
-
-    Raises:
-        FactError: if the declarations do not allow it.
-    """
-    relation = relations.get(fact[0]) if fact and type(fact[0]) is str else None
-    if relation is None:
-        raise _undeclared(fact)
-    fact = _in_one_form(fact)
-    given, most = len(fact) - 1, relation.most
-    if given != most:
-        wrong = relation.miscount(given)
-        if wrong is not None:
-            raise FactError(f"{wrong}: {format_list(fact)}")
-        if most is not None:
-            fact = (*fact, "true")
-    return fact
 
 
 def check_prefix(prefix: Fact, relations: Mapping[str, Signature]) -> None:

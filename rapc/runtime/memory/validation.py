@@ -14,7 +14,6 @@ from rapc.library.signatures import Signatures
 from rapc.runtime.memory.exclusions import items_of
 from rapc.runtime.memory.facts import PREFIX
 from rapc.runtime.memory.gate import Gate
-from rapc.runtime.memory.memory import full_form
 from rapc.runtime.memory.saving import ItemState, MemoryState, SetState
 
 
@@ -84,7 +83,7 @@ def _facts(gate: Gate, state: MemoryState, notations: Mapping[Fact, int]) -> set
 
 def _check_fact(gate: Gate, fact: Fact, notations: Mapping[Fact, int] = _NONE) -> None:
     """See that a fact is one that may be asserted. Raises ValueError, as FactError."""
-    if full_form(fact, gate.memory.signatures.relations) != fact:
+    if gate.memory.full_form(fact) != fact:
         raise ValueError(f"{format_list(fact)} is incomplete")
     if fact not in notations:
         gate.check_kinds(fact)

@@ -70,10 +70,8 @@ class Agenda:
         wait, history = task.wait, task.history
         latest = task.limit if wait is None else task.limit - wait.duration
         failed = history is not None and bool(history.failures)
-        self._place(task, (-task.priority, latest, failed, task.number))
-
-    def _place(self, task: Task, entry: _Entry) -> None:
-        self._tasks[entry[3]] = task, entry
+        entry = (-task.priority, latest, failed, task.number)
+        self._tasks[task.number] = task, entry
         insort(self._order, entry)
         insort(self._families.setdefault(task.family, []), entry)
 
@@ -89,9 +87,15 @@ class Agenda:
         """Hold what the saved fields of another agenda say, and nothing else."""
         self.stack, self.last_family = other.stack, other.last_family
         self._only = other._only
-        self._tasks, self._order, self._families = {}, [], {}
-        for task, (_, latest, failed, _) in other._tasks.values():
-            self._place(task, (-task.priority, latest, failed, task.number))
+        self._tasks = {
+            task.number: (task, (-task.priority, latest, failed, task.number))
+            for task, (_, latest, failed, _) in other._tasks.values()
+        }
+        self._order = sorted(entry for _, entry in self._tasks.values())
+        self._families = {}
+        for entry in self._order:
+            family = self._tasks[entry[3]][0].family
+            self._families.setdefault(family, []).append(entry)
 
     def discard(self, task: Task) -> None:
         """Remove a task that was eligible; others are left alone."""
@@ -131,20 +135,16 @@ class Agenda:
         size = bisect_left(entries, behind)
         if size == 1:
             return self._take_out(number)
-        self._drop_above(-int(priority))
-        if self.stack:
-            family = self._families.get(self.stack[-1][1], [])
+        stack = self.stack
+        while stack and stack[-1][0] > -priority:
+            stack.pop()  # it has nothing eligible at or above its priority
+        if stack:
+            family = self._families.get(stack[-1][1], [])
             same = bisect_left(family, behind)
             if same:
                 entries, size = family, same
         at = below(self._rng, size) if size > 1 else 0
         return self._take_out(entries[at][3])
-
-    def _drop_above(self, priority: int) -> None:
-        """Pop what has nothing eligible at or above its priority."""
-        stack = self.stack
-        while stack and stack[-1][0] > priority:
-            stack.pop()
 
     def _focus(self, task: Task) -> None:
         stack, priority = self.stack, task.priority

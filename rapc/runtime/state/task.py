@@ -80,7 +80,6 @@ class MethodRun:
         "skills": tuple[Fact, ...],
         "ticket": int | None,
         "constrained": LEFT_OUT,
-        "has_conditions": LEFT_OUT,
     }
     __slots__ = tuple(FIELDS)
 
@@ -107,8 +106,6 @@ class MethodRun:
             nearest = task if plan.constraints is None else self
         #: The nearest that states constraints: itself, its task, or what is above.
         self.constrained: Task | MethodRun | None = nearest
-        #: Whether these, or conditions of steps, may keep steps from being carried out.
-        self.has_conditions = plan.conditions or nearest is not None
 
     @property
     def constrained_above(self) -> Task | MethodRun | None:

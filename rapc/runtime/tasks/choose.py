@@ -84,10 +84,10 @@ def _draw(machine: Run, task: Task, holding: list[Held]) -> Choice:
 
 def choice_key(method: MethodPlan, env: Env, found: Env) -> Key:
     """The key of a choice, with what the task's environment holds now."""
-    held = [frozen(value) for value in env.values()]
+    held = frozen(env.values())
     if not found:
         return (method.index, *held)
-    return (method.index, *held, *[(n, frozen(value)) for n, value in found.items()])
+    return (method.index, *held, *zip(found, frozen(found.values()), strict=True))
 
 
 def _least(choices: Sequence[_Any], counts: Sequence[int]) -> list[_Any]:

@@ -6,7 +6,6 @@ ends the cycle.
 
 from __future__ import annotations
 
-from rapc.compiler.query.query import Query
 from rapc.events import FamilySwitched, TaskSelected
 from rapc.runtime.run import Run
 from rapc.runtime.state.states import ENDED, INTERFERENCE
@@ -30,7 +29,7 @@ from rapc.world import OKAY
 
 def run_cycle(machine: Run, task: Task) -> None:
     """Process the task that the agenda has chosen."""
-    plan, wait = task.plan, task.wait
+    plan, wait, run = task.plan, task.wait, task.within
     if machine.waits:
         machine.things.stop_waiting(task)
     if task.identity is None or (
@@ -46,8 +45,9 @@ def run_cycle(machine: Run, task: Task) -> None:
     if plan.succeed is None:
         found: Env | None = {} if task.last_result == OKAY else None
     else:
-        never = plan.never_succeeds
-        found = None if never else _found(machine, task, plan.succeed)
+        context = machine.context
+        context.task, never = task, plan.never_succeeds
+        found = None if never else context.bound[plan.succeed].first(task.env)
     if found is not None:
         succeed(machine, task, found)
     elif (
@@ -57,7 +57,8 @@ def run_cycle(machine: Run, task: Task) -> None:
     ):
         machine.monitors.block(task)
     elif (
-        plan.conditional or (task.within is not None and task.within.has_conditions)
+        plan.conditional
+        or (run is not None and (run.plan.conditions or run.constrained is not None))
     ) and not _conditions_hold(machine, task):
         if task.state is not ENDED:
             because = causes.of_conditions(machine, task)
@@ -84,12 +85,6 @@ def _first_of_all(machine: Run, task: Task) -> None:
             fail(machine, task, INTERFERENCE, causes.of_set_up(machine, task))
         elif not wait.first_selected:
             _begin(machine, task, wait)
-
-
-def _found(machine: Run, task: Task, succeed: Query) -> Env | None:
-    """Return what the `succeed` clause binds if it holds."""
-    machine.context.task = task
-    return succeed.first(machine.context, task.env)
 
 
 def _tell_selected(machine: Run, task: Task) -> None:
@@ -146,7 +141,7 @@ def _conditions_hold(machine: Run, task: Task) -> bool:
             if run.was_ended_by_until(carrier):
                 continue
             context.task = run.task
-            found = query.first(context, run.env)
+            found = context.bound[query].first(run.env)
             if found is None:
                 return False
             if found:
@@ -155,7 +150,7 @@ def _conditions_hold(machine: Run, task: Task) -> bool:
                     return False
     context.task = task
     own = task.plan.preconditions
-    if own is not None and not own.holds(context, task.env):
+    if own is not None and not context.bound[own].holds(task.env):
         return False
     stated = task if task.plan.constraints is not None else task.constrained
     return stated is None or _constraints_hold(machine, stated)

@@ -161,13 +161,9 @@ def cancel(machine: Run, run: MethodRun) -> None:
 
 def sensed(items: Items, request: Fact) -> Fact | None:
     """Return a request, or a skill, with sensor names; None if an item has none."""
-    parts: list[Atom] = [request[0]]
-    for part in request[1:]:
-        name = items.sensor_of(part) if isinstance(part, str) else part
-        if name is None:
-            return None
-        parts.append(name)
-    return tuple(parts)
+    sensor_of = items.sensor_of
+    names = [sensor_of(p) if isinstance(p, str) else p for p in request[1:]]
+    return None if None in names else (request[0], *names)  # type: ignore[arg-type]
 
 
 def take_reply(
@@ -211,7 +207,7 @@ def with_memory_names(machine: Run, content: Fact) -> Fact:
     """Return a datum, or a signal, with memory names for known sensor names."""
     name_of = machine.beliefs.items.name_of
     name, *parts = content
-    return (name, *(name_of(p) if isinstance(p, str) else p for p in parts))
+    return (name, *[name_of(p) if isinstance(p, str) else p for p in parts])
 
 
 def handle(machine: Run, content: Fact) -> Fact:

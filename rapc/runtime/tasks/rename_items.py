@@ -55,8 +55,10 @@ def _members(circle: Circle) -> set[int]:
 def _in_task(task: Task, environments: list[Env], lost: str, kept: str) -> bool:
     """Rename in one task; whether its monitors see another binding."""
     task.told = None
-    task.goal_args = tuple([kept if a == lost else a for a in task.goal_args])
-    task.identity = _in_value(task.identity, lost, kept)
+    if task.goal_args:
+        if lost in task.goal_args:
+            task.goal_args = tuple([kept if a == lost else a for a in task.goal_args])
+        task.identity = _in_value(task.identity, lost, kept)
     task.choice = _in_value(task.choice, lost, kept)
     if task.history is not None:
         counts: dict[tuple[object, ...], int] = {}
@@ -68,8 +70,8 @@ def _in_task(task: Task, environments: list[Env], lost: str, kept: str) -> bool:
         task.history.last_choice = _in_value(last, lost, kept)
     seen = lost in task.env.values()
     for env in environments:
-        for name, value in env.items():
-            if value == lost:
+        if lost in env.values():
+            for name in [name for name, value in env.items() if value == lost]:
                 env[name] = kept
     return seen
 
@@ -79,12 +81,15 @@ def _in_set(resource: SetResource, lost: str, kept: str) -> None:
     resource.members = dict.fromkeys(members)
 
 
+_NESTED = (tuple, frozenset)
+
+
 def _in_value(value: Any, lost: str, kept: str) -> Any:
     """A frozen value with another name in it; sets and tuples nest a few levels."""
-    if isinstance(value, tuple | frozenset):
+    if isinstance(value, _NESTED):
         parts = [
             _in_value(part, lost, kept)
-            if isinstance(part, tuple | frozenset)
+            if isinstance(part, _NESTED)
             else kept
             if part == lost
             else part

@@ -130,8 +130,7 @@ def repeats_ancestor(machine: Run, task: Task) -> bool:
         task.identity = identity
         return False
     if task.goal_args:
-        values = [frozen(value) for value in task.goal_args if value is not None]
-        identity = (*identity, *values)
+        identity = (*identity, *frozen(task.goal_args))  # type: ignore[arg-type]  # bound
     task.identity = identity
     above = task.parent
     if above is not None and above.identity == identity:
@@ -239,10 +238,10 @@ def read_inputs(machine: Run, task: Task) -> None:
         return
     context, env = machine.context, run.env
     context.task = run.task
-    values = []
-    for arg in step.args:
-        name = arg.name
-        values.append(arg.value(context, env) if name is None else env.get(name))
+    values = [
+        arg.value(context, env) if arg.name is None else env.get(arg.name)
+        for arg in step.args
+    ]
     task.goal_args = tuple(values)
     bind_inputs(task)
     if task.number and task.plan.needs_setup and task.wait is not None:

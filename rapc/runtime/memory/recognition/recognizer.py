@@ -58,7 +58,7 @@ from collections.abc import Callable, Collection
 from rapc.base.values import Atom, Fact
 from rapc.events import ItemIntroduced, ItemLost, ItemMoved
 from rapc.runtime.events.recorder import Recorder
-from rapc.runtime.memory.facts import PREFIX
+from rapc.runtime.memory.facts import PREFIX, Mentions
 from rapc.runtime.memory.memory import REPLACED, STORED, Memory
 from rapc.runtime.memory.recognition import departure, merging
 from rapc.runtime.memory.recognition.item_events import ItemEvents
@@ -101,6 +101,7 @@ class Recognizer:
         #: have been rewritten: tasks that hold the name have to change too.
         self.renamed: Callable[[str, str], None] = lambda lost, kept: None
         self._memory = memory
+        self._mentions = memory.mentions or Mentions()
         self._item_events = ItemEvents(recorder)
         self._classes = frozenset(classes)
         self._scores = scores or Scores((), (), {})
@@ -120,15 +121,14 @@ class Recognizer:
 
     def fact_changed(self, fact: Fact, how: str) -> None:
         """Learn what a fact says of a description; its set then is to be settled."""
-        there, mentions = how == STORED, self._memory.mentions
-        assert mentions is not None
+        there = how == STORED
         if there:
-            mentions.added(fact)
+            self._mentions.added(fact)
         else:
-            mentions.removed(fact)
+            self._mentions.removed(fact)
         if how == REPLACED or len(fact) < 3:
             return
-        item = self._memory.items.known.get(str(fact[1]))
+        item = self._memory.items.known.get(fact[1])  # type: ignore[arg-type]
         if not isinstance(item, Description) or fact[0] == "location":
             return
         if fact[0] == "class" and fact[2] == item.kind:
