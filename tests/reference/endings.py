@@ -268,7 +268,7 @@ def repeats(run: Run, running: Running, place: Place) -> bool:
     args = run.inputs(running, place.step.goal.args)
     if any(arg is None for arg in args):
         return False
-    values = [frozen(arg) for arg in args]
+    values = frozen(args)
     return any(
         ancestor.rap.name == place.step.goal.name and ancestor.bound_as == values
         for ancestor in running.task.line()
