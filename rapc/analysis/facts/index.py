@@ -1,6 +1,6 @@
 """The index of a library: each node by its type, each name with its uses.
 
-The pass `index` gathers the nodes once for all others, in the order of the text, each
+The index holds the nodes of all forms, in the order of the text, each
 with its parent, which tells what part it plays, and with the top-level form that it
 stands in. What a name means is for `rapc.library.signatures` to say.
 """

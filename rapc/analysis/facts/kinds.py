@@ -204,7 +204,7 @@ class _Learning:
         return kind if closed and "item" not in self._kinds.above(kind) else None
 
     def _is_declared(self, use: _Use) -> bool:
-        """Whether the pass `kinds` holds a declared variable against this use."""
+        """Whether the checks of kinds compare a declared variable with this use."""
         return not isinstance(use, nodes.Goal) or use.name not in self.inputs
 
     def _told(self, use: _Use) -> Iterator[tuple[nodes.Var, Learned]]:

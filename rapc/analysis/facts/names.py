@@ -1,8 +1,8 @@
 """Uses of names that do not meet their declaration.
 
 The signature table (`rapc.library.signatures`) says what is wrong; here each fault gets
-its place. The passes `unknown-rap`, `undeclared-predicate`, `functions`, `primitives`,
-`signals` and their like choose the faults that are theirs and report them.
+its place. The checks of `unknown-rap`, `undeclared-predicate`, `functions`,
+`primitives`, `signals` and their like choose the faults that are theirs.
 """
 
 from __future__ import annotations

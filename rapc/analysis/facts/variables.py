@@ -8,7 +8,7 @@ they wait for. A step that an `until` may end early surely hands nothing on, not
 what steps before it did: they may be running still. A step that a signal may end hands
 on what each way to end binds: its own work, if that can end it, and each such signal.
 How a formula binds is in `rapc.analysis.facts.bindings`; what is said of it is in the
-passes `unbound-variable`, `anonymous-variable` and `age-in-monitor`.
+checks of `unbound-variable`, `anonymous-variable` and `age-in-monitor`.
 """
 
 from __future__ import annotations
