@@ -8,7 +8,7 @@ import re
 import msgspec
 import pytest
 
-from rapc.console.show.dots import Dots
+from rapc.console.show.canvas import Dots
 from rapc.console.show.frame import Activity, draw_frame
 from rapc.console.show.plan import Drawing, believed_pose, draw_plan, legend
 from rapc.library.loader import load_text

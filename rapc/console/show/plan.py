@@ -14,8 +14,7 @@ from rich.text import Text
 
 from rapc.base.pictures import Area, Door, Mark, Plan, Point, Pose, Reckoning
 from rapc.base.values import Atom, Fact
-from rapc.console.show.canvas import Canvas
-from rapc.console.show.dots import DOTS, Dots
+from rapc.console.show.canvas import DOTS, Canvas, Dots
 from rapc.console.show.labels import Inside, Taken, label, numbered
 from rapc.runtime.memory.gate import MemoryView
 
