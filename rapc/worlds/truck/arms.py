@@ -1,8 +1,9 @@
-"""The primitives of the arms (T B.1): what each does, and how it fails.
+"""The primitives of the arms (T B.1): effects and failures.
 
-An arm is at a place (outside, in a bay, or folded) and there may be at one item; at a
-container, or at something in it, it is in the container. What it holds goes with it. An
-arm that is not one of the truck's is nowhere, at nothing, and holds nothing.
+The position of an arm is outside, a bay, or folded. At that position the arm may be at
+one item. If that item is a container or lies in a container, the arm is in the
+container. Held items move with the arm. The truck has no other arms: a request for an
+unknown arm fails.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ NOT_HOLDING = Reply("arm-not-holding")
 
 
 def arm_move(scene: Scene, name: Atom, place: Atom) -> Reply:
-    """Move an arm to a place, or to an item where the arm is, or about it."""
+    """Move an arm to a position, or to an item at or near the arm's position."""
     arm = scene.arm(name)
     if arm is None:
         return Reply("arm-cant-find")
@@ -59,9 +60,10 @@ def arm_grasp(scene: Scene, name: Atom, thing: Atom) -> Reply:
 
 
 def arm_ungrasp(scene: Scene, name: Atom, thing: Atom) -> Reply:
-    """Put a held item down where the arm is; the arm then is at it.
+    """Put a held item down where the arm is; the arm is at the item afterwards.
 
-    In a container the eye sees it arrive: the robot may not know what contains what.
+    In a container the eye reports the item as seen, because the robot may not know the
+    containers.
     """
     arm, item = scene.arm(name), scene.held(name, thing)
     if arm is None or item is None:
@@ -82,9 +84,9 @@ def arm_ungrasp(scene: Scene, name: Atom, thing: Atom) -> Reply:
 
 
 def arm_pour(scene: Scene, name: Atom, thing: Atom) -> Reply:
-    """Pour a held vessel into what the arm is at; the rest stays in the vessel.
+    """Pour a held vessel into the item that the arm is at; a rest stays in the vessel.
 
-    What is poured where nothing can take it in is spilt.
+    Liquid that nothing at the position can take is spilt.
     """
     arm, vessel = scene.arm(name), _held_vessel(scene, name, thing)
     if arm is None or vessel is None:
@@ -105,7 +107,7 @@ def arm_pour(scene: Scene, name: Atom, thing: Atom) -> Reply:
 
 
 def arm_ladle(scene: Scene, name: Atom, thing: Atom) -> Reply:
-    """Fill a held vessel from the vessel, or the fuel bay, that the arm is at."""
+    """Fill a held vessel from the vessel or the fuel bay that the arm is at."""
     arm, vessel = scene.arm(name), _held_vessel(scene, name, thing)
     if arm is None or vessel is None:
         return NOT_HOLDING
@@ -130,8 +132,8 @@ def arm_ladle(scene: Scene, name: Atom, thing: Atom) -> Reply:
 def arm_toggle(scene: Scene, name: Atom, thing: Atom) -> Reply:
     """Switch a machine on or off; a gun in its bay fires at enemies.
 
-    An arm that holds what mends a broken machine makes it whole instead; else one that
-    is broken cannot be switched (T B.1).
+    An arm that holds the matching repair item mends a broken machine instead. A broken
+    machine cannot be switched (T B.1).
     """
     item = scene.item(thing)
     if item is None or item is not scene.at(name):
@@ -151,13 +153,13 @@ def arm_toggle(scene: Scene, name: Atom, thing: Atom) -> Reply:
 
 
 def _mends(scene: Scene, name: Atom, broken: TruckItem) -> bool:
-    """Whether an arm holds something to mend an item with."""
+    """Return whether an arm holds an item that mends a broken item."""
     held = scene.items_at(str(name))
     return any(broken.kind in scene.kind(tool).mends for tool in held)
 
 
 def arm_examine(scene: Scene, name: Atom, thing: Atom) -> Reply:
-    """Feel the contents and the size of an item that the arm is at or holds."""
+    """Report the contents and the size of an item that the arm is at or holds."""
     item = scene.item(thing)
     if item is None or item not in (scene.at(name), scene.held(name, thing)):
         return NOT_AT
@@ -176,7 +178,7 @@ def _held_vessel(scene: Scene, name: Atom, thing: Atom) -> TruckItem | None:
 
 
 def _takes(scene: Scene, item: TruckItem, liquid: str | None) -> bool:
-    """Whether a liquid may flow into an item: an empty vessel takes any."""
+    """Return whether a liquid may flow into an item; an empty vessel takes any."""
     kind = scene.kind(item)
     if kind.rounds or kind.machine is not None:
         return liquid == (kind.rounds or kind.liquid)

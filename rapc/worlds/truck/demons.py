@@ -1,10 +1,9 @@
-"""What happens in the truck's world without it, at times of its own (T 6.1.1, 6.1.2).
+"""Demons: agents that change the truck's world at times of their own (T 6.1.1, 6.1.2).
 
-A demon is a job done at a place, again and again or once: each time it says how long
-it will rest. Here are those of quarries, warehouses, depots and factories, whose
-intervals vary by half about what the options say; the others have modules of their
-own. A new kind of agent is one more function in `JOBS` and a demon that `summon` puts
-into the state.
+A demon is a job at a place, repeated or done once. The job returns the time until its
+next turn. This module has the jobs of quarries, warehouses, depots and factories; their
+intervals vary by half about the values of the options. Other jobs have modules of
+their own. To add an agent, add a function to `JOBS` and create its demon in `summon`.
 """
 
 from __future__ import annotations
@@ -22,11 +21,11 @@ from rapc.worlds.truck.state import Demon, TruckState
 from rapc.worlds.truck.weather import change_weather
 
 Job = Callable[[Scene, Demon], Number | None]
-"""Does what is to be done, and says after how long again; None: never."""
+"""A job: act, then return the time until the next turn; None: no next turn."""
 
 
 def summon(scene: Scene) -> None:
-    """Put into the state the demons that the map and the options call for."""
+    """Add to the state the demons that the map and the options require."""
     for job, place in standing(scene):
         demon = Demon(job, place, 0)
         if job in _PLACES:
@@ -42,7 +41,7 @@ def summon(scene: Scene) -> None:
 
 
 def standing(scene: Scene) -> Iterator[tuple[str, str]]:
-    """Yield job and place of each demon that is never done, in order."""
+    """Yield job and place of each permanent demon, in order."""
     settings = scene.settings
     for place in scene.map.places:
         if place.kind in _PLACES and _interval(scene, place.kind) > 0:
@@ -57,7 +56,7 @@ def standing(scene: Scene) -> Iterator[tuple[str, str]]:
 
 
 def check_demons(scene: Scene, state: TruckState) -> None:
-    """See that all demons of a saved state have a job to come. Raises ValueError."""
+    """Validate that a saved state has all permanent demons; raise ValueError."""
     known = {*standing(scene)}
     for demon in state.demons:
         passing = demon.job in {"leaving", "capture", "machine"}
@@ -66,7 +65,7 @@ def check_demons(scene: Scene, state: TruckState) -> None:
 
 
 def pass_time(scene: Scene, to: Number) -> None:
-    """Move the clock on; demons whose times come act at them, in turn."""
+    """Advance the clock; demons that are due act in order of time."""
     state = scene.state
     while True:
         demon = min(state.demons, key=lambda each: each.time, default=None)
@@ -90,7 +89,7 @@ def _interval(scene: Scene, job: str) -> Any:
 
 
 def _produce(scene: Scene, demon: Demon) -> Number:
-    """A quarry or warehouse makes one item, unless too many lie there already."""
+    """Make one item at a quarry or warehouse, unless the item limit is reached."""
     place = scene.map.place(demon.place)
     if place is not None and not scene.crowded(place.name):
         scene.make(PRODUCTS[place.kind], place.name, place.color)
@@ -98,7 +97,7 @@ def _produce(scene: Scene, demon: Demon) -> Number:
 
 
 def _supply(scene: Scene, demon: Demon) -> Number:
-    """A depot removes empty drums wherever they lie about, and makes a full one."""
+    """Remove empty drums from all places and make a full drum at the depot."""
     lying_at = scene.map.spots()
     for item in [i for i in scene.state.items.values() if i.place in lying_at]:
         if item.kind == PRODUCTS["depot"] and item.amount == 0:
@@ -107,10 +106,10 @@ def _supply(scene: Scene, demon: Demon) -> Number:
 
 
 def _take_in(scene: Scene, demon: Demon) -> Number:
-    """A factory takes in the rocks that lie there.
+    """Take in the rocks at a factory.
 
-    They are still at the factory, where no eye and no arm gets at them: a scan does
-    not report them gone.
+    The rocks stay at the factory, out of reach of eye and arms: a scan does not report
+    these rocks as gone.
     """
     for item in [i for i in scene.items_at(demon.place) if i.kind == "rock"]:
         scene.remove(item)
@@ -124,7 +123,7 @@ _PLACES: Mapping[str, Job] = {
     "depot": _supply,
     "factory": _take_in,
 }
-"""The jobs by the kind of place at which they are done."""
+"""Jobs by the kind of their place."""
 
 JOBS: Mapping[str, Job] = {
     **_PLACES,

@@ -1,10 +1,10 @@
-"""Enemy troops: where they appear, how they go, what they do to the truck (T 6.1.1).
+"""Enemy troops: arrival, movement, and effects on the truck (T 6.1.1).
 
-Units come in bands, to places and, with `road-troops`, to roads, which they bar: the
-truck then stops half-way. A band stays a while and moves on; where the truck stands it
-stays until its units are shot or the truck leaves. The longer some are with the truck,
-the likelier they capture it, which ends the run. All chance here comes from the streams
-`enemies` and `weapon`.
+Units come in bands to places and, with `road-troops`, to roads. A band on a road stops
+the truck half-way. A band stays for a while and moves on; a band at the truck's place
+stays until its units are shot or the truck leaves. The chance of a capture, which ends
+the run, rises with the time that enemies and truck are together. All chance in this
+module comes from the streams `enemies` and `weapon`.
 """
 
 from __future__ import annotations
@@ -19,19 +19,19 @@ from rapc.worlds.truck.scene import Scene
 from rapc.worlds.truck.state import Demon, Encounter, TruckItem
 
 SAFE = frozenset({"warehouse", "depot"})
-"""Kinds of places where no enemies come."""
+"""Kinds of places without enemies."""
 
 
 def haunts(ground: Map, sectors: str, on_roads: bool) -> tuple[str, ...]:
-    """Return where enemies may come: in some sectors, or to all zones.
+    """Return the places that enemies may visit: some sectors, or all zones.
 
     Args:
         ground: the map.
-        sectors: names of sectors, with commas; none: zones, and all roads.
-        on_roads: whether they come to roads as well as to places.
+        sectors: names of sectors, with commas; if empty, all zones and all roads.
+        on_roads: whether enemies visit roads as well as places.
 
     Raises:
-        ValueError: for a sector that the map has not.
+        ValueError: for a sector that is not on the map.
     """
     roads = tuple(road.name for road in ground.roads) if on_roads else ()
     if not sectors:
@@ -50,14 +50,14 @@ def haunts(ground: Map, sectors: str, on_roads: bool) -> tuple[str, ...]:
 
 
 def pause(scene: Scene) -> Number:
-    """Draw how long it is to the next band: about the option, half more or less."""
+    """Draw the time to the next band: the option's value, varied by half."""
     return scene.vary(scene.settings.enemy_interval, 50, "enemies")
 
 
 def appear(scene: Scene, demon: Demon) -> Number:
-    """Put a band where enemies may be, if there are none yet.
+    """Put a band at a random place, if there are no enemies yet.
 
-    None comes to the road that the truck is on: it has passed them, or they it.
+    No band comes to the road that the truck is on.
     """
     rng, settings = scene.chance["enemies"], scene.settings
     options = settings.enemy_sectors, settings.road_troops
@@ -73,16 +73,16 @@ def appear(scene: Scene, demon: Demon) -> Number:
 
 
 def move_band_on(scene: Scene, demon: Demon) -> None:
-    """Let the band at a place move on, unless the truck is there."""
+    """Move the band at a place on, unless the truck is there."""
     if scene.state.truck.place != demon.place:
         _remove(scene, demon.place)
 
 
 def meet(scene: Scene) -> None:
-    """If there are enemies where the truck is, the time to its capture begins to run.
+    """Start the time to the truck's capture if enemies are at the truck's place.
 
-    The chance that it is captured within a time t is 1 - 2 ** -((t / capture-time)
-    ** 2): it rises faster and faster.
+    The chance of a capture within a time t is 1 - 2 ** -((t / capture-time) ** 2): the
+    hazard rises with t.
     """
     state, settings = scene.state, scene.settings
     place, units = state.truck.place, len(_units(scene, state.truck.place))
@@ -95,19 +95,19 @@ def meet(scene: Scene) -> None:
 
 
 def take_truck(scene: Scene, demon: Demon) -> None:
-    """Let the enemies have the truck, which ends the run."""
+    """Capture the truck, which ends the run."""
     _over(scene, "captured")
     scene.end(f"captured at {demon.place}")
 
 
 def part(scene: Scene) -> None:
-    """The truck sets off: enemies do not follow it, they go their own way."""
+    """End the encounter when the truck departs, and remove the enemies."""
     _over(scene, "left")
     _remove(scene, scene.state.truck.place)
 
 
 def fire(scene: Scene, gun: TruckItem) -> None:
-    """Fire rounds at the enemies outside until they, or the rounds, are gone.
+    """Fire rounds at the enemies outside until no enemies or no rounds are left.
 
     A burst is `gun-burst` rounds at most; without enemies no round is fired.
     """
@@ -140,7 +140,7 @@ def _over(scene: Scene, how: str) -> None:
 
 
 def _remove(scene: Scene, place: str) -> None:
-    """Remove all enemies from a place, and drop what they were about to do."""
+    """Remove all enemies from a place, with their demons."""
     for item in _units(scene, place):
         scene.remove(item)
     scene.dismiss(place, "leaving", "capture")

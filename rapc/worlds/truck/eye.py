@@ -1,4 +1,4 @@
-"""The primitives of the eye (T B.1), and what it tells about items (T B.2)."""
+"""The primitives of the eye (T B.1) and their data about items (T B.2)."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ CANT_FIND = Reply("eye-cant-find")
 
 
 def eye_scan(scene: Scene, place: Atom) -> Reply:
-    """See all items outside, on the truck or in a container.
+    """Report all items outside, on the truck or in a container.
 
-    Items sensed there since the truck arrived, and now gone, are reported first.
-    Outside roads and sky are seen as well.
+    Items sensed there since the truck arrived, and missing now, are reported first. A
+    scan outside also reports roads and sky.
     """
     spot = scene.spot(place)
     if spot is None:
@@ -28,7 +28,7 @@ def eye_scan(scene: Scene, place: Atom) -> Reply:
 
 
 def eye_examine(scene: Scene, place: Atom, thing: Atom) -> Reply:
-    """Look closely at an item: its colour, or what it contains."""
+    """Examine an item: report its colour or its contents."""
     spot, item = scene.spot(place), scene.item(thing)
     if spot is None or item is None or item.place != scene.true_place(spot):
         return CANT_FIND
@@ -36,21 +36,21 @@ def eye_examine(scene: Scene, place: Atom, thing: Atom) -> Reply:
 
 
 def eye_monitor(scene: Scene, kind: Atom) -> Reply:
-    """From now on notice items of a class that turn up outside."""
+    """Start watching for items of a class that appear outside."""
     if str(kind) not in scene.state.monitored:
         scene.state.monitored.append(str(kind))
     return Reply(OKAY)
 
 
 def eye_unmonitor(scene: Scene, kind: Atom) -> Reply:
-    """Stop looking out for items of a class."""
+    """Stop watching for items of a class."""
     if str(kind) in scene.state.monitored:
         scene.state.monitored.remove(str(kind))
     return Reply(OKAY)
 
 
 def notice(scene: Scene) -> Iterator[Fact]:
-    """Items outside of the classes looked out for, not sensed there before."""
+    """Yield data for newly sensed items outside, of the classes watched for."""
     if not scene.state.monitored:
         return
     for item in scene.items_at(scene.state.truck.place):
@@ -61,7 +61,7 @@ def notice(scene: Scene) -> Iterator[Fact]:
 
 
 def contents(scene: Scene, item: TruckItem) -> Iterator[Fact]:
-    """Yield what examining an item tells of its contents, and of what it is doing."""
+    """Yield the data about an item's contents and its activity."""
     name, kind = scene.sensor_name(item), scene.kind(item)
     if kind.rounds:
         yield ("shots-left", name, item.amount)

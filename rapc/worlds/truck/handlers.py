@@ -1,8 +1,8 @@
-"""The truck's handlers: what results and data mean for memory (T 3.3.2, B.3).
+"""The truck's handlers: changes of memory by results and data (T 3.3.2, B.3).
 
-A result handler is called first, then one for each datum. They know the robot's body
-and the world's ways as a maker of the truck would, and nothing of the simulator. The
-words they use are declared in stdlib/truck/world.rap.
+The result handler is called first, then one handler for each datum. The handlers use
+knowledge about the robot's body and the world's rules that a maker of the truck would
+have, and no state of the simulator. stdlib/truck/world.rap declares their facts.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ _DISTINCT = ("gun", "gun-tool")
 
 
 def _spot(memory: HandlerMemory, place: Atom) -> Atom:
-    """A place as the truck names it: where it stands is `external`."""
+    """Return a place as the truck names it: `external` for the truck's own place."""
     return "external" if place == memory.place else place
 
 
 def _true_place(memory: HandlerMemory, place: Atom) -> Atom:
-    """A place as memory has it for items: `external` is where the truck stands."""
+    """Return a place as memory names it for items: the truck's place for `external`."""
     here = memory.place
     return here if place == "external" and here is not None else place
 
@@ -33,7 +33,7 @@ def _arm_place(memory: HandlerMemory, arm: Atom) -> Atom:
 
 
 def _nest(memory: HandlerMemory, arm: Atom) -> tuple[Atom, ...]:
-    """Return what an arm is known to be in, innermost first; its place last."""
+    """Return the known containers of an arm, innermost first, then its place."""
     place = _true_place(memory, _arm_place(memory, arm))
     at = [fact[2] for fact in memory.query("arm-at", arm, None)]
     nest: list[Atom] = [item for item in at if memory.value("holds", item) is not None]
@@ -45,7 +45,7 @@ def _nest(memory: HandlerMemory, arm: Atom) -> tuple[Atom, ...]:
 
 
 def _not_there(memory: HandlerMemory, item: Atom, *places: Atom) -> None:
-    """Lose an item if it was believed where it was not found."""
+    """Remove an item from memory if it was believed at a place where it is missing."""
     believed = memory.value("location", item)
     if believed in [_true_place(memory, place) for place in places]:
         for arm in _ARMS:
@@ -146,10 +146,10 @@ def _not_holding(memory: HandlerMemory, arm: Atom, item: Atom) -> None:
 
 
 def _eye_scan(memory: HandlerMemory, request: Fact, result: str) -> None:
-    """Forget what was known and is not seen again, but for rocks at a factory.
+    """Remove items that are known but not seen, except rocks at a factory.
 
-    A factory takes rocks in, where the eye cannot follow: a scan of its yard does not
-    show all that is at the factory.
+    A factory takes in rocks, and the eye does not see these rocks afterwards. So the
+    scan of a factory's yard is incomplete.
     """
     if result != OKAY:
         return
@@ -188,7 +188,7 @@ def _eye_unmonitor(memory: HandlerMemory, request: Fact, result: str) -> None:
 
 
 def _truck_move(memory: HandlerMemory, request: Fact, result: str) -> None:
-    """A trip that ended well speaks by its datum `new-location`."""
+    """Do nothing: a successful trip sends the datum `new-location`."""
     if result == "truck-mishap":
         memory.assert_fact("truck-status", "mishap")
         memory.expire()
@@ -215,7 +215,7 @@ def _road_seen(memory: HandlerMemory, datum: Fact) -> None:
 
 
 def _new_location(memory: HandlerMemory, datum: Fact) -> None:
-    """Names lapse, but for what is aboard and has one name for life (T 6.2.2)."""
+    """Remove items without a permanent name, except the items aboard (T 6.2.2)."""
     facts = [f for kind in _DISTINCT for f in memory.query("class", None, kind, "true")]
     memory.expire()
     memory.arrive(datum[1])
@@ -237,7 +237,7 @@ def _vessel(memory: HandlerMemory, datum: Fact) -> None:
 
 
 def _shots_left(memory: HandlerMemory, datum: Fact) -> None:
-    """Only weapons report rounds, and every weapon takes the gun tool to lift."""
+    """Note the rounds of a weapon, and that a weapon requires the gun tool."""
     _, item, rounds = datum
     memory.assert_fact("class", item, "weapon", "true")
     memory.assert_fact("tool-needed", item, "gun-tool")
@@ -250,7 +250,7 @@ def _property(memory: HandlerMemory, datum: Fact) -> None:
 
 
 def _called(name: str) -> DatumHandler:
-    """Return a handler that asserts a datum under the name that memory has for it."""
+    """Return a handler that asserts a datum under the name used in memory."""
 
     def read(memory: HandlerMemory, datum: Fact) -> None:
         memory.assert_fact(name, *datum[1:])
@@ -294,4 +294,4 @@ _DATA: Mapping[str, DatumHandler] = {
 }
 
 HANDLERS = Handlers(_RESULTS, _DATA)
-"""The handlers of the truck; turning and speed speak by their data alone."""
+"""The handlers of the truck; turning and speed change memory by data only."""

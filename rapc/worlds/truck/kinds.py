@@ -1,7 +1,7 @@
-"""The kinds of items there are, as data (T B.2): sizes, and what the senses tell.
+"""The kinds of items, as data (T B.2): sizes, and properties that the robot senses.
 
-Those of T are in `KINDS`; a map may declare more, containers and machines among them
-(T 1.4.2).
+The kinds of T are in `KINDS`; a map may declare further kinds, containers and machines
+included (T 1.4.2).
 """
 
 from __future__ import annotations
@@ -15,19 +15,19 @@ from rapc.base.values import Number
 
 Color = Literal["red", "blue", "yellow"]
 Word = Annotated[str, msgspec.Meta(pattern=r"^[a-z][a-z0-9-]*$", max_length=40)]
-"""A name of the map's own: lower-case letters, digits and hyphens."""
+"""A name defined by the map: lower-case letters, digits and hyphens."""
 
 Size = Annotated[int, msgspec.Meta(ge=0, le=1_000_000)]
 
 
 class TruckMachine(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """What an item of a kind does by itself while it is switched on.
+    """The automatic work of an item while the item is switched on.
 
-    Every `every` time units it uses up `uses` of the liquid in it and of the items in
-    it those that it `needs`, and makes one item of a kind. Without them, or without
-    room for what it makes, it switches itself off. If it wants `daylight` it rests in
-    the dark. With the option `wear` it may break in a round, and does nothing more then
-    until it is mended.
+    Every `every` time units the machine consumes `uses` units of its liquid and the
+    items that it `needs`, and makes one item of a kind. If liquid, items or room are
+    missing, the machine switches itself off. With `daylight` the machine rests in the
+    dark. With the option `wear` the machine may break in a round; a broken machine does
+    not work until an arm mends it.
     """
 
     makes: str
@@ -38,15 +38,16 @@ class TruckMachine(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Kind(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """What all items of a class have in common.
+    """Properties shared by all items of a class.
 
-    `size` takes up room in arms, bays and containers. `capacity` is in units of a
-    liquid, of which a new item is full if `full`: `liquid` for a vessel, which may be
-    refilled with another, or `rounds` for a weapon. `holds` is the size of the items
-    that it can contain. `tool` is the class an arm must hold to grasp it. An item has
-    one sensor name for life, one of an `indistinct` kind a new one at each visit. The
-    shuffling demon leaves alone what is `fixed`. With what `mends` machines of some
-    classes an arm that holds it makes a broken one whole.
+    `size` is the room that an item takes in arms, bays and containers. `capacity` is in
+    units of a liquid; a new item is full if `full`. `liquid` is the content of a new
+    vessel, which may be refilled with a different liquid; `rounds` is that of a weapon.
+    `holds` is the total size of the items that a container can hold. `tool` is the
+    class of tool that an arm must hold to grasp the item. An item keeps its sensor name
+    for life; an `indistinct` item gets a new name at each visit. The shuffling demon
+    does not move `fixed` items. `mends` names classes of machines: an arm that holds
+    the item mends a broken machine of these classes.
     """
 
     size: Size
@@ -63,7 +64,7 @@ class Kind(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 ENEMY = "enemy-unit"
-"""The class of what can only be shot at."""
+"""The class of items that can only be shot at."""
 
 KINDS: Mapping[str, Kind] = {
     "rock": Kind(size=7, indistinct=True),
@@ -75,4 +76,4 @@ KINDS: Mapping[str, Kind] = {
 }
 
 COLORED = frozenset({"rock"})
-"""Classes whose items have a colour."""
+"""Classes of items with a colour."""

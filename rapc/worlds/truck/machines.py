@@ -1,7 +1,7 @@
-"""Items that act by themselves once they are switched on (T 1.4.2, B.1).
+"""Items that work by themselves when switched on (T 1.4.2, B.1).
 
-What a kind of machine does is declared on the map; see `kinds.Machine`. A machine that
-runs has a demon of its own, wherever it stands or is carried.
+The map declares the work of each kind of machine; see `kinds.TruckMachine`. A running
+machine has its own demon, at every place and also when carried.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ from rapc.worlds.truck.weather import dark
 
 
 def running(scene: Scene, item: TruckItem) -> bool:
-    """Whether a machine is switched on."""
+    """Return whether a machine is switched on."""
     return any((d.job, d.place) == ("machine", item.name) for d in scene.state.demons)
 
 
 def doing(scene: Scene, item: TruckItem) -> str:
-    """Return what a machine is: `running`, `idle` or `broken`."""
+    """Return the state of a machine: `running`, `idle` or `broken`."""
     if item.broken:
         return "broken"
     return "running" if running(scene, item) else "idle"
@@ -34,7 +34,7 @@ def switch(scene: Scene, item: TruckItem, machine: TruckMachine) -> None:
 
 
 def work(scene: Scene, demon: Demon) -> Number | None:
-    """Do one round of a machine's work; switch it off if it cannot go on."""
+    """Do one round of a machine's work; switch the machine off if it cannot go on."""
     item = scene.state.items.get(demon.place)
     machine = scene.kind(item).machine if item is not None else None
     if item is None or machine is None:
@@ -60,7 +60,7 @@ def work(scene: Scene, demon: Demon) -> Number | None:
 def _used(
     scene: Scene, item: TruckItem, machine: TruckMachine
 ) -> list[TruckItem] | None:
-    """The items in a machine that one round uses up; None if some are missing."""
+    """Return the items that one round consumes; None if items are missing."""
     used: list[TruckItem] = []
     for kind, count in machine.needs.items():
         inside = [each for each in scene.items_at(item.name) if each.kind == kind]

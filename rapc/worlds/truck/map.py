@@ -1,7 +1,7 @@
-"""The map: places, the roads between them, what lies where at the start (T 6.1.1).
+"""The map: places, roads, and the items at the start (T 6.1.1).
 
-A map is data, read and checked by `map_text`. What the robot may know of it are
-`facts`: places and roads, never items.
+A map is data, read and validated by `map_text`. `Map.facts` is the part that the robot
+may know: places and roads, never items.
 """
 
 from __future__ import annotations
@@ -22,17 +22,17 @@ PRODUCTS: Mapping[str, str] = {
     "warehouse": "ammo-box",
     "depot": "fuel-drum",
 }
-"""What places of a kind produce."""
+"""Products by kind of place."""
 
 TAKEN = frozenset(
     {"external", "folded", "bay1", "bay2", "weapon-bay", "fuel-bay", "arm1", "arm2"}
     | {"unknown", *KINDS, *DIRECTIONS}
 )
-"""Names that mean something else in a request or in memory."""
+"""Reserved names, with another meaning in a request or in memory."""
 
 
 class MapPlace(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """A place; `color` is that of the rocks of a quarry."""
+    """A place; `color` is the colour of a quarry's rocks."""
 
     name: Word
     kind: PlaceKind
@@ -45,10 +45,10 @@ class Road(
     forbid_unknown_fields=True,
     rename={"a": "from", "b": "to"},
 ):
-    """A road from one place in a direction to another; it goes both ways.
+    """A road from a place in a direction to another place, open both ways.
 
-    `time` and `fuel` are what a trip takes at medium speed, about. `mishap` is the
-    chance that a trip at high speed ends in one, `mud` that a trip in the rain does.
+    `time` and `fuel` are the approximate cost of a trip at medium speed. `mishap` is
+    the chance of a mishap at high speed, `mud` the chance of a mishap in the rain.
     """
 
     name: Word
@@ -62,7 +62,7 @@ class Road(
 
 
 class Sector(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Part of the map, as names of places and roads; some are always `dark`."""
+    """A part of the map: names of places and roads; some sectors are always `dark`."""
 
     name: Word
     spots: tuple[str, ...]
@@ -70,18 +70,18 @@ class Sector(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Lying(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Items of a kind that lie at a place, a road or in an item, at the start."""
+    """Items of a kind at a place, on a road or in an item, at the start."""
 
     kind: str
     place: str
     count: Annotated[int, msgspec.Meta(ge=1, le=10_000)] = 1
     color: Color | None = None
-    #: Whether they are machines that do not work.
+    #: Whether the items are broken machines.
     broken: bool = False
 
 
 class WayOut(msgspec.Struct, frozen=True):
-    """A way out of a place: down a road in a direction to its end."""
+    """A way out of a place: along a road in a direction to its end."""
 
     road: Road
     direction: str
@@ -90,7 +90,7 @@ class WayOut(msgspec.Struct, frozen=True):
 
 
 class Map(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """A map as it is written: see docs/truck.md."""
+    """A map in its written form: see docs/truck.md."""
 
     start: str
     places: tuple[MapPlace, ...]
@@ -101,7 +101,7 @@ class Map(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     heading: Direction = "north"
 
     def legs(self, place: str) -> Iterator[WayOut]:
-        """The ways out of a place or, named by its road, of a stop half-way on it."""
+        """Yield the ways out of a place, or out of a stop half-way on a road."""
         for road in self.roads:
             if road.a == place:
                 yield WayOut(road, road.direction, road.b, 1)
@@ -112,7 +112,7 @@ class Map(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
                 yield WayOut(road, opposite(road.direction), road.a, 0.5)
 
     def place(self, name: str) -> MapPlace | None:
-        """The place of a name, or None."""
+        """Return the place with this name, or None."""
         return next((p for p in self.places if p.name == name), None)
 
     def spots(self) -> tuple[str, ...]:
@@ -121,7 +121,7 @@ class Map(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         return (*places, *(road.name for road in self.roads))
 
     def facts(self) -> Iterator[Fact]:
-        """Yield what the robot knows of the map."""
+        """Yield the facts about the map that the robot knows."""
         for place in self.places:
             yield ("place", place.name, place.kind)
             if place.kind in PRODUCTS:
@@ -144,5 +144,5 @@ class Map(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 def opposite(direction: str) -> str:
-    """The direction half a turn away."""
+    """Return the opposite direction."""
     return DIRECTIONS[(DIRECTIONS.index(direction) + 4) % 8]

@@ -1,4 +1,4 @@
-"""A map from JSON text, and all that can be wrong with one."""
+"""Maps from JSON text: parsing and validation."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from rapc.worlds.truck.map import TAKEN, Map
 
 _MOST = 1_000_000
 _NUMBERED = re.compile(r"-s?[0-9]+$")
-"""How the names of items and their sensor names end."""
+"""The reserved endings of item names and sensor names."""
 
 
 def read_map(text: str) -> Map:
-    """A map from JSON text.
+    """Return the map in a JSON text.
 
     Raises:
-        MapError: for what is no JSON, has other fields, or makes no sense.
+        MapError: if the text is not JSON, has unknown fields, or is inconsistent.
     """
     try:
         made = msgspec.json.decode(text.encode(), type=Map)
@@ -100,7 +100,7 @@ def _bad_machine(
 
 
 def _misplaced(made: Map, kinds: Mapping[str, Kind]) -> Iterator[str]:
-    """Items of no kind, or that lie nowhere; containers come before what is in them."""
+    """Yield faults of items with an unknown kind or place, containers first."""
     room: dict[str, int] = {}
     numbers: Counter[str] = Counter()
     for lying in made.items:

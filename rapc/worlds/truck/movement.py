@@ -1,4 +1,4 @@
-"""The primitives that move the truck (T B.1): turning, speed, and trips down roads."""
+"""The primitives that move the truck (T B.1): turning, speed, and trips along roads."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ SPEEDS: Mapping[str, tuple[Number, Number]] = {
     "medium": (1, 1),
     "fast": (0.75, 1.3),
 }
-"""By speed: the factors on a road's nominal time and on its nominal fuel."""
+"""Factors on the nominal time and the nominal fuel of a road, by speed."""
 
 MISHAP = "truck-mishap"
 
 
 def truck_turn(scene: Scene, direction: Atom) -> Reply:
-    """Point the truck in a direction."""
+    """Turn the truck to a direction."""
     if direction not in DIRECTIONS:
         return Reply("truck-bad-direction")
     scene.state.truck.heading = str(direction)
@@ -42,11 +42,11 @@ def truck_speed(scene: Scene, speed: Atom) -> Reply:
 
 
 def truck_move(scene: Scene) -> Reply:
-    """Travel down the road ahead to its end, or to where eye or enemies have it stop.
+    """Travel along the road ahead to its end, or until eye or enemies stop the truck.
 
-    RefusedError with no road ahead or an arm outside. Without fuel enough for the trip,
-    or in a mishap, the truck is left on the road and the run is over; a captured
-    truck goes nowhere.
+    Raise RefusedError if there is no road ahead or an arm is outside. Without enough
+    fuel for the trip, or in a mishap, the truck stays on the road and the run ends. A
+    captured truck does not move.
     """
     truck = scene.state.truck
     if scene.state.ended is not None:
@@ -76,7 +76,7 @@ def _ahead(scene: Scene) -> WayOut | None:
 
 
 def _stops_on(scene: Scene, leg: WayOut) -> bool:
-    """Whether on the road enemies are, or something that the eye is looking out for."""
+    """Return whether enemies or watched items are on the road."""
     if scene.state.truck.place == leg.road.name:
         return False
     stopping = (ENEMY, *scene.state.monitored)
@@ -86,7 +86,7 @@ def _stops_on(scene: Scene, leg: WayOut) -> bool:
 def _cost(
     scene: Scene, leg: WayOut, part: Number, time: Number, fuel: Number
 ) -> tuple[Number, Number]:
-    """Return what a part of a road takes at the set speed, by factors on both."""
+    """Return time and fuel for a part of a road at the set speed, with factors."""
     settings = scene.settings
     slower, thirstier = SPEEDS[scene.state.truck.speed]
     nominal = leg.road.time * settings.road_time * part * slower * time
@@ -96,7 +96,7 @@ def _cost(
 
 
 def _mishap(scene: Scene, leg: WayOut, mud: Number) -> bool:
-    """Whether a trip ends in a mishap: at high speed, or stuck in the mud."""
+    """Return whether a trip ends in a mishap: at high speed, or stuck in mud."""
     if mud > 0 and scene.chance["weather"].random() < mud:
         return True
     risky = leg.road.mishap > 0 and scene.state.truck.speed == "fast"
@@ -110,7 +110,7 @@ def _stranded(scene: Scene, leg: WayOut, time: Number, fuel: Number, why: str) -
 
 
 def _drive(scene: Scene, leg: WayOut, to: str, time: Number, fuel: Number) -> None:
-    """The trip itself: what the truck sensed where it was it senses no more."""
+    """Make the trip; the truck forgets the items sensed at its old place."""
     state = scene.state
     part(scene)
     state.truck.place = leg.road.name

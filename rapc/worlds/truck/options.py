@@ -1,9 +1,9 @@
-"""The truck world's options: one typed row each, with unit, default and meaning.
+"""The truck world's options: a typed row each, with unit, default and meaning.
 
-`TruckSettings` is what the simulator works with; `rapc worlds truck` and `--set` see
-the same rows as `rapc.world.Option`. What T leaves open, durations above all, is
-chosen so that his basic experiment in a still world comes out as his did (T table 6.2),
-with the rocks that `chapter6.toml` sets.
+The simulator uses `TruckSettings`; `rapc worlds truck` and `--set` use the same rows as
+`rapc.world.Option`. T leaves some values open, durations above all. Their defaults
+reproduce his basic experiment in a still world (T table 6.2), with the rocks that
+`chapter6.toml` sets.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ def _row(unit: str, doc: str, most: Number = 1_000_000) -> Meta:
 
 
 def _now(unit: str, doc: str, most: Number = 1_000_000) -> Meta:
-    """Describe an option that is asked for whenever it matters: it may change."""
+    """Describe an option that is read at each use and may change in a run."""
     return Meta(description=doc, extra={"unit": unit, "most": most, "changes": True})
 
 
 class TruckSettings(msgspec.Struct, frozen=True, rename="kebab"):
-    """The options' values: numbers from 0 up to the `most` of their row."""
+    """Values of the options: numbers from 0 to the maximum of their row."""
 
     map: Annotated[str, _row("", "another map than that of T 6.1, as JSON")] = ""
     orders: Annotated[
@@ -137,20 +137,20 @@ class TruckSettings(msgspec.Struct, frozen=True, rename="kebab"):
 
 
 def adjustable(settings: TruckSettings) -> dict[str, Atom | bool]:
-    """Return the options that may change while the truck is at work, with values."""
+    """Return the options that may change in a run, with values."""
     return {
         row.option.name: getattr(settings, row.field) for row in _rows() if row.changes
     }
 
 
 def as_made(settings: TruckSettings, given: TruckSettings) -> TruckSettings:
-    """Return settings with the values in `given` of those that may change."""
+    """Return `settings` with those values of `given` that may change in a run."""
     changes = [row.field for row in _rows() if row.changes]
     return replace(settings, **{name: getattr(given, name) for name in changes})
 
 
 def adjusted(settings: TruckSettings, name: str, value: Atom | bool) -> TruckSettings:
-    """Return settings with another value for an option.
+    """Return settings with a new value for an option.
 
     Raises:
         ValueError: for a value out of range or of the wrong kind.
@@ -159,7 +159,7 @@ def adjusted(settings: TruckSettings, name: str, value: Atom | bool) -> TruckSet
 
 
 def read_settings(options: Mapping[str, Atom | bool]) -> TruckSettings:
-    """TruckSettings from option values; those not given have their defaults.
+    """Return settings from option values, with defaults for missing options.
 
     Raises:
         ValueError: for an option out of range or of the wrong kind.
@@ -181,12 +181,12 @@ def read_settings(options: Mapping[str, Atom | bool]) -> TruckSettings:
 
 
 def describe_options() -> tuple[Option, ...]:
-    """All options, in the order in which they are listed."""
+    """Return all options in their listed order."""
     return tuple(row.option for row in _rows())
 
 
 class _Row(msgspec.Struct, frozen=True):
-    """An option, the field with its value, the most it can be, if it may change."""
+    """An option, its field, its maximum, and whether the option may change."""
 
     option: Option
     field: str
@@ -196,7 +196,7 @@ class _Row(msgspec.Struct, frozen=True):
 
 @cache
 def _rows() -> tuple[_Row, ...]:
-    """Worked out once: looking up annotations is slow."""
+    """Return a row for each option; cached, because reading annotations is slow."""
     hints, rows = get_type_hints(TruckSettings, include_extras=True), []
     kinds = {bool: "flag", str: "text", int: "integer"}
     for field in msgspec.structs.fields(TruckSettings):

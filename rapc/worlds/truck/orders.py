@@ -1,4 +1,4 @@
-"""Orders and deliveries as the world counts them (T 6.1.3); the robot is not told."""
+"""Orders and deliveries as counted by the world (T 6.1.3), hidden from the robot."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from rapc.worlds.truck.state import Delivery, Order, TruckItem, TruckState
 
 
 def read_orders(text: str, ground: Map) -> Iterator[Order]:
-    """The orders of the option `orders`: rows of time, colour, rocks and factory.
+    """Yield the orders of the option `orders`: rows of time, colour, rocks and factory.
 
     Raises:
-        ValueError: for what is no JSON, or makes no sense on the map.
+        ValueError: if the text is not JSON or does not match the map.
     """
     if not text:
         return
@@ -38,10 +38,10 @@ def read_orders(text: str, ground: Map) -> Iterator[Order]:
 
 
 def deliver(scene: Scene, item: TruckItem) -> None:
-    """Log a rock put down at a factory; it counts once for one order.
+    """Log a rock put down at a factory; the rock counts once for one order.
 
-    With a `factory-interval` of 0 it is consumed as it arrives (T 6.4.1): then the time
-    at which an order is filled is that of T's reports (T 6.3.1).
+    With a `factory-interval` of 0 the factory consumes the rock on arrival (T 6.4.1).
+    Then the time at which an order is filled is the time of T's reports (T 6.3.1).
     """
     state, place = scene.state, scene.map.place(item.place)
     if place is None or place.kind != "factory" or item.color is None:
@@ -58,7 +58,7 @@ def deliver(scene: Scene, item: TruckItem) -> None:
 
 
 def _count(state: TruckState, made: Delivery) -> None:
-    """Count a delivery for the first order that still wants such a rock."""
+    """Count a delivery for the first open order of this colour and factory."""
     for order in state.orders:
         wanted = (order.color, order.factory) == (made.color, made.factory)
         if wanted and order.filled is None and order.time <= state.now:

@@ -1,6 +1,6 @@
-"""The truck world as a picture: its map laid out, its truth put into neutral records.
+"""The truck world as a picture: the layout of its map, its truth as neutral records.
 
-How a picture is drawn, and what the robot believes, is for others.
+Not here: drawing, and the robot's beliefs.
 """
 
 from __future__ import annotations
@@ -16,18 +16,18 @@ from rapc.worlds.truck.weather import dark, raining
 
 _EIGHT = ((0, -1), (1, -1), (1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1))
 _STEPS = dict(zip(DIRECTIONS, _EIGHT, strict=True))
-"""To the right and down, by direction."""
+"""Steps to the right and down, by direction."""
 
 _ROUNDS = 200
-"""How often places are pulled to where their roads want them."""
+"""The number of rounds of moving places towards the targets of their roads."""
 
 
 Layout = Mapping[str, tuple[float, float]]
-"""Where to draw each place: to the right and down."""
+"""Coordinates of each place: to the right and down."""
 
 
 def picture_of(scene: Scene, layout: Layout) -> Picture:
-    """The picture of a scene as it is now, its places where the layout has them."""
+    """Return the picture of a scene, with its places at the layout's coordinates."""
     truck = scene.state.truck
     gauges = (
         Gauge("at", truck.place, ("truck-location",)),
@@ -41,10 +41,10 @@ def picture_of(scene: Scene, layout: Layout) -> Picture:
 
 
 def lay_out(ground: Map) -> Layout:
-    """Return where to draw each place, so that roads lead about where they say.
+    """Return coordinates of each place, so that roads point roughly in their direction.
 
-    A map has directions and no coordinates, and need not fit on a plane: each place
-    is moved again and again to the mean of where its roads want it.
+    A map has directions, no coordinates, and may not fit on a plane. So each place
+    moves repeatedly to the mean of the targets of its roads.
     """
     where = {place.name: (0.0, 0.0) for place in ground.places}
     ways = {
@@ -63,7 +63,7 @@ def lay_out(ground: Map) -> Layout:
 
 
 def _half(steps: float) -> float:
-    """Steps to the nearest half."""
+    """Round steps to the nearest half."""
     return round(steps * 2) / 2
 
 
@@ -84,13 +84,13 @@ def _spots(scene: Scene, where: Layout) -> Iterator[Spot]:
 
 
 def _weather(scene: Scene, spot: str) -> str:
-    """`dark`, `rain` or both, if it is so."""
+    """Return `dark`, `rain`, both, or an empty text."""
     words = [("dark", dark(scene, spot)), ("rain", raining(scene, spot))]
     return " ".join(word for word, is_so in words if is_so)
 
 
 def _note(scene: Scene, name: str) -> str:
-    """Return where an arm is, and the kind of thing that it is at."""
+    """Return an arm's position and the kind of item that the arm is at."""
     arm = scene.arm(name)
     if arm is None:
         return ""

@@ -1,6 +1,6 @@
-"""The table of the truck's primitives (T B.1) and data (T B.2): all that it offers.
+"""The table of the truck's primitives (T B.1) and data (T B.2): the world's offer.
 
-Results beyond T's lists, and why, are in docs/truck.md.
+docs/truck.md has the results beyond T's lists, with reasons.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from rapc.worlds.truck.options import TruckSettings
 
 
 class TruckPrimitive(msgspec.Struct, frozen=True):
-    """A primitive, and what it does at its end."""
+    """A primitive and its effect at its end."""
 
-    #: What its arguments are called.
+    #: The names of its arguments.
     takes: tuple[str, ...]
     act: Callable[..., Reply]
     #: Its results besides `okay`.
@@ -59,7 +59,7 @@ PRIMITIVES: Mapping[str, TruckPrimitive] = {
 
 
 def time_of(settings: TruckSettings, name: str) -> Number:
-    """Return how long a primitive takes, a trip aside: an option is called after it."""
+    """Return the duration of a primitive, trips excluded: the option of its name."""
     option = name.replace("unmonitor", "monitor").replace("-", "_")
     takes: Number = getattr(settings, f"{option}_time")
     return takes
@@ -84,7 +84,7 @@ DATA: Mapping[str, tuple[str, ...]] = {
     "fuel-level": ("fuel",),
     "clock": ("time",),
 }
-"""What the arguments of each datum are called."""
+"""Argument names of each datum."""
 
 OFFER = Offer(
     primitives={n: (len(p.takes), (OKAY, *p.failures)) for n, p in PRIMITIVES.items()},

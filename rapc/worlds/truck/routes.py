@@ -1,9 +1,8 @@
 """The route planner: a problem solver for the RAP `travel-route` (T 7.4.1).
 
-Asked for a route between two places, it finds the quickest one over the roads that
-memory knows and returns it as a method, one `travel-road` step after another. It
-sees memory only, never the simulator. How a road is driven is for
-`stdlib/truck/travel.rap` to say.
+For two places, the planner finds the quickest route over the roads known in memory. The
+result is a method with a `travel-road` step for each road. The planner reads memory
+only, never the simulator. Not here: driving a road, see `stdlib/truck/travel.rap`.
 """
 
 from __future__ import annotations
@@ -16,20 +15,20 @@ from rapc.ir.nodes import Compare, Const, Goal, Method, Var
 from rapc.worlds.ways import in_turn, shortest
 
 SOLVED_RAP = "travel-route"
-"""The RAP that is helped: `(travel-route ?from ?to)`."""
+"""The RAP that the planner solves: `(travel-route ?from ?to)`."""
 
 Leg = tuple[Atom, Atom, Atom]
-"""One road of a route: from where, in which direction, to where."""
+"""A road of a route: start, direction, end."""
 
 
 def plan_route(goal: Fact, memory: AskedMemory) -> Sequence[Method]:
-    """The quickest route as a method, or nothing if no roads lead there.
+    """Return the quickest route as a method, or nothing if no route exists.
 
-    The method holds for these two places alone and drives the roads in turn.
+    The method applies to these two places only and drives the roads in turn.
 
     Args:
         goal: `("travel-route", from, to)`.
-        memory: is asked for `road` and `road-time` facts.
+        memory: the source of `road` and `road-time` facts.
     """
     _, origin, target = goal
     legs = find_route(memory, origin, target)
@@ -40,7 +39,7 @@ def plan_route(goal: Fact, memory: AskedMemory) -> Sequence[Method]:
 
 
 def find_route(memory: AskedMemory, origin: Atom, target: Atom) -> tuple[Leg, ...]:
-    """The roads of the quickest route by nominal time; none if there is no way."""
+    """Return the roads of the quickest route by nominal time; empty without a route."""
 
     def roads_from(place: Atom) -> Iterator[tuple[Leg, Atom, Number]]:
         for _, road, _, direction, to in memory.query("road", None, place, None, None):

@@ -1,7 +1,8 @@
 """The ground truth of the truck world, and the physics that all primitives share.
 
-What single primitives do is in `arms`, `movement` and `eye`; what happens without
-the truck in `demons`. Nothing here is told to the robot unless one of them does.
+The effects of single primitives are in `arms`, `movement` and `eye`; changes without
+the truck are in `demons`. The robot learns of this module's state only through their
+data.
 """
 
 from __future__ import annotations
@@ -25,19 +26,19 @@ from rapc.worlds.truck.state import (
 )
 
 STREAMS = ("shuffle", "enemies", "weapon", "weather", "dark", "wear")
-"""The random streams beside the world's first one."""
+"""The random streams beside the main stream of the world."""
 
 
 def tidy(amount: Number) -> Number:
-    """Return a time or an amount to two digits."""
+    """Return a time or an amount rounded to two decimals."""
     return number(round(amount, 2))
 
 
 class Scene:
     """A map, settings and random streams, with the state that they act on.
 
-    What came into the world later has a stream of its own in `chance`, so that one
-    can be switched on without the others' luck changing.
+    Each later feature of the world has its own stream in `chance`. So switching a
+    feature on does not change the random numbers of the others.
     """
 
     def __init__(
@@ -57,7 +58,7 @@ class Scene:
         root = _glance(rng)
         self.chance = {name: random.Random(f"{root}:{name}") for name in STREAMS}
         self.state = state
-        #: The sizes of what arms and cargo bays can hold.
+        #: The capacities of arms and cargo bays.
         self.capacities: dict[str, Number] = {
             "arm1": settings.arm1_capacity,
             "arm2": settings.arm2_capacity,
@@ -68,7 +69,7 @@ class Scene:
     # --- items -----------------------------------------------------------------
 
     def make(self, kind: str, place: str, color: str | None = None) -> TruckItem:
-        """A new item, full if it can hold something, named after its kind."""
+        """Make an item, named after its kind, and full if the kind says so."""
         made = self.state.made
         made[kind] = made.get(kind, 0) + 1
         what = self.kinds[kind]
@@ -84,7 +85,7 @@ class Scene:
         return item
 
     def remove(self, item: TruckItem) -> None:
-        """An item leaves the world for good, with what it contains."""
+        """Remove an item from the world, with its contents."""
         for inside in list(self.items_at(item.name)) if self.kind(item).holds else ():
             self.remove(inside)
         self.put(item, "gone")
@@ -92,25 +93,25 @@ class Scene:
         self.state.gone += 1
 
     def put(self, item: TruckItem, place: str) -> None:
-        """Put an item elsewhere; no arm is at it, or in it, any more."""
+        """Put an item at a place; arms at or in the item lose contact."""
         for arm in self.state.truck.arms.values():
             if arm.at is not None and self.reaches(arm, item):
                 arm.at = None
         item.place = place
 
     def items_at(self, place: str) -> Iterator[TruckItem]:
-        """The items at a place, in the order in which they were made."""
+        """Yield the items at a place, in the order of their creation."""
         return (item for item in self.state.items.values() if item.place == place)
 
     def root(self, item: TruckItem) -> str:
-        """Return where an item is, on map or truck, whatever it is contained in."""
+        """Return the position of an item on map or truck, outside all containers."""
         items, place = self.state.items, item.place
         while place in items:
             place = items[place].place
         return place
 
     def reaches(self, arm: Arm, item: TruckItem) -> bool:
-        """Whether an arm is at an item, or at something inside it."""
+        """Return whether an arm is at an item, or at an item inside it."""
         items, name = self.state.items, arm.at
         while name is not None and name != item.name:
             inner = items.get(name)
@@ -118,16 +119,15 @@ class Scene:
         return name is not None
 
     def kind(self, item: TruckItem) -> Kind:
-        """Return what an item has in common with others of its kind."""
+        """Return the kind of an item."""
         return self.kinds[item.kind]
 
     # --- places ----------------------------------------------------------------
 
     def spot(self, place: object) -> str | None:
-        """Return what the truck calls a place within reach of its eye, or None.
+        """Return the truck's name of a place within reach of its eye, or None.
 
-        The place where the truck stands and `external` are one. A container goes by
-        its true name.
+        The truck's own place is `external`. A container has its true name.
         """
         if place in (EXTERNAL, self.state.truck.place):
             return EXTERNAL
@@ -137,16 +137,16 @@ class Scene:
         return item.name if item is not None and self.kind(item).holds else None
 
     def true_place(self, spot: str) -> str:
-        """The place of the items at a spot: for `external`, where the truck is."""
+        """Return the place of items at a spot: for `external`, the truck's place."""
         return self.state.truck.place if spot == EXTERNAL else spot
 
     def called(self, spot: str) -> str:
-        """Return what data call a spot: a container by its sensor name."""
+        """Return the name of a spot in data: for a container, its sensor name."""
         item = self.state.items.get(spot)
         return spot if item is None else self.sensor_name(item)
 
     def where(self, arm: Arm) -> tuple[str, ...]:
-        """Return what an arm is in, innermost first: containers, then a true place."""
+        """Return an arm's position: containers, innermost first, then a true place."""
         items, nest = self.state.items, []
         item = items[arm.at] if arm.at is not None else None
         if item is not None and not self.kind(item).holds:
@@ -157,10 +157,10 @@ class Scene:
         return (*nest, self.true_place(arm.place))
 
     def room(self, place: str, kind: str) -> bool:
-        """Whether a true place has room for one more item of a kind.
+        """Return whether a true place has room for one more item of a kind.
 
-        Outside there is no end of it; that producers and the demon stop at
-        `item-limit` is their affair.
+        Outside there is no limit; producers and the shuffling demon apply `item-limit`
+        themselves.
         """
         container = self.state.items.get(place)
         if container is not None:
@@ -175,18 +175,18 @@ class Scene:
         return size + sum(self.kind(i).size for i in self.items_at(place)) <= capacity
 
     def crowded(self, place: str) -> bool:
-        """Whether so much lies at a place of the map that no more may be made there."""
+        """Return whether a place of the map has reached the limit for new items."""
         lying = sum(item.kind != ENEMY for item in self.items_at(place))
         return lying > self.settings.item_limit
 
     # --- what a request means --------------------------------------------------
 
     def arm(self, name: object) -> Arm | None:
-        """The arm of a name, or None."""
+        """Return the arm of this name, or None."""
         return self.state.truck.arms.get(str(name))
 
     def item(self, sensor_name: object) -> TruckItem | None:
-        """The item of a sensor name within reach of arms or eye, or None."""
+        """Return the item of a sensor name within reach of arms or eye, or None."""
         name = str(sensor_name)
         if not self.settings.lasting_names:
             name = next((n for n, s in self.state.names.items() if s == name), name)
@@ -197,24 +197,24 @@ class Scene:
         return item if self.root(item) in within else None
 
     def held(self, arm: object, sensor_name: object) -> TruckItem | None:
-        """The item of a sensor name if that arm holds it, or None."""
+        """Return the item of a sensor name if the arm holds it, or None."""
         item = self.item(sensor_name) if arm in ARMS else None
         return item if item is not None and item.place == arm else None
 
     def at(self, arm: object) -> TruckItem | None:
-        """The item that an arm is at, or None."""
+        """Return the item that an arm is at, or None."""
         found = self.arm(arm)
         name = found.at if found is not None else None
         return self.state.items[name] if name is not None else None
 
     def sensor_name(self, item: TruckItem) -> str:
-        """An item's sensor name; without lasting names, its own for this visit."""
+        """Return an item's sensor name: permanent, or valid for this visit."""
         if self.settings.lasting_names or not self.kind(item).indistinct:
             return item.name
         return self.state.names.get(item.name, "")
 
     def sight(self, item: TruckItem, spot: str) -> str:
-        """The truck senses an item somewhere: its sensor name, new at first sight."""
+        """Note that the truck senses an item at a spot; return its sensor name."""
         state = self.state
         state.sighted[item.name] = spot
         if not self.sensor_name(item):
@@ -225,36 +225,36 @@ class Scene:
     # --- demons and the end ----------------------------------------------------
 
     def expect(self, job: str, place: str, wait: Number) -> None:
-        """Put a demon with a job at a place into the state, to act after a wait."""
+        """Add a demon with a job at a place, which acts after a wait."""
         self.state.demons.append(Demon(job, place, tidy(self.state.now + wait)))
 
     def dismiss(self, place: str, *jobs: str) -> None:
-        """Take the demons with these jobs at a place out of the state."""
+        """Remove the demons with these jobs at a place."""
         demons = self.state.demons
         self.state.demons = [d for d in demons if d.job not in jobs or d.place != place]
 
     def end(self, why: str) -> None:
-        """End the run for a reason, unless it has ended for another one before."""
+        """End the run for a reason, unless the run has already ended."""
         if self.state.ended is None:
             self.state.ended = why
 
     # --- chance ----------------------------------------------------------------
 
     def vary(self, nominal: Number, per_cent: Number, stream: str = "") -> Number:
-        """A number about a nominal one, evenly spread, to two digits."""
+        """Return a random number about a nominal value, uniform, to two decimals."""
         spread, rng = per_cent / 100, self.chance[stream] if stream else self.rng
         return tidy(nominal * rng.uniform(1 - spread, 1 + spread))
 
 
 def _glance(rng: random.Random) -> int:
-    """Return what a stream would give next; it is left as it was."""
+    """Return the next value of a stream without advancing the stream."""
     copy = random.Random()
     copy.setstate(rng.getstate())
     return copy.getrandbits(64)
 
 
 def check_items(scene: Scene, state: TruckState) -> None:
-    """See that items and arms of a saved state are somewhere. Raises ValueError."""
+    """Validate the places of items and arms in a saved state; raise ValueError."""
     items, truck = state.items, state.truck
     spots = {*scene.map.spots(), *BAYS, *ARMS}
     for name, item in items.items():

@@ -1,4 +1,4 @@
-"""The shuffling demon: somebody who moves things about the world (T 6.1.1, 6.3.1)."""
+"""The shuffling demon: an agent that moves items about the world (T 6.1.1, 6.3.1)."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from rapc.worlds.truck.scene import Scene
 from rapc.worlds.truck.state import Demon, TruckItem
 
 TOOLS = frozenset({"gun", "gun-tool"})
-"""What is left alone unless the option `shuffle-tools` says otherwise."""
+"""Kinds that the demon moves only with the option `shuffle-tools`."""
 
 
 def shuffle(scene: Scene, demon: Demon) -> Number | None:
-    """Move some of what lies about to other places, chosen at random.
+    """Move some items to other places, chosen at random.
 
-    Never at factories, never to a place that holds `item-limit` items already, and
-    nothing that is on the truck or fixed.
+    The demon moves no items from or to factories, no items on the truck, no fixed
+    items, and nothing to a place that has reached `item-limit`.
     """
     settings, rng = scene.settings, scene.chance["shuffle"]
     chance = settings.shuffle_efficiency / 100
@@ -41,7 +41,7 @@ def shuffle(scene: Scene, demon: Demon) -> Number | None:
 
 
 def _count(spare: dict[str, int], room: list[str], place: str, more: int) -> None:
-    """Count items at a place; `room` lists the places that have room for any."""
+    """Count items at a place; `room` lists the places that have room for more."""
     before = spare[place] > 0
     spare[place] += more
     if spare[place] > 0 and not before:
@@ -51,7 +51,7 @@ def _count(spare: dict[str, int], room: list[str], place: str, more: int) -> Non
 
 
 def _lying(scene: Scene) -> dict[str, list[TruckItem]]:
-    """Return what lies at each place but the factories; enemies do not lie."""
+    """Return the items at each place, factories and enemies excluded."""
     lying: dict[str, list[TruckItem]] = {
         place.name: [] for place in scene.map.places if place.kind != "factory"
     }

@@ -1,4 +1,4 @@
-"""All that changes in the truck world, as one value that can be saved exactly."""
+"""The complete changing state of the truck world, as a value that can be saved."""
 
 from __future__ import annotations
 
@@ -14,9 +14,10 @@ FOLDED = "folded"
 
 
 class TruckItem(msgspec.Struct):
-    """A thing. `place` is a place or road of the map, a bay, an arm or a container.
+    """An item. `place` is a place or road of the map, a bay, an arm or a container.
 
-    `liquid` and `amount` are what a vessel or weapon holds; a machine may be `broken`.
+    `liquid` and `amount` are the contents of a vessel or weapon; a machine may be
+    `broken`.
     """
 
     name: str
@@ -29,14 +30,14 @@ class TruckItem(msgspec.Struct):
 
 
 class Arm(msgspec.Struct):
-    """Where an arm is (external, folded or a bay) and the item it is at, if any."""
+    """An arm's position (external, folded or a bay), and the item it is at, if any."""
 
     place: str = FOLDED
     at: str | None = None
 
 
 class Truck(msgspec.Struct):
-    """The truck's body; what its arms and bays hold is said by the items."""
+    """The truck's body; items record their own places in arms and bays."""
 
     place: str
     heading: str
@@ -48,7 +49,7 @@ class Truck(msgspec.Struct):
 
 
 class Demon(msgspec.Struct):
-    """Something that will happen: a job of `demons.JOBS`, at a place or at none."""
+    """A future event: a job of `demons.JOBS`, at a place or without a place."""
 
     job: str
     place: str
@@ -56,9 +57,9 @@ class Demon(msgspec.Struct):
 
 
 class Order(msgspec.Struct):
-    """So many rocks of a colour wanted at a factory from a time on.
+    """An order of rocks of a colour for a factory, open from a time on.
 
-    `filled` is the time when the last of them came, or None.
+    `filled` is the time of the last rock's delivery, or None.
     """
 
     time: Number
@@ -70,7 +71,7 @@ class Order(msgspec.Struct):
 
 
 class Delivery(msgspec.Struct, frozen=True):
-    """A rock was put down at a factory."""
+    """A delivery of a rock to a factory."""
 
     time: Number
     item: str
@@ -79,10 +80,10 @@ class Delivery(msgspec.Struct, frozen=True):
 
 
 class Encounter(msgspec.Struct):
-    """Enemies and the truck were at one place, from a time on.
+    """A meeting of enemies and truck at a place, from a time on.
 
-    `until` is when that was over, None while it lasts; `how`: `shot` if no unit was
-    left, `left` if the truck set off, `captured`.
+    `until` is the end of the meeting, None while the meeting lasts. `how` is `shot` if
+    no unit was left, `left` if the truck departed, or `captured`.
     """
 
     time: Number
@@ -93,14 +94,14 @@ class Encounter(msgspec.Struct):
 
 
 class TruckState(msgspec.Struct):
-    """The whole state.
+    """The complete state.
 
     Args:
-        sighted: the items sensed since the truck arrived, with where they were.
-        names: their sensor names, where those do not last.
-        made: how many items of each kind there have ever been.
-        gone: how many items factories took in, the depot removed, or enemies were.
-        raining: the sectors in which it rains.
+        sighted: the items sensed since the truck arrived, with their spots.
+        names: sensor names that are valid for one visit.
+        made: the number of items of each kind ever made.
+        gone: the number of items taken in by factories, removed by the depot, or shot.
+        raining: the sectors with rain.
         pending: data for `messages`.
     """
 

@@ -1,9 +1,9 @@
-"""Rain and darkness over the sectors of the map, and what they do (T 1.4.2).
+"""Rain and darkness over the sectors of the map, and their effects (T 1.4.2).
 
-Rain comes to a sector and goes; it makes roads slower, thirstier, and muddy ones
-dangerous. Night falls everywhere, in some sectors it never ends; then trips take
-longer and the eye overlooks things outside. Where there is weather, or darkness, a scan
-outside tells of it.
+Rain in a sector makes its roads slower, raises fuel use, and makes muddy roads
+dangerous. Night comes to all sectors, and some sectors are always dark. In the dark,
+trips take longer and the eye misses items outside. With weather or darkness, a scan
+outside reports the sky.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from rapc.worlds.truck.state import Demon, TruckItem
 
 
 def change_weather(scene: Scene, demon: Demon) -> Number:
-    """Turn the weather of a sector to rain or to sun, for a while."""
+    """Change the weather of a sector to rain or sun; return its duration."""
     settings, rng = scene.settings, scene.chance["weather"]
     rained = [name for name in scene.state.raining if name != demon.place]
     rains = rng.uniform(0, 100) < settings.rain
@@ -26,13 +26,13 @@ def change_weather(scene: Scene, demon: Demon) -> Number:
 
 
 def raining(scene: Scene, spot: str) -> bool:
-    """Whether it rains at a place or on a road."""
+    """Return whether rain falls at a place or on a road."""
     sector = scene.sectors.get(spot)
     return sector is not None and sector.name in scene.state.raining
 
 
 def dark(scene: Scene, spot: str) -> bool:
-    """Whether it is dark at a place or on a road."""
+    """Return whether a place or a road is dark."""
     day, sector = scene.settings.day_length, scene.sectors.get(spot)
     if sector is not None and sector.dark:
         return True
@@ -40,7 +40,7 @@ def dark(scene: Scene, spot: str) -> bool:
 
 
 def sky(scene: Scene) -> Iterator[Fact]:
-    """Yield what the sky is like where the truck is, if this world has weathers."""
+    """Yield the data about the sky at the truck, if this world has weather."""
     place, settings = scene.state.truck.place, scene.settings
     if settings.rain > 0:
         yield ("weather", place, "rain" if raining(scene, place) else "dry")
@@ -49,7 +49,7 @@ def sky(scene: Scene) -> Iterator[Fact]:
 
 
 def hardships(scene: Scene, road: Road) -> tuple[Number, Number, Number]:
-    """The factors on time and fuel for a trip down a road, and the chance of mud."""
+    """Return the factors on time and fuel of a trip along a road, and the mud risk."""
     settings = scene.settings
     time, fuel, mud = 1.0, 1.0, 0.0
     if raining(scene, road.name):
@@ -60,7 +60,7 @@ def hardships(scene: Scene, road: Road) -> tuple[Number, Number, Number]:
 
 
 def overlooked(scene: Scene, item: TruckItem) -> bool:
-    """Whether the eye misses an item outside that it has not seen there before."""
+    """Return whether the eye misses an item outside that is not sensed yet."""
     if item.name in scene.state.sighted or not dark(scene, item.place):
         return False
     return scene.chance["dark"].uniform(0, 100) < scene.settings.dark_misses

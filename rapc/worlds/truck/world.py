@@ -1,7 +1,7 @@
-"""The delivery truck as a world: the port on one side, the scene on the other.
+"""The delivery truck as a world: an adapter between the port and the scene.
 
-The physics is in `scene`, `arms`, `movement`, `eye` and `demons`; the handlers, which
-know nothing of it, in `handlers`.
+The physics is in `scene`, `arms`, `movement`, `eye` and `demons`. The handlers in
+`handlers` know nothing of the physics.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ from rapc.worlds.truck.state import ARMS, Delivery, Encounter, Order, Truck, Tru
 
 
 class Saved(msgspec.Struct, frozen=True):
-    """What `save` writes: the options are kept to refuse a state of other ones."""
+    """The data that `save` writes; `restore` refuses a state with other options."""
 
     settings: TruckSettings
     state: TruckState
@@ -72,7 +72,7 @@ class TruckWorld(World):
             raise ValueError(f"`map`: {error}") from error
         truck = Truck(ground.start, ground.heading, number(settings.fuel))
         self._scene = Scene(ground, settings, rng, TruckState(truck))
-        #: Where the map is drawn; made for the first picture.
+        #: The map's layout; computed for the first picture.
         self._layout: Layout | None = None
         for lying in _at_first(ground, settings.quarry_rocks):
             for _ in range(lying.count):
@@ -94,7 +94,7 @@ class TruckWorld(World):
         item.broken = lying.broken
 
     def facts(self) -> Iterable[Fact]:
-        """The map and the truck's own body; no item."""
+        """Return the map and the truck's own body; no items."""
         scene = self._scene
         yield from scene.map.facts()
         for place, size in scene.capacities.items():
@@ -106,14 +106,14 @@ class TruckWorld(World):
         yield ("truck-status", "ready")
 
     def now(self) -> Time:
-        """The clock."""
+        """The time of the clock."""
         return self._scene.state.now
 
     def perform(self, ticket: int, request: Fact) -> Reply:
-        """Carry out a request: it takes its time first, then what it does happens.
+        """Carry out a request: let its time pass, then apply its effect.
 
         Raises:
-            ValueError: for a primitive or a number of arguments not on offer.
+            ValueError: for an unknown primitive or a wrong number of arguments.
         """
         name, *arguments = request
         primitive = PRIMITIVES.get(str(name))
@@ -126,20 +126,20 @@ class TruckWorld(World):
         return Reply(reply.result, (*reply.data, *noticed, ("clock", scene.state.now)))
 
     def usual_time(self, request: Fact) -> Time:
-        """Return what the options say, travel without its time; 0 if unknown."""
+        """Return the duration by the options, trips excluded; 0 if unknown."""
         name = str(request[0])
         return time_of(self._scene.settings, name) if name in PRIMITIVES else 0
 
     def next_time(self) -> Time | None:
-        """Nothing comes unasked but the first look at the truck's own gauges."""
+        """Return the present while gauge data wait to be sent, else None."""
         return self._scene.state.now if self._scene.state.pending else None
 
     def advance(self, to: Time) -> None:
-        """Move the clock on; quarries, factories and the rest go about their work."""
+        """Advance the clock; demons that are due act."""
         pass_time(self._scene, to)
 
     def messages(self) -> Sequence[Message]:
-        """Return what the truck knows of itself when switched on, then nothing."""
+        """Return the gauge data after the start, then nothing."""
         pending = self._scene.state.pending
         if not pending:
             return ()
@@ -148,27 +148,27 @@ class TruckWorld(World):
         return found
 
     def ended(self) -> str | None:
-        """Out of fuel, a mishap or captured, and where that happened."""
+        """The reason for the end of the run, with the place; None while it goes on."""
         return self._scene.state.ended
 
     def picture(self) -> Picture:
-        """The map, and all there is on it and on the truck."""
+        """Return the map, with all items on the map and on the truck."""
         if self._layout is None:
             self._layout = lay_out(self._scene.map)
         return picture_of(self._scene, self._layout)
 
     def save(self) -> bytes:
-        """The state of world and random stream, as JSON."""
+        """Return the state of world and random streams, as JSON."""
         scene = self._scene
         chance = {name: stream_state(rng) for name, rng in scene.chance.items()}
         saved = Saved(scene.settings, scene.state, stream_state(scene.rng), chance)
         return msgspec.json.encode(saved)
 
     def restore(self, state: bytes) -> None:
-        """Take up a saved state.
+        """Restore a saved state.
 
         Raises:
-            ValueError: if it is none, or one of a truck world with other options.
+            ValueError: if the state is invalid or from a truck with other options.
         """
         scene = self._scene
         with reading_state("a truck world"):
@@ -184,27 +184,27 @@ class TruckWorld(World):
         scene.settings = saved.settings
 
     def adjustable(self) -> Mapping[str, Atom | bool]:
-        """Return the options that may change while the truck is at work."""
+        """Return the options that may change in a run."""
         return adjustable(self._scene.settings)
 
     def adjust(self, name: str, value: Atom | bool) -> None:
-        """Give an option another value. Raises ValueError for one out of range."""
+        """Set an option to a new value; raise ValueError if it is out of range."""
         self._scene.settings = adjusted(self._scene.settings, name, value)
 
     @property
     def deliveries(self) -> tuple[Delivery, ...]:
-        """The world's own log: every putting down of a rock at a factory, in order."""
+        """Return the world's log of rocks put down at a factory, in order."""
         return tuple(self._scene.state.deliveries)
 
     @property
     def encounters(self) -> tuple[Encounter, ...]:
-        """The world's own log of meetings with enemies, in order."""
+        """Return the world's log of meetings with enemies, in order."""
         return tuple(msgspec.structs.replace(e) for e in self._scene.state.encounters)
 
     def figures(self) -> dict[str, Number]:
-        """Return what was true: rocks that came to a factory, meetings with troops.
+        """Return true figures: rocks delivered to factories, meetings with troops.
 
-        `shot` counts the meetings that ended with no troops left; `fuel` is what is
+        `shot` counts the meetings that ended with no troops left; `fuel` is the amount
         left in the fuel bay.
         """
         met = self._scene.state.encounters
@@ -217,21 +217,21 @@ class TruckWorld(World):
 
     @property
     def orders(self) -> tuple[Order, ...]:
-        """The orders of the option `orders`, with what has come for them."""
+        """Return the orders of the option `orders`, with their deliveries."""
         return tuple(msgspec.structs.replace(o) for o in self._scene.state.orders)
 
     @property
     def state(self) -> TruckState:
-        """A copy of the whole truth, for tests; the robot has no part in it."""
+        """Return a copy of the complete truth, for tests; hidden from the robot."""
         return msgspec.json.decode(
             msgspec.json.encode(self._scene.state), type=TruckState
         )
 
 
 def _at_first(ground: Map, stock: int) -> Iterator[Lying]:
-    """The items that lie about at the start: `stock` rocks are at each quarry.
+    """Yield the items at the start; each quarry has `stock` rocks.
 
-    With a stock of 0 the map says how many rocks lie at quarries, too.
+    With a stock of 0 the map also sets the number of rocks at quarries.
     """
     quarries = [each for each in ground.places if stock and each.kind == "quarry"]
     names = {quarry.name for quarry in quarries}
