@@ -1,8 +1,11 @@
-"""The debugger, without terminal and protocol: step a run, ask it, go back."""
+"""The debugger, independent of terminal and protocol.
+
+Not here: commands and prompt of the REPL (`rapc.repl`).
+"""
 
 from rapc.debug.history import History
 
 Session = History
-"""A history under the name that Python programs use."""
+"""The name of `History` for Python programs."""
 
 __all__ = ("History", "Session")

@@ -1,9 +1,9 @@
-"""What a user does to a run, as values: done once, and once more at each replay.
+"""Acts of the user on a run, as values that a replay can repeat.
 
-A run is made again from a saved state by doing what was done to it at the same moments.
-So whatever changes a run under the debugger is one of these, or another text of the
-library (`rapc.debug.reload`). Settings are part of what a run is made with; options of
-the world and results that are forced are part of its state.
+A replay starts from a saved state and repeats the acts of the user at the same moments.
+Therefore every change to a run under the debugger is an `Act`; the act that reloads the
+library is in `rapc.debug.reload`. A run is constructed with its settings. Options of
+the world and forced results are part of the state of the run.
 """
 
 from __future__ import annotations
@@ -30,16 +30,16 @@ from rapc.worlds.registry import OWN_SETTINGS, read_options
 
 
 def taken_up(run: Interpreter, program: Program, record: RunRecord) -> Interpreter:
-    """Return a run of a library that stands where a record says.
+    """Return a run of a library, restored to a saved state.
 
     Args:
-        run: the run that it takes the place of; nothing changes in that.
+        run: the run to replace; it stays unchanged.
         program: the library.
-        record: the state, as this library and its settings have it.
+        record: the saved state, valid for the library and its settings.
 
     Raises:
         RefusedError: if the library cannot be run in the world.
-        StateError: if the record is no state of such a run.
+        StateError: if the library cannot restore the record.
     """
     found = run.remade(program, record.settings)
     found.restore(encode_run(record))
@@ -47,23 +47,23 @@ def taken_up(run: Interpreter, program: Program, record: RunRecord) -> Interpret
 
 
 class Act(msgspec.Struct, frozen=True):
-    """Something that the user does to a run between two cycles."""
+    """An act of the user on a run, between two cycles."""
 
     @abstractmethod
     def do(self, run: Interpreter) -> Interpreter | None:
-        """Do it, and return the run that takes the place of `run`, if one does.
+        """Perform the act; return the run that replaces `run`, or None.
 
         Raises:
-            Error: if it cannot be done; then nothing has changed.
+            Error: if the act is impossible; the run is then unchanged.
         """
 
     @abstractmethod
     def __str__(self) -> str:
-        """The act in a few words."""
+        """Return a short text for the act."""
 
 
 class AssertFact(Act, frozen=True):
-    """Asserts a fact on behalf of the user."""
+    """An act that asserts a fact for the user."""
 
     fact: Fact
 
@@ -76,7 +76,7 @@ class AssertFact(Act, frozen=True):
 
 
 class EraseFacts(Act, frozen=True):
-    """Erases every fact that starts with a prefix."""
+    """An act that erases every fact with a given prefix."""
 
     prefix: Fact
 
@@ -89,7 +89,7 @@ class EraseFacts(Act, frozen=True):
 
 
 class SubmitTask(Act, frozen=True):
-    """Gives the robot a task."""
+    """An act that submits a task."""
 
     request: TaskRequest
 
@@ -102,15 +102,15 @@ class SubmitTask(Act, frozen=True):
 
 
 class CancelTasks(Act, frozen=True):
-    """Cancels the top-level tasks that a goal matches."""
+    """An act that cancels the top-level tasks that match a goal."""
 
     goal: Fact
 
     def do(self, run: Interpreter) -> None:
-        """Cancel them.
+        """Cancel the tasks.
 
         Raises:
-            ArgumentError: if there are none.
+            ArgumentError: if no top-level task matches the goal.
         """
         if not run.cancel(self.goal):
             raise ArgumentError(
@@ -122,7 +122,7 @@ class CancelTasks(Act, frozen=True):
 
 
 class SendSignal(Act, frozen=True):
-    """Sends a signal to the tasks that wait for it."""
+    """An act that sends a signal to the tasks that wait for it."""
 
     content: Fact
 
@@ -135,12 +135,12 @@ class SendSignal(Act, frozen=True):
 
 
 class FailTask(Act, frozen=True):
-    """Lets a task fail, as if a condition of it did not hold."""
+    """An act that makes a task fail, as if one of its conditions were false."""
 
     task: int
 
     def do(self, run: Interpreter) -> None:
-        """Fail the task; a method that it is at ends first."""
+        """Fail the task; end its current method first."""
         run.fail_task(self.task)
 
     def __str__(self) -> str:
@@ -148,7 +148,7 @@ class FailTask(Act, frozen=True):
 
 
 class RetryTask(Act, frozen=True):
-    """Lets the method of a task end badly, so that the task chooses again."""
+    """An act that makes the method of a task fail; the task then chooses again."""
 
     task: int
 
@@ -156,7 +156,7 @@ class RetryTask(Act, frozen=True):
         """End the method.
 
         Raises:
-            ArgumentError: for a task that is at work on none.
+            ArgumentError: if the task has no method under way.
         """
         run.retry_task(self.task)
 
@@ -165,7 +165,7 @@ class RetryTask(Act, frozen=True):
 
 
 class ChangeOption(Act, frozen=True):
-    """Lets a run go on with another setting, or with another option of its world."""
+    """An act that changes a setting of the run or an option of its world."""
 
     #: `rapc`, or the name of the world.
     owner: str
@@ -176,9 +176,9 @@ class ChangeOption(Act, frozen=True):
         """Change the option.
 
         Raises:
-            ArgumentError: if the world does not let it be changed, or not so.
-            PortError: if the world breaks.
-            StateError: if the run cannot be saved: another setting makes it anew.
+            ArgumentError: if the world does not accept the option or the value.
+            PortError: if the world raises an exception.
+            StateError: if the run cannot be saved, to apply a setting.
         """
         if self.owner == OWN_SETTINGS:
             settings = replace(run.settings, **{_field(self.name): self.value})
@@ -201,15 +201,15 @@ class ChangeOption(Act, frozen=True):
 
 
 def _field(name: str) -> str:
-    """Return the field of the settings that a name stands for."""
+    """Return the field of `Settings` for the name of a setting."""
     return name.replace("-", "_")
 
 
 def changeable_options(run: Interpreter) -> dict[str, Atom | bool]:
-    """Return what can be changed while a run goes on, `owner.name`, with its value.
+    """Return the options that can change during a run, by `owner.name`.
 
     Raises:
-        PortError: if the world breaks, or returns no mapping.
+        PortError: if the world raises an exception or does not return a mapping.
     """
     names = Settings.__struct_fields__
     own = {
@@ -221,18 +221,18 @@ def changeable_options(run: Interpreter) -> dict[str, Atom | bool]:
 
 
 def change_option(run: Interpreter, owner: str, name: str, text: str) -> Act:
-    """Return the act that gives an option another value.
+    """Return the act that sets an option to a value.
 
     Args:
         run: the run.
         owner: `rapc`, or the name of the world.
         name: the name of the option.
-        text: the value, as it is typed.
+        text: the value as the user typed it.
 
     Raises:
-        SettingError: for a setting that is none, or a value that it does not take.
-        WorldError: for an option that the world has not, or a value of another kind.
-        ArgumentError: for another owner, or an option of a world that stays as it is.
+        SettingError: for an unknown setting or an invalid value.
+        WorldError: for an unknown option of the world or a value of the wrong kind.
+        ArgumentError: for an unknown owner, or an option that cannot change in a run.
     """
     world = run.port
     if owner == OWN_SETTINGS:
@@ -248,7 +248,7 @@ def change_option(run: Interpreter, owner: str, name: str, text: str) -> Act:
 
 
 class Forced(msgspec.Struct):
-    """Requests whose result is forced, and how many of them."""
+    """A pattern of requests, their forced result, and the number of uses left."""
 
     pattern: Fact
     result: str
@@ -261,10 +261,10 @@ class _Saved(msgspec.Struct, frozen=True):
 
 
 class ForcedWorld(SubstituteWorld):
-    """A world some of whose next requests end as the user wants.
+    """A wrapper of a world that ends some requests with a forced result.
 
-    A request that is forced never reaches the world behind. It takes as long as such a
-    request usually does, where that world can say.
+    A forced request never reaches the wrapped world. The request takes its usual time
+    if the wrapped world can report that time.
     """
 
     Saved = _Saved
@@ -272,11 +272,11 @@ class ForcedWorld(SubstituteWorld):
 
     def __init__(self, world: World) -> None:
         super().__init__(world)
-        #: What is still forced, in the order in which it was asked for.
+        #: The pending forced results, oldest first.
         self.forced: list[Forced] = []
 
     def perform(self, ticket: int, request: Fact) -> Reply | Refused | None:
-        """Answer as is forced, or hand the request on."""
+        """Answer with the forced result, or pass the request to the wrapped world."""
         for one in self.forced:
             if match_pattern(one.pattern, request) is not None:
                 one.left -= 1
@@ -285,18 +285,18 @@ class ForcedWorld(SubstituteWorld):
         return super().perform(ticket, request)
 
     def own(self) -> tuple[list[Forced]]:
-        """Return what is still forced."""
+        """Return the pending forced results."""
         return (self.forced,)
 
     def read(self, saved: _Saved) -> Mapping[str, Any]:
-        """Return what is still forced."""
+        """Return the pending forced results of a saved state, by attribute."""
         return {"forced": saved.forced}
 
 
 class ForceResult(Act, frozen=True):
-    """Lets the next requests that a pattern matches end with a result."""
+    """An act that forces the result of the next requests that match a pattern."""
 
-    #: A pattern over the requests as the world gets them, items by sensor name.
+    #: A pattern over requests as the world receives them: items by sensor name.
     pattern: Fact
     result: str
     times: int = 1
@@ -305,8 +305,8 @@ class ForceResult(Act, frozen=True):
         """Force the result.
 
         Raises:
-            ArgumentError: for a request or a result that the world does not offer, and
-                for a world of skills or one that cannot be saved.
+            ArgumentError: for a request or a result that the world does not offer, for
+                a world with skills, and for a world that cannot be saved.
         """
         held = run.port
         world: World = held.behind

@@ -1,8 +1,8 @@
-"""Answers: lines of text and tables, for people and for programs; and what gives them.
+"""Answers (lines of text and tables) and the commands that return answers.
 
-A command is a function whose answer is shown. Its docstring is its help; what it takes
-is written once, for the help and for completion. A question is a command that asks a
-history, and changes nothing.
+A command is a function that returns an answer. The docstring of the function is the
+help of the command. The usage text of a command serves the help and the completion. A
+question is a command that reads a history and changes nothing.
 """
 
 from __future__ import annotations
@@ -17,50 +17,50 @@ from rapc.base.values import format_atom, number
 from rapc.debug.arguments import Arguments
 
 Cell = str | int | float | None
-"""What a cell of a table holds; None is shown as nothing."""
+"""The value of a cell of a table; None is shown as an empty cell."""
 
 
 class Table(msgspec.Struct, frozen=True):
-    """Rows under headings."""
+    """A table with headings and rows."""
 
     columns: tuple[str, ...]
     rows: tuple[tuple[Cell, ...], ...]
 
 
 class Answer(msgspec.Struct, frozen=True):
-    """What a command has to say."""
+    """The answer of a command."""
 
-    #: Lines before the table.
+    #: The lines above the table.
     lines: tuple[str, ...] = ()
     table: Table | None = None
-    #: Lines after the table.
+    #: The lines below the table.
     notes: tuple[str, ...] = ()
-    #: Whether the command could not be carried out.
+    #: Whether the command failed.
     failed: bool = False
     #: Whether the lines are RAP text.
     is_code: bool = False
 
     @property
     def rows(self) -> list[dict[str, Cell]]:
-        """The rows of the table, each by its columns; none if there is no table."""
+        """The rows of the table as mappings by column; empty without a table."""
         if self.table is None:
             return []
         columns = self.table.columns
         return [dict(zip(columns, row, strict=True)) for row in self.table.rows]
 
     def record(self) -> dict[str, Any]:
-        """Return the answer as an object for programs: its keys are stable."""
+        """Return the answer as a mapping with stable keys, for programs."""
         found = {"failed": self.failed, "lines": [*self.lines, *self.notes]}
         return found if self.table is None else {**found, "rows": self.rows}
 
 
 def say(*lines: str) -> Answer:
-    """Return an answer of some lines."""
+    """Return an answer with the given lines."""
     return Answer(lines)
 
 
 def failure(*lines: str) -> Answer:
-    """Return an answer that says why a command could not be carried out."""
+    """Return the answer of a command that failed; the lines give the reason."""
     return Answer(lines, failed=True)
 
 
@@ -71,10 +71,10 @@ def table(
     none: str = "nothing",
     notes: Sequence[str] = (),
 ) -> Answer:
-    """Return an answer with a table, or the words for `none` where it has no rows.
+    """Return an answer with a table; without rows, with the text `none`.
 
-    Numbers are rounded to twelve digits: 0.1 + 0.2 is 0.3 to whoever reads a table, and
-    1e-25 is not 0. Values that are not symbols or numbers are written as RAP text.
+    Numbers are rounded to 12 significant digits: 0.1 + 0.2 is shown as 0.3, and 1e-25
+    is not shown as 0. Values other than symbols and numbers are written as RAP text.
     """
     made = tuple([tuple(map(_cell, row)) for row in rows])
     if not made:
@@ -108,7 +108,7 @@ def in_pairs(bindings: Mapping[str, Any]) -> str:
 
 
 def bound_to(bindings: Mapping[str, Any]) -> str:
-    """Return bindings as text that follows other text; nothing if there are none."""
+    """Return ` with` and the bindings as text; empty without bindings."""
     return f" with {in_pairs(bindings)}" if bindings else ""
 
 
@@ -116,35 +116,35 @@ def bound_to(bindings: Mapping[str, Any]) -> str:
 
 
 class Command(msgspec.Struct, frozen=True):
-    """Something that begins with a colon."""
+    """A command of the debugger; its input begins with a colon."""
 
-    #: Its name, without the colon.
+    #: The name, without the colon.
     name: str
-    #: What it is given, as it is written in the help: `[N]`.
+    #: The usage of the arguments, for example `[N]`.
     takes: str
-    #: What it does, in one sentence.
+    #: The first sentence of the help.
     doc: str
-    #: Called with a shell and arguments; a question with a history and arguments.
+    #: The function: called with a shell (question: a history) and the arguments.
     does: Callable[[Any, Arguments], Answer]
     examples: tuple[str, ...] = ()
-    #: What else there is to know, a paragraph.
+    #: The rest of the help, as one paragraph.
     more: str = ""
     #: The group under which `:help` lists it.
     group: str = ""
-    #: Whether it asks a history; else it is for the shell.
+    #: Whether the command is a question to a history; if not, it needs the shell.
     asks: bool = False
-    #: Whether a recording can be asked that is only played.
+    #: Whether the command works on a recording without library or world.
     of_recordings: bool = True
 
     def __call__(self, subject: Any, text: str = "") -> Answer:
-        """Carry out the command, and return its answer.
+        """Run the command and return its answer.
 
         Args:
-            subject: the history that is asked; a shell for what is no question.
-            text: what stands behind the name of the command.
+            subject: the history for a question, the shell for any other command.
+            text: the text after the name of the command.
 
         Raises:
-            Error: if it cannot be carried out.
+            Error: if the command fails.
         """
         args = Arguments(text)
         if not self.of_recordings:
@@ -164,14 +164,17 @@ def command(
     asks: bool = False,
     of_recordings: bool = True,
 ) -> Callable[[Does], Command]:
-    """Return what makes a command of a function, by its name and its docstring.
+    """Return a decorator that turns a function into a command.
+
+    The function supplies the name and, with its docstring, the help.
 
     Args:
-        takes: what the command is given.
-        examples: inputs that use it; its name alone if there are none.
-        more: what else there is to know, after the further paragraphs of the docstring.
-        asks: whether it is a question.
-        of_recordings: whether a recording can be asked that is only played.
+        takes: the usage of the arguments.
+        examples: inputs that use the command; default: the name alone.
+        more: text to append to the help.
+        asks: whether the command is a question.
+        of_recordings: whether the command works on a recording without library or
+            world.
     """
 
     def made(does: Does) -> Command:
@@ -189,11 +192,11 @@ def command(
 def question(
     takes: str = "", *examples: str, of_recordings: bool = False
 ) -> Callable[[Does], Command]:
-    """Return what makes a question of a function of a history; see `command`.
+    """Return a decorator that turns a function of a history into a question.
 
     Args:
-        takes: what the question is given.
-        examples: inputs that ask it.
-        of_recordings: whether a recording can be asked that is only played.
+        takes: as for `command`.
+        examples: as for `command`.
+        of_recordings: as for `command`.
     """
     return command(takes, *examples, asks=True, of_recordings=of_recordings)

@@ -1,4 +1,4 @@
-"""The arguments of a command: words, lists and strings, taken one after another."""
+"""Arguments of a command: words, lists and strings, read in order."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ _PART = re.compile(r'"(?:[^"\\]|\\.)*"?|[()]|;[^\n]*|[^\s()";]+|\s+')
 
 
 def split(text: str) -> list[str]:
-    """Return the arguments in a text: whole lists, strings, and words.
+    """Return the arguments in a text: lists, strings and words.
 
-    What is not closed goes to the end of the text.
+    A list or string that is not closed extends to the end of the text.
     """
     found: list[str] = []
     depth, start = 0, 0
@@ -36,7 +36,7 @@ def split(text: str) -> list[str]:
 
 
 def is_balanced(text: str) -> bool:
-    """Whether no list and no string of a text is left open."""
+    """Return whether every list and string in a text is closed."""
     depth = 0
     for part in _PART.finditer(text):
         said = part.group()
@@ -47,10 +47,10 @@ def is_balanced(text: str) -> bool:
 
 
 def read_pattern(text: str) -> Fact:
-    """Return a list with variables as a pattern; variables are names with `?`.
+    """Return the pattern that a list stands for; variables are names with `?`.
 
     Raises:
-        TextError: for computed terms, and for whatever is no proposition.
+        TextError: if the text is not a proposition or contains computed terms.
     """
     made = parse_pattern(text)
     if any(isinstance(term, Call) for term in made.args):
@@ -60,52 +60,52 @@ def read_pattern(text: str) -> Fact:
 
 
 class Arguments:
-    """What stands behind the name of a command.
+    """The arguments of a command, read from left to right.
 
     Args:
-        text: all of it.
+        text: the text after the name of the command.
     """
 
     def __init__(self, text: str) -> None:
-        #: All of it as it was typed.
+        #: The text of all arguments.
         self.text = text.strip()
         self._left = split(text)
 
     def __bool__(self) -> bool:
-        """Whether there are any left."""
+        """Return whether arguments are left."""
         return bool(self._left)
 
     def peek(self) -> str:
-        """Return the next argument, an empty text if there is none."""
+        """Return the next argument without taking it; empty at the end."""
         return self._left[0] if self._left else ""
 
     def word(self, what: str) -> str:
         """Take the next argument.
 
         Raises:
-            TextError: if there is none; `what` says what it should have been.
+            TextError: if no argument is left; `what` names the missing argument.
         """
         if not self._left:
             raise TextError(f"{what} is missing")
         return self._left.pop(0)
 
     def rest(self) -> list[str]:
-        """Take all arguments that are left."""
+        """Take all remaining arguments."""
         found, self._left = self._left, []
         return found
 
     def takes(self, word: str) -> bool:
-        """Take the next argument if it is `word`; whether it was."""
+        """Take the next argument if it equals `word`; return whether it did."""
         if self.peek() == word:
             self._left.pop(0)
             return True
         return False
 
     def count(self, what: str, default: int | None = None) -> int:
-        """Take the next argument as a whole number; a task may stand in brackets.
+        """Take the next argument as a whole number, with or without brackets.
 
         Raises:
-            TextError: for anything else, or if it is missing and has no `default`.
+            TextError: if the argument is not a whole number, or is missing.
         """
         if not self._left and default is not None:
             return default
@@ -117,11 +117,11 @@ class Arguments:
     def task(self, history: History) -> int:
         """Take the next argument as a task: a number, or the RAP of one live task.
 
-        Without an argument it is the task whose cycle was run last.
+        Without an argument, return the task of the last cycle.
 
         Raises:
-            TextError: if it is neither, or no task was selected yet.
-            ArgumentError: for a RAP without a live task, or with several.
+            TextError: for an invalid argument, or if no task was selected before.
+            ArgumentError: for a RAP with no live task or with several live tasks.
         """
         name = self.peek().lower()
         if name and not name.strip("[]").isdecimal():
@@ -138,7 +138,7 @@ class Arguments:
         """Take the next argument as a time.
 
         Raises:
-            TextError: for anything else.
+            TextError: if the argument is not a number.
         """
         said = self.word(what)
         try:
@@ -150,7 +150,7 @@ class Arguments:
         """Take the next argument as a fact without variables.
 
         Raises:
-            TextError: for anything else.
+            TextError: if the argument is not a fact.
         """
         return parse_fact(self.word(what))
 
@@ -158,15 +158,15 @@ class Arguments:
         """Take the next argument as a signal with values.
 
         Raises:
-            TextError: for anything else.
+            TextError: if the argument is not a signal.
         """
         return parse_signal(self.word("a signal"))
 
     def end(self) -> None:
-        """See that none is left.
+        """Validate that no argument is left.
 
         Raises:
-            TextError: if one is.
+            TextError: if an argument is left.
         """
         if self._left:
             raise TextError(f"`{self._left[0]}` is too much here")
@@ -176,7 +176,7 @@ def _task_of(history: History, rap: str) -> int:
     """Return the number of the live task of a RAP.
 
     Raises:
-        ArgumentError: if the RAP has no live task, or several.
+        ArgumentError: if the RAP has no live task or several live tasks.
     """
     goals = {n: goal for n, goal in history.run.goals().items() if goal.name == rap}
     if len(goals) == 1:

@@ -1,7 +1,7 @@
-"""Breakpoints: what a run stops at, under which conditions, and how often it may pass.
+"""Breakpoints: kinds, conditions and counts of the events that stop a run.
 
-A cycle is one piece, so a run stops after the cycle in which the thing happened; a
-breakpoint that stops `before` goes back to the cycle before it.
+A cycle cannot be interrupted. Therefore a run stops after the cycle that meets a
+breakpoint. A breakpoint with `before` then goes back to the preceding cycle.
 """
 
 from __future__ import annotations
@@ -34,24 +34,24 @@ KINDS: Mapping[str, str] = {
     "deadline": "a deadline is missed",
     "time": "the clock comes to a time",
 }
-"""What can be stopped at, and what is said of it."""
+"""The kinds of breakpoints, each with its help."""
 
 
 class Breakpoint(msgspec.Struct, omit_defaults=True):
-    """Something that a run stops at."""
+    """A breakpoint."""
 
     kind: str
-    #: What stands behind the kind: a name, a number, or a list; see `KINDS`.
+    #: The argument of the kind: a name, a number or a list; see `KINDS`.
     what: str = ""
     #: A formula that must hold at the end of the cycle; empty for none.
     condition: str = ""
-    #: How many times it is passed before it stops the run.
+    #: The number of times that the run passes the breakpoint before it stops.
     passes: int = 0
-    #: Whether it is only logged.
+    #: Whether the breakpoint only logs and does not stop the run.
     logs: bool = False
     #: Whether the run stops before the cycle.
     before: bool = False
-    #: How often it was met.
+    #: The number of times that the breakpoint was met.
     met: int = 0
 
     def __str__(self) -> str:
@@ -71,19 +71,19 @@ class Breakpoints:
     """The breakpoints of a history.
 
     Args:
-        history: what they stop.
+        history: the history of the run to stop.
     """
 
     def __init__(self, history: History) -> None:
         self._history = history
         self._next = 1
-        #: All of them by number.
+        #: The breakpoints by number.
         self.all: dict[int, Breakpoint] = {}
-        #: What those that only log have met, in words.
+        #: The texts that logging breakpoints have produced.
         self.logged: list[str] = []
-        #: Those that wait for an event, with what says whether it is one.
+        #: The matchers of the breakpoints that wait for an event, by number.
         self._meets: dict[int, Meets] = {}
-        #: Those that wait for a time or a query, with whether it has come or holds.
+        #: The last state of breakpoints on a time or a query: has come, or holds.
         self._held: dict[int, bool] = {}
         self._stopped_before: int | None = None
 
@@ -93,7 +93,7 @@ class Breakpoints:
         """Set a breakpoint and return its number.
 
         Raises:
-            TextError: if it is none.
+            TextError: if the breakpoint is invalid.
             ValueError: for names that the library does not declare.
         """
         number, history = self._next, self._history
@@ -104,11 +104,11 @@ class Breakpoints:
         if not point.what and point.kind not in ("failure", "deadline"):
             raise TextError(f"`{point.kind}` lacks what it is: {KINDS[point.kind]}")
         if point.condition:
-            history.question(point.condition)  # looks at the names
+            history.question(point.condition)  # validates the names
         if point.kind in ("true", "false"):
             self._held[number] = bool(history.question(point.what).holds())
         elif point.kind == "time":
-            _number(point.what)  # looks at it
+            _number(point.what)  # validates the time
             self._held[number] = False
         else:
             self._meets[number] = self._matcher(point)
@@ -121,7 +121,7 @@ class Breakpoints:
         """Remove a breakpoint.
 
         Raises:
-            ArgumentError: if there is none of that number.
+            ArgumentError: if no breakpoint has that number.
         """
         if self.all.pop(number, None) is None:
             raise ArgumentError(f"there is no breakpoint {number}")
@@ -136,7 +136,7 @@ class Breakpoints:
             self._history.checks.pop("breakpoints", None)
 
     def _matcher(self, point: Breakpoint) -> Meets:
-        """Return what says whether an event is one that a breakpoint waits for."""
+        """Return the function that decides whether an event meets a breakpoint."""
         kind, what = point.kind, point.what
         if kind == "rap":
             return self._of_goal(what)
@@ -155,12 +155,12 @@ class Breakpoints:
         return _of(lambda keys: True, events.DeadlineMissed)
 
     def _of_method(self, what: str) -> Meets:
-        """Return what says whether an event is the choice of a method."""
+        """Return the matcher for the choice of a method."""
         name, _, rap = what.lower().partition(" of ")
         raps = self.raps_with(name)
         if rap:
             self._see_rap(rap)
-        if not raps and not name.startswith("#"):  # a problem solver's have numbers
+        if not raps and not name.startswith("#"):  # solver methods have numbers
             known = self._methods()
             raise ArgumentError(f"unknown method `{name}`{hint(name, known)}")
         if rap and raps and rap not in raps:
@@ -174,11 +174,11 @@ class Breakpoints:
         )
 
     def raps_with(self, method: str) -> list[str]:
-        """Return the RAPs that have a method of a name."""
+        """Return the RAPs that have a method with a given name."""
         return self._methods().get(method, [])
 
     def _methods(self) -> Mapping[str, list[str]]:
-        """Return the RAPs that have a method, by its name or number."""
+        """Return the RAPs of each method, by the name or number of the method."""
         found: dict[str, list[str]] = {}
         for rap in self._history.library.program.library.raps.values():
             for number, method in enumerate(rap.methods, 1):
@@ -187,13 +187,13 @@ class Breakpoints:
         return found
 
     def _see_rap(self, name: str) -> None:
-        """Raise ArgumentError if the library has no RAP of a name."""
+        """Raise ArgumentError if the library has no RAP with a given name."""
         known = self._history.library.program
         if name not in known.library.raps:
             raise ArgumentError(str(known.signatures.unknown("goal", name)))
 
     def _of_list(self, kind: str, what: str) -> Meets:
-        """Return what says whether an event is about a request or a fact."""
+        """Return the matcher for events about a request or a fact."""
         pattern = read_pattern(what if what.startswith("(") else f"({what})")
         use: Use = "primitive" if kind == "primitive" else "asserted"
         name, known = str(pattern[0]), self._history.library.program.signatures
@@ -207,8 +207,8 @@ class Breakpoints:
         )
 
     def _of_goal(self, what: str) -> Meets:
-        """Return what says whether an event is the choice of a task by its goal."""
-        size = None if what.startswith("(") else 1  # a name alone, whatever its inputs
+        """Return the matcher for the selection of a task, by its goal."""
+        size = None if what.startswith("(") else 1  # name only: ignore the inputs
         pattern = read_pattern(what) if size is None else (what.lower(),)
         if size is not None:
             self._see_rap(str(pattern[0]))
@@ -222,7 +222,7 @@ class Breakpoints:
     # --- while the run goes on ------------------------------------------------------
 
     def _check(self) -> str | None:
-        """Say what the cycle that has just been run has met, if that stops the run."""
+        """Return the text of the breakpoint that stops the last cycle, or None."""
         fresh = self._history.fresh
         met = [
             (number, _words(told))
@@ -250,14 +250,14 @@ class Breakpoints:
         return stops
 
     def _counts(self, point: Breakpoint) -> bool:
-        """Count a meeting; whether it is one that matters."""
+        """Count a hit; return whether the breakpoint takes effect."""
         if point.condition and not self._holds(point.condition):
             return False
         point.met += 1
         return point.met > point.passes
 
     def _turned(self) -> list[tuple[int, str]]:
-        """Return the queries that have come to hold or not to, and times that came."""
+        """Return the breakpoints whose query changed or whose time came, with text."""
         found = []
         for number, held in list(self._held.items()):
             point, holds = self.all[number], self._is_so(self.all[number])
@@ -269,22 +269,26 @@ class Breakpoints:
         return found
 
     def _is_so(self, point: Breakpoint) -> bool:
-        """Whether a query holds now, or a time has come."""
+        """Return whether the query holds or the time has come."""
         if point.kind == "time":
             return self._history.now >= _number(point.what)
         return self._holds(point.what)
 
     def _holds(self, formula: str) -> bool:
-        """Whether a formula holds; one with names that went with a text does not."""
+        """Return whether a formula holds.
+
+        A formula with names that a reload has removed does not hold.
+        """
         try:
             return bool(self._history.question(formula).holds())
         except ValueError:
             return False
 
     def look_again(self) -> None:
-        """Take note of what holds now: the history stands at another moment.
+        """Update the state of queries and times after a move to another moment.
 
-        A time that has not been met yet is still met if it has come meanwhile.
+        A breakpoint on a time that has come since, and was not met before, is still
+        met after the next cycle.
         """
         for number, held in self._held.items():
             point = self.all[number]
@@ -296,7 +300,7 @@ def _of(wanted: Callable[[Mapping[str, Any]], bool], *kinds: type[Event]) -> Mee
 
 
 def _words(told: ToldEvent) -> str:
-    """Return an event in a few words."""
+    """Return a short text for an event."""
     keys = told.keys
     tag = told.kind.__struct_config__.tag
     about = next(

@@ -1,4 +1,4 @@
-"""Search for an event through the whole run, back and forth."""
+"""Search for an event, backwards and forwards in the run."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from rapc.runtime.events.trace import record
 def find_event(
     history: History, kind: str, said: Iterable[str] = (), *, back: bool = False
 ) -> ToldEvent | None:
-    """Go to the cycle of the next event that fits, or of the last one before.
+    """Go to the cycle of the next or last matching event; return the event.
 
-    Where none is found the run stands where it stood, or at its end if it cannot be
-    taken back. Breakpoints do not matter meanwhile.
+    If no event matches, the run returns to its present moment. If the run cannot go
+    back, it stays at its end. Breakpoints do not stop the search.
 
     Args:
         history: the run.
-        kind: the kind of the event, as a trace has it.
-        said: keys of the trace with the values that they must have, `key=value`, and
-            words that must occur in the values.
-        back: whether the last one before is wanted.
+        kind: the kind of the event, as in a trace.
+        said: required values, `key=value` with keys of the trace, and words that must
+            occur in the values.
+        back: whether to search backwards.
 
     Raises:
-        StateError: if the run cannot be taken back in time and has to be.
-        TextError: for a kind of events that there is not, or a key of it.
+        StateError: if the run must go back and cannot.
+        TextError: for an unknown kind of event or an unknown key.
     """
     event_type, want = _wanted(kind, said)
     if not back:
@@ -42,22 +42,22 @@ def find_event(
 
 
 def count_before(history: History, kind: str, said: Iterable[str]) -> int:
-    """Return how many events a search backwards might find; see `find_event`."""
+    """Return the number of events that match backwards; see `find_event`."""
     event_type, want = _wanted(kind, said)
     return sum(1 for _ in history.scan(event_type, want=_before(history, want)))
 
 
 def _before(history: History, want: Want) -> Want:
-    """Return what says whether an event is wanted and before the present moment.
+    """Return a predicate: `want`, restricted to events before the present moment.
 
-    At the end of a run the last cycle is a moment before it.
+    At the end of a run, the last cycle counts as before the present moment.
     """
     end = history.cycle + history.over
     return lambda told: told.cycle < end and want(told)
 
 
 def _wanted(kind: str, said: Iterable[str]) -> tuple[type[Event], Want]:
-    """Return the kind of events that are looked for, and which of them."""
+    """Return the event type and the predicate of a search."""
     known = events.kinds()
     if kind not in known:
         raise TextError(f"there are no events `{kind}`{hint(kind, known)}")

@@ -1,10 +1,10 @@
-"""A history: a run at any moment, with what was done to it.
+"""History of a run: any moment of the run, with the acts of the user.
 
-A moment is reached by the state saved before it and silent replay; acts are done again
-where they were done. An act in the past begins a branch, and the other future stays. A
-recorded run whose library or world is missing is a history, too: it can be stepped and
-searched, not asked or changed. Not here: questions (`rapc.debug.questions`), and how
-anything is shown (`rapc.repl`).
+To reach a moment, a history restores the nearest saved state before the moment and
+replays from there without output. The replay repeats each act at its moment. An act in
+the past begins a branch; the old branch is kept. A recorded run without library or
+world is also a history: the user can step and search, but not query or change the run.
+Not here: questions (`rapc.debug.questions`) and output (`rapc.repl`).
 """
 
 from __future__ import annotations
@@ -32,19 +32,19 @@ from rapc.runtime.settings import Settings
 from rapc.world import Time, World
 
 _NO_MORE_TO_DO = ("done", "stuck")
-"""Why a run is over that goes on if something is done to it."""
+"""The end reasons after which an act lets the run go on."""
 
 _FEW = 16
-"""Fewer cycles than these are sooner replayed than saved."""
+"""The least number of cycles between saves; a replay of fewer is faster."""
 
 _EVERY = 64
-"""How many cycles lie between two saved states at first."""
+"""The number of cycles between two recent saved states."""
 
 _RUNNING = 512
-"""How many cycles a run goes on for before its state is saved."""
+"""The number of cycles after which a running history saves its state."""
 
 _SHARE = 12
-"""A gap between saved states is at most this part of their distance from now, then."""
+"""The divisor for older saved states: a gap is at most age / `_SHARE`."""
 
 _ONLY_TO_LOOK_AT = (
     "this is a recorded run without what it ran: it can be stepped, searched and told, "
@@ -53,16 +53,16 @@ _ONLY_TO_LOOK_AT = (
 
 
 class Stop(msgspec.Struct, frozen=True):
-    """Why a run has stopped."""
+    """The reason for a stop of the run."""
 
-    #: `asked` for what was asked for, `over`, `break`, `pause` or `broken`.
+    #: `asked` (the request of the user), `over`, `break`, `pause` or `broken`.
     kind: str
-    #: What there is to say of it, in words.
+    #: The details as text; may be empty.
     said: str = ""
 
 
 class Moment(NamedTuple):
-    """A place in a run: after a cycle, and after so many acts of the host in all."""
+    """A moment of a run: the last cycle, and the number of acts before."""
 
     cycle: int
     acts: int = 0
@@ -72,7 +72,7 @@ _BEGINNING = Moment(0)
 
 
 class Save(NamedTuple):
-    """A saved state of a run, and what the run was made with then."""
+    """A saved state of a run, with its program, settings and world."""
 
     state: bytes
     program: Program
@@ -82,38 +82,38 @@ class Save(NamedTuple):
 
 @dataclass
 class Branch:
-    """One course of a run: what the user did in it, and how far it has been seen."""
+    """A branch of a run: its acts, saved states and furthest moment."""
 
     name: str
-    #: Which branch it comes from, and where, in words; empty for the first.
+    #: The parent branch and its cycle, as text; empty for the first branch.
     begun: str = ""
-    #: What was done, each with the cycle after which it was done.
+    #: The acts, each with the cycle that precedes the act.
     acts: list[tuple[int, Act]] = field(default_factory=list)
-    #: Saved states in the order of their moments.
+    #: The saved states, ordered by moment.
     saves: dict[Moment, Save] = field(default_factory=dict)
-    #: The furthest moment that was reached.
+    #: The furthest moment reached.
     end: Moment = _BEGINNING
-    #: Whether the run was over after that.
+    #: Whether the run ended at the furthest moment.
     over: bool = False
-    #: Where the user was when another branch was taken up.
+    #: The moment at which the user left the branch.
     left: Moment = _BEGINNING
 
     def moment_after(self, cycle: int) -> Moment:
-        """Return the moment at the end of a cycle, after all that was done then."""
+        """Return the moment at the end of a cycle, after all its acts."""
         return Moment(cycle, sum(1 for done, _ in self.acts if done <= cycle))
 
     def begun_at(self, moment: Moment, name: str) -> Branch:
-        """Return a branch that begins at a moment of this one."""
+        """Return a new branch that begins at a moment of this branch."""
         begun = f"{self.name} at cycle {moment.cycle}"
         saves = {at: save for at, save in self.saves.items() if at <= moment}
         acts = self.acts[: moment.acts]
         return Branch(name, begun, acts, saves, end=moment, left=moment)
 
     def keep(self, moment: Moment, save: Save) -> None:
-        """Keep a state of now, and let states go: the older, the fewer are kept.
+        """Keep a new saved state and drop old states, the older the more.
 
-        A state goes if the gap around it is small for its age without it. So there are
-        a few dozen of a run of any length, and the way back is never long to replay.
+        A state is dropped if the gap without that state stays small for its age. A run
+        of any length keeps a few dozen states, and every replay stays short.
         """
         self.saves.setdefault(moment, save)
         at = sorted(self.saves)
@@ -128,12 +128,12 @@ class Branch:
 
 
 class History:
-    """A run that is stepped, stopped, changed, and put at any moment of its past.
+    """A run that the user can step, stop, change and move to any moment.
 
     Args:
-        run: a run that has been begun, `log` among its listeners; or a recording that
-            is only played.
-        log: gets the events of the run; it may be left out for a recording.
+        run: a run that has begun, with `log` among its listeners; or a playback of a
+            recording.
+        log: the log of the run; optional for a playback.
     """
 
     def __init__(
@@ -141,15 +141,15 @@ class History:
     ) -> None:
         self._run = run
         self.log: EventLog | Playback = log or EventLog()
-        #: Why there is no way back; empty if there is one.
+        #: The reason why the run cannot go back; empty if the run can.
         self.no_way_back = ""
-        #: Asked after each cycle: text to stop with, or nothing.
+        #: Functions called after each cycle; a returned text stops the run.
         self.checks: dict[str, Callable[[], str | None]] = {}
-        #: Asked after each stop: a line to be told, or nothing.
+        #: Functions called after each stop; each returns a line to show; may be empty.
         self.notes: list[Callable[[], str]] = []
         self.branch = Branch("main")
         self.branches = [self.branch]
-        #: The serial number of the first event that no check has looked at.
+        #: The serial number of the first event that the checks have not seen.
         self.fresh = self.serial
         self._paused = False
         self._done = 0
@@ -167,7 +167,7 @@ class History:
         Args:
             library: what `rapc.load` returned.
             world: see `CheckedLibrary.start`.
-            more: what else `CheckedLibrary.start` takes: `tasks`, `agenda`, `seed`, ...
+            more: further arguments of `CheckedLibrary.start`: `tasks`, `agenda`, ...
 
         Raises:
             Error: as `CheckedLibrary.start`.
@@ -176,14 +176,14 @@ class History:
         listeners = [log, *more.pop("listeners", ())]
         return cls(library.start(world, listeners=listeners, **more), log)
 
-    # --- where it stands ----------------------------------------------------------
+    # --- the present moment -------------------------------------------------------
 
     @property
     def run(self) -> Interpreter:
-        """The run; an act that changes what it is made with puts another in its place.
+        """The run; a change of settings or library replaces the run.
 
         Raises:
-            StateError: for a recorded run that is only looked at.
+            StateError: for a playback.
         """
         if isinstance(self._run, Playback):
             raise StateError(_ONLY_TO_LOOK_AT)
@@ -191,23 +191,23 @@ class History:
 
     @property
     def is_run(self) -> bool:
-        """Whether it can be asked and changed: no recording that is only played."""
+        """Whether the user can query and change the run: it is not a playback."""
         return not isinstance(self._run, Playback)
 
     def check_is_run(self) -> None:
-        """Raise StateError for a recorded run that is only looked at."""
+        """Raise StateError for a playback."""
         if not self.is_run:
             raise StateError(_ONLY_TO_LOOK_AT)
 
     @property
     def cycle(self) -> int:
-        """The number of the cycle that was run last."""
+        """The number of the last cycle."""
         run = self._run
         return run.cycle if isinstance(run, Playback) else run.recorder.cycle
 
     @property
     def serial(self) -> int:
-        """The serial number that the next event will get."""
+        """The serial number of the next event."""
         run = self._run
         return run.serial if isinstance(run, Playback) else run.recorder.serial
 
@@ -218,37 +218,37 @@ class History:
 
     @property
     def reason(self) -> str:
-        """The reason why the run is over, here; empty while it is not."""
+        """The end reason at the present moment; empty before the end."""
         return self._run.reason or ""
 
     @property
     def over(self) -> bool:
-        """Whether the run is over, here."""
+        """Whether the run is over at the present moment."""
         return self.reason != ""
 
     @property
     def moment(self) -> Moment:
-        """Where the run stands."""
+        """The present moment."""
         return Moment(self.cycle, self._done)
 
     @property
     def seen(self) -> int:
-        """The furthest cycle that was seen in this branch."""
+        """The furthest cycle reached in the branch."""
         return self.branch.end.cycle
 
     @property
     def seen_over(self) -> bool:
-        """Whether the run was seen to be over after that cycle."""
+        """Whether the run ended after the furthest cycle."""
         return self.branch.over
 
     @property
     def selected(self) -> int | None:
-        """The number of the task whose cycle was run last."""
+        """The number of the task of the last cycle."""
         told = next(self.log.backwards(TaskSelected), None)
         return None if told is None else told.keys["task"]
 
     def stand(self) -> str:
-        """Return where the run stands, in a line."""
+        """Return the present moment as a line of text."""
         words = f"cycle {self.cycle}, time {readable(self.now)}"
         words += f", run over ({self.reason})" if self.over else ""
         return words if self.branch.name == "main" else f"{words}, {self.branch.name}"
@@ -256,7 +256,7 @@ class History:
     # --- forwards -----------------------------------------------------------------
 
     def step(self, cycles: int = 1) -> Stop:
-        """Run some cycles, or fewer if something stops the run."""
+        """Run some cycles; stop early at a breakpoint, a pause or the end."""
         if cycles <= 0:
             return Stop("asked")
         last = self.cycle + cycles
@@ -265,11 +265,11 @@ class History:
     def go(
         self, until: Callable[[], str | None] | None = None, *, heed: bool = True
     ) -> Stop:
-        """Go on until something stops it.
+        """Run until a breakpoint, `until`, a pause or the end stops the run.
 
         Args:
-            until: asked after each cycle; returns what to stop with, None to go on.
-            heed: whether breakpoints stop it.
+            until: called after each cycle; returns a text to stop, None to go on.
+            heed: whether breakpoints stop the run.
         """
         stop = None
         while stop is None:
@@ -279,7 +279,7 @@ class History:
         return stop
 
     def _step(self, until: Callable[[], str | None] | None, heed: bool) -> Stop | None:
-        """Run a cycle; return what stops the run then, if anything does."""
+        """Run a cycle; return the reason to stop, or None."""
         try:
             if self.over or not self._cycle():
                 return Stop("over", self.reason)
@@ -298,10 +298,10 @@ class History:
         return None
 
     def _cycle(self) -> bool:
-        """Run a cycle, and redo what the user did after it in this branch.
+        """Run a cycle and repeat the acts of the branch after that cycle.
 
         Returns:
-            Whether there was one: the run may be over instead.
+            Whether a cycle was run; False if the run is over.
         """
         if not self._run.step():
             self.branch.over = True
@@ -316,7 +316,7 @@ class History:
         return True
 
     def _do(self, act: Act) -> None:
-        """Do an act, and go on with the run that takes the place of this one."""
+        """Perform an act; replace the run if the act returns another run."""
         self._run = act.do(self.run) or self.run
         self._done += 1
 
@@ -333,23 +333,23 @@ class History:
             self.no_way_back = error.message
 
     def pause(self, wanted: bool = True) -> None:
-        """Stop after the cycle under way, or the first one if none is; or do not.
+        """Stop after the current or next cycle, or withdraw the stop.
 
-        May be called by a signal handler.
+        A signal handler may call this method.
         """
         self._paused = wanted
 
     # --- other moments --------------------------------------------------------------
 
     def goto(self, cycle: int, *, heed: bool = False) -> Stop:
-        """Go to the end of a cycle, back or forth; forth as far as the run goes.
+        """Go to the end of a cycle, backwards or forwards.
 
         Args:
             cycle: the number of the cycle.
-            heed: whether breakpoints stop the run on the way forth.
+            heed: whether breakpoints stop the run on the way forwards.
 
         Raises:
-            StateError: if the run cannot be taken back in time.
+            StateError: if the run cannot go back.
         """
         cycle = max(cycle, 0)
         if isinstance(self._run, Playback):
@@ -362,14 +362,14 @@ class History:
         return Stop("asked")
 
     def goto_time(self, time: Time, *, heed: bool = False) -> Stop:
-        """Go to the last moment at or before a time, back or forth.
+        """Go to the last moment at or before a time, backwards or forwards.
 
         Args:
             time: the time.
-            heed: whether breakpoints stop the run on the way forth.
+            heed: whether breakpoints stop the run on the way forwards.
 
         Raises:
-            StateError: if the run cannot be taken back in time.
+            StateError: if the run cannot go back.
         """
         if isinstance(self._run, Playback):
             return self.goto(self._run.cycle_by(time))
@@ -381,7 +381,7 @@ class History:
             stop = self.go(lambda: "" if self.now > time else None, heed=heed)
             if self.no_way_back or stop.kind not in ("asked", "over"):
                 return stop
-            if self.over and self.now > time:  # the clock ran on as the run ended
+            if self.over and self.now > time:  # the end advanced the clock
                 stop = self.goto(self.cycle)
         return self.goto(self.cycle - 1) if self.now > time else stop
 
@@ -390,7 +390,7 @@ class History:
             raise StateError(f"there is no way back: {self.no_way_back}")
 
     def _put_back(self, moment: Moment) -> None:
-        """Take up the run as it was at a moment of the branch."""
+        """Restore the run at a moment of the branch."""
         self._look_back()
         saves = self.branch.saves
         at = max((one for one in saves if one <= moment), default=None)
@@ -414,12 +414,12 @@ class History:
 
     @property
     def _log(self) -> EventLog:
-        """The log of a run that can be asked."""
+        """The log of a run that is not a playback."""
         assert isinstance(self.log, EventLog)
         return self.log
 
     def _replay(self, moment: Moment) -> None:
-        """Do the next act of the branch, or run a cycle, on the way to a moment."""
+        """Perform the next act or cycle of the branch on the way to a moment."""
         acts = self.branch.acts
         if self._done < moment.acts and acts[self._done][0] <= self.cycle:
             self._do(acts[self._done][1])
@@ -431,18 +431,18 @@ class History:
 
     @contextmanager
     def at(self, cycle: int | None = None) -> Iterator[Interpreter]:
-        """Stand at the end of another cycle of the past for a while, and come back.
+        """Move the run to the end of a past cycle within a `with` statement.
 
-        Whatever is done to the run meanwhile is undone.
+        The end of the `with` statement undoes every change to the run.
 
         Args:
-            cycle: the cycle; the run stays where it is if none is given.
+            cycle: the cycle; default: the present moment.
 
         Yields:
-            the run as it was then.
+            the run at that cycle.
 
         Raises:
-            StateError: if the run cannot be taken back in time.
+            StateError: if the run cannot go back.
         """
         self._look_back()
         run, here, done, saved = self.run, self.run.save(), self._done, self._saved
@@ -460,11 +460,11 @@ class History:
             log.elsewhere = before
 
     def ahead(self, acts: Iterable[Act], cycles: int) -> list[ToldEvent]:
-        """Return the events of the next cycles after some acts: tried, and undone.
+        """Return the events of the next cycles after given acts, then undo all.
 
         Raises:
-            Error: if an act cannot be done.
-            StateError: if the run cannot be taken back in time.
+            Error: if an act is impossible.
+            StateError: if the run cannot go back.
         """
         found: list[ToldEvent] = []
         with self.at():
@@ -484,17 +484,17 @@ class History:
         first: int = 0,
         want: Want | None = None,
     ) -> Iterable[ToldEvent]:
-        """Return events up to now, in order, from a cycle on.
+        """Return events up to the present moment, in order, from a cycle on.
 
-        What is not in the log any more is made again by replay.
+        A replay reproduces events that the log has dropped.
 
         Args:
-            kinds: the kinds of events; all if there are none.
+            kinds: the kinds of events; default: all.
             first: the first cycle.
-            want: says which of them are wanted; all if it is not given.
+            want: predicate that selects events; default: all.
 
         Raises:
-            StateError: if some are gone and there is no way back.
+            StateError: if the log has dropped events and the run cannot go back.
         """
         if self.log.has(first):
             return self.log.scan(first, kinds, want)
@@ -518,7 +518,7 @@ class History:
         return gathered
 
     def last(self, *kinds: type[Event], want: Want) -> ToldEvent | None:
-        """Return the last event up to now of some kinds that is wanted, or None.
+        """Return the last wanted event up to the present moment, or None.
 
         Raises:
             StateError: as `scan`.
@@ -529,10 +529,10 @@ class History:
         return found
 
     def seek(self, *kinds: type[Event], want: Want) -> ToldEvent | None:
-        """Go to the cycle of the next event of some kinds that is wanted.
+        """Go to the cycle of the next wanted event of the given kinds.
 
-        Breakpoints do not matter meanwhile. Where there is none it stands where it
-        stood, or at the end of the run if there is no way back.
+        Breakpoints do not stop the search. If no event is found, the run returns to
+        its present moment. If the run cannot go back, it stays at its end.
 
         Returns:
             The event, or None.
@@ -550,24 +550,24 @@ class History:
 
         self.go(look, heed=False)
         if met is None:
-            look()  # at what the run has ended with
+            look()  # at the events of the end of the run
         if not (met or over or self.no_way_back):
             self.goto(start)
         return met
 
     def follow(self, hear: Hear) -> None:
-        """Call `hear` with each event that the run emits from now on, but for acts."""
+        """Call `hear` with each further event of the run, except events of acts."""
         self._log.follower = hear
 
     # --- acting -------------------------------------------------------------------
 
     def act(self, act: Act) -> None:
-        """Do something to the run, now; in the past it begins a new branch.
+        """Perform an act at the present moment; in the past, begin a new branch.
 
-        A run that is over because there was no more to do goes on with it.
+        A run that ended as `done` or `stuck` goes on after the act.
 
         Raises:
-            Error: if it cannot be done; then nothing has changed.
+            Error: if the act is impossible; the run is then unchanged.
         """
         goes_on = self.reason in _NO_MORE_TO_DO and not self.no_way_back
         run = self.run
@@ -580,7 +580,7 @@ class History:
             run = act.do(run) or run
         except Error:
             if goes_on:
-                self.step()  # to its end again
+                self.step()  # back to the end of the run
             raise
         finally:
             log.follower = follower
@@ -593,10 +593,10 @@ class History:
         branch.end = self.moment
 
     def branch_off(self, name: str = "") -> Branch:
-        """Begin a new branch here, and return it; the one before stays as it is.
+        """Begin a new branch at the present moment and return the branch.
 
         Raises:
-            ArgumentError: for a name that is taken.
+            ArgumentError: if a branch has the name already.
         """
         self.check_is_run()
         if any(name == branch.name for branch in self.branches):
@@ -608,11 +608,11 @@ class History:
         return self.branch
 
     def switch(self, name: str) -> None:
-        """Go on in another branch, where it was left.
+        """Switch to a branch, at the moment at which the user left that branch.
 
         Raises:
-            ArgumentError: if there is none of that name.
-            StateError: if the run cannot be taken back in time.
+            ArgumentError: if no branch has that name.
+            StateError: if the run cannot go back.
         """
         self._look_back()
         for branch in self.branches:
@@ -624,10 +624,10 @@ class History:
         raise ArgumentError(f"there is no branch `{name}`")
 
     def question(self, text: str) -> HostQuery:
-        """Return a formula made ready to be asked of the run, as it is made now.
+        """Return a query, compiled for the present library of the run.
 
         Raises:
-            ValueError: for what is no formula, or names what is not declared.
+            ValueError: for an invalid formula or an undeclared name.
         """
         if self._questions[0] is not self.run:
             self._questions = (self.run, {})
@@ -638,14 +638,14 @@ class History:
 
     @property
     def library(self) -> CheckedLibrary:
-        """The library that runs now."""
+        """The present library of the run."""
         return CheckedLibrary(self.run.library)
 
     def take_up(self, library: CheckedLibrary) -> TakeUp:
-        """Go on with another text of the library, and return what was done.
+        """Reload the library with another text; return the act.
 
         Raises:
-            RefusedError: if the run cannot go on with it; then nothing has changed.
+            RefusedError: if the run cannot go on; the run is then unchanged.
             StateError: if the run cannot be saved.
         """
         before, after = self.run.library.library, library.program.library
@@ -655,4 +655,4 @@ class History:
 
 
 def _nobody(told: ToldEvent) -> None:
-    """Hear of an event, and do nothing."""
+    """Ignore an event."""

@@ -1,8 +1,7 @@
-"""The events of a session: the last ones are kept, older ones are made again by replay.
+"""Log of the latest events of a run.
 
-A log is what a session reads to say what has just happened. It keeps events as they are
-emitted, unmade, which costs little; and no more of them than `most`, so that a session
-may last as long as it likes.
+The log keeps events in raw form, because constructing event objects is slow. The log
+keeps at most `most` events, to limit memory; a history replays older events.
 """
 
 from __future__ import annotations
@@ -17,11 +16,11 @@ from rapc.runtime.events.trace import text_lines
 from rapc.world import Time
 
 MOST = 60_000
-"""How many events a log keeps."""
+"""The default number of events that a log keeps."""
 
 
 class ToldEvent(NamedTuple):
-    """An event as it was emitted, before it is made."""
+    """An event in raw form, before the event object is constructed."""
 
     kind: type[Event]
     serial: int
@@ -30,7 +29,7 @@ class ToldEvent(NamedTuple):
     keys: dict[str, Any]
 
     def event(self) -> Event:
-        """Return the event itself."""
+        """Return the event object."""
         return self.kind(n=self.serial, cycle=self.cycle, time=self.time, **self.keys)
 
 
@@ -39,23 +38,23 @@ Want = Callable[[ToldEvent], bool]
 
 
 class EventLog:
-    """The last events of a run: a listener for `Interpreter.listen`.
+    """The latest events of a run; a listener for `Interpreter.listen`.
 
     Args:
-        most: how many events are kept.
+        most: the number of events to keep.
     """
 
     def __init__(self, most: int = MOST) -> None:
         self._kept: deque[ToldEvent] = deque(maxlen=most)
-        #: What was told before the first cycle: it cannot be replayed, so it stays.
+        #: The events before the first cycle, kept because no replay can repeat them.
         self.opening: list[ToldEvent] = []
-        #: Called with each event too, if set: what compares a run with a recording.
+        #: An optional callback for each event, to compare a run with a recording.
         self.follower: Hear | None = None
-        #: Gets the events while a run is replayed for a question; then nothing is kept.
+        #: The receiver of events during a replay for a question; the log keeps none.
         self.elsewhere: Hear | None = None
 
     def __call__(self, event: Event) -> None:
-        """Keep an event that was made already; `raw` takes those that were not."""
+        """Keep an event object; see `raw` for events in raw form."""
         keys = {name: getattr(event, name) for name in event.__struct_fields__}
         serial, cycle, time = keys.pop("n"), keys.pop("cycle"), keys.pop("time")
         self.raw(type(event), serial, cycle, time, keys)
@@ -68,7 +67,7 @@ class EventLog:
         time: Time,
         keys: dict[str, Any],
     ) -> None:
-        """Keep an event that has not been made: see `Recorder.listen`."""
+        """Keep an event in raw form; see `Recorder.listen`."""
         told = ToldEvent(kind, serial, cycle, time, keys)
         if self.elsewhere is not None:
             self.elsewhere(told)
@@ -78,13 +77,13 @@ class EventLog:
             self.follower(told)
 
     def has(self, cycle: int) -> bool:
-        """Whether all events from a cycle on are kept."""
+        """Return whether the log keeps all events from a cycle on."""
         opened = self.opening[-1].serial + 1 if self.opening else 0
         kept = self._kept
         return not kept or kept[0].serial == opened or kept[0].cycle < cycle
 
     def forget_from(self, serial: int) -> None:
-        """Forget the events from a serial number on: the run went back."""
+        """Remove the events from a serial number on, after the run went back."""
         for kept in (self._kept, self.opening):
             while kept and kept[-1].serial >= serial:
                 kept.pop()
@@ -92,7 +91,7 @@ class EventLog:
     def scan(
         self, cycle: int, kinds: Collection[type[Event]] = (), want: Want | None = None
     ) -> list[ToldEvent]:
-        """Return the events that are kept from a cycle on; of some kinds, if wanted."""
+        """Return the kept events from a cycle on, filtered by kind and predicate."""
         return [
             told
             for told in chain(self.opening, self._kept)
@@ -102,13 +101,13 @@ class EventLog:
         ]
 
     def backwards(self, *kinds: type[Event]) -> Iterator[ToldEvent]:
-        """Iterate over the events that are kept, the last one first; of some kinds."""
+        """Yield the kept events of the given kinds (default: all), latest first."""
         for told in chain(reversed(self._kept), reversed(self.opening)):
             if not kinds or told.kind in kinds:
                 yield told
 
     def since(self, serial: int) -> list[ToldEvent]:
-        """Return the events that are kept from a serial number on, in order."""
+        """Return the kept events from a serial number on, in order."""
         found = list(takewhile(lambda told: told.serial >= serial, self.backwards()))
         return found[::-1]
 

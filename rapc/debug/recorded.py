@@ -1,4 +1,4 @@
-"""Recorded runs: traces that are written, run again, and compared."""
+"""Recorded runs: write a trace, run it again and compare."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from rapc.errors import LoadError
 from rapc.runtime.events.trace import JsonTrace
 
 _BROKEN_OFF = ("until", "cycles", "cancelled")
-"""Why a run ends that could have gone on: what it did then is not done again."""
+"""The end reasons of a run that could go on; a replay does not repeat such an end."""
 
 _FOLDER = re.compile(r"(^| at ).*[/\\:](?=[^/\\:]+\.rap:[0-9]+)")
-"""The folder of a file whose row is told: alone, or behind words."""
+"""The folder in a position `FILE:LINE`, alone or after ` at `."""
 
 
 def write_trace(history: History, path: Path) -> int:
-    """Write the trace of the run up to now; return how many events it has.
+    """Write the trace of the run up to now; return the number of events.
 
     Raises:
         LoadError: if the file cannot be written.
-        StateError: if events are gone and the run cannot be taken back in time.
+        StateError: if the log has dropped events and the run cannot go back.
     """
     count = 0
     try:
@@ -42,13 +42,14 @@ def write_trace(history: History, path: Path) -> int:
 
 
 class Replay:
-    """A run that is begun again as it was recorded, and compared with the recording.
+    """A comparison of a run with its recording.
 
-    The history stands before its first cycle; `goto(history.seen)` goes to the end of
-    the recording. Acts before that end begin another branch, which is not compared.
+    At first the history is before its first cycle; `goto(history.seen)` goes to the end
+    of the recording. An act before that end begins another branch; events of that
+    branch are not compared.
 
     Args:
-        history: the run, begun with what `recording.begun` says.
+        history: the run, begun with `recording.begun`.
         recording: the recording.
     """
 
@@ -57,12 +58,12 @@ class Replay:
         self._lines = recording.lines()
         self._written = _Lines()
         self._trace = JsonTrace(self._written)
-        #: The serial number of the next event to be compared; None if none is any more.
+        #: The serial number of the next event to compare; None after the comparison.
         self._next: int | None = 0
-        #: The first cycle that differs; None while none does.
+        #: The first cycle that differs; None if no cycle differs.
         self.parted: int | None = None
         self._to_tell = ""
-        #: Whether the run could have gone on: then its last cycle may not be whole.
+        #: Whether the run could go on; its last cycle may then be incomplete.
         self._cut = recording.reason in ("", *_BROKEN_OFF)
         self._last = Moment(max(recording.last_cycle - self._cut, 0))
         self._main = history.branch
@@ -74,12 +75,12 @@ class Replay:
         history.notes.append(self.note)
 
     def note(self) -> str:
-        """Return in words where the run differs from the recording, once."""
+        """Return the text of the first difference, once; empty afterwards."""
         text, self._to_tell = self._to_tell, ""
         return text
 
     def _stops(self) -> str | None:
-        """Return why a run stops after a cycle, if the recording is a reason."""
+        """Return the reason to stop after a cycle, or None."""
         if self._to_tell:
             return self.note()
         at_end = self._history.moment == self._last
@@ -89,11 +90,11 @@ class Replay:
 
     @property
     def _is_recorded(self) -> bool:
-        """Whether nothing was done to the run that the recording cannot have."""
+        """Whether the run is free of acts that the recording lacks."""
         return self._history.branch is self._main and not self._main.acts
 
     def _compare(self, told: ToldEvent) -> None:
-        """Compare an event with its line, if no event before it differs."""
+        """Compare an event with its line, unless a preceding event differs."""
         if told.serial != self._next or not self._is_recorded:
             return
         self._next += 1
@@ -105,7 +106,7 @@ class Replay:
             self._differs(told, line)
 
     def _differs(self, told: ToldEvent, line: bytes) -> None:
-        """Take note of a line that is another, but for folders of files."""
+        """Note a line that differs in more than the folders of files."""
         if self._cut and told.cycle >= self._recording.last_cycle:
             self._next = None
             return
@@ -123,7 +124,7 @@ class Replay:
 
 
 class _Lines:
-    """A stream that keeps what was written last."""
+    """A stream that keeps the last text written."""
 
     text = ""
 
@@ -133,9 +134,9 @@ class _Lines:
 
 
 def _anywhere(told: Any) -> Any:
-    """Return an event without the folders of the files that it names.
+    """Return an event with the folders of file positions removed.
 
-    The same library may lie elsewhere, and rapc be installed elsewhere.
+    The folders of the library and of rapc may differ between two machines.
     """
     if isinstance(told, dict):
         return {key: _anywhere(value) for key, value in told.items()}

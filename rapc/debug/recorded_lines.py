@@ -1,7 +1,7 @@
-"""Lines of a trace as a debugger reads them: typed, and their words made values again.
+"""Decode lines of a trace into events with values.
 
-A trace has words where a run has values. Goals, facts and requests are read again, as
-far as searching and telling needs them.
+A trace contains text in place of the values of a run. The debugger parses goals, facts
+and requests, as far as search and output need the values.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from rapc.parser.parse import parse_fact
 Int = Annotated[int, msgspec.Meta(ge=-(2**63), le=2**63 - 1)]
 Count = Annotated[int, msgspec.Meta(ge=0, le=2**63 - 1)]
 Number = Int | Annotated[float, msgspec.Meta(ge=-1e300, le=1e300)]
-"""Numbers that Python can write and add up without an overflow."""
+"""Numbers that Python can write and add without overflow."""
 
 # --- the types of lines ---------------------------------------------------------------
 
@@ -41,11 +41,11 @@ _WRITTEN: Mapping[Any, Any] = {
     int | float | None: Number | None,
     tuple[int, ...]: tuple[Int, ...],
 }
-"""How a trace has values, by the types of the fields of events."""
+"""The types of values in a trace, by the types of the fields of events."""
 
 
 def _line_type(kind: type[msgspec.Struct]) -> type[msgspec.Struct]:
-    """Return the type of the lines of an event, or of a part of them."""
+    """Return the type of the lines of an event, or of a part of an event."""
     fields = []
     for field in msgspec.structs.fields(kind):
         written = _WRITTEN.get(field.type, field.type)
@@ -66,25 +66,25 @@ def _line_type(kind: type[msgspec.Struct]) -> type[msgspec.Struct]:
 
 @cache
 def event_lines() -> Decoder[Any]:
-    """Return what decodes the line of any event."""
+    """Return the decoder for the lines of all events."""
     lines = tuple(_line_type(kind) for kind in kinds().values())
-    return Decoder(Union[lines])  # noqa: UP007  # there is no other way to say it
+    return Decoder(Union[lines])  # noqa: UP007  # no other form builds a union at run time
 
 
 Read = Callable[[Any], Any]
-"""Returns the value that a text of a trace stands for."""
+"""The type of functions that parse a text of a trace."""
 
 # --- words into values ----------------------------------------------------------------
 
 
 def as_told(row: int, line: Any) -> ToldEvent:
-    """Return an event of a trace as a run would have told it."""
+    """Return an event of a trace in the raw form that a run emits."""
     kind = kinds()[line.__struct_config__.tag]
     return ToldEvent(kind, row, line.cycle, number(line.time), _values(kind, line))
 
 
 def _values(kind: type[msgspec.Struct], line: Any) -> dict[str, Any]:
-    """Return the values of an event, or of a part of one, by their fields."""
+    """Return the values of an event, or of a part of an event, by field."""
     found = {}
     for name, read in _readers(kind):
         value = getattr(line, name)
@@ -94,7 +94,7 @@ def _values(kind: type[msgspec.Struct], line: Any) -> dict[str, Any]:
 
 @cache
 def _readers(kind: type[msgspec.Struct]) -> Sequence[tuple[str, Read | None]]:
-    """Return the fields of an event besides those of all, with what reads each."""
+    """Return the specific fields of an event, each with its parser."""
     fields = msgspec.structs.fields(kind)
     own = [one for one in fields if one.name not in Event.__struct_fields__]
     return [(one.name, _READ.get(one.type)) for one in own]
@@ -103,17 +103,17 @@ def _readers(kind: type[msgspec.Struct]) -> Sequence[tuple[str, Read | None]]:
 _WORD = re.compile(r'"(?:[^"\\]|\\.)*"|[^\s()"]*\([^()]*\)|[^\s()"]+')
 
 _REMEMBERED = 4096
-"""How many texts are read once: a trace says the same over and over."""
+"""The number of parsed texts in the cache; a trace repeats many texts."""
 
 
 def _words(text: str) -> tuple[str, ...]:
-    """Return the words of a list; what it was made of cannot be told any more."""
+    """Return the words of a list; the original values are unknown."""
     return tuple(_WORD.findall(text[1:-1]))
 
 
 @lru_cache(_REMEMBERED)
 def _fact(text: str) -> Fact:
-    """Return a fact, request or signal; one that is none is left as its words."""
+    """Return a fact, request or signal; return words if the text is invalid."""
     try:
         return parse_fact(text)
     except TextError:
@@ -148,4 +148,4 @@ _READ: Mapping[Any, Read] = {
     str | Fact: _result_or_signal,
     tuple[TaskResult, ...]: _results,
 }
-"""How values are read, by the types of fields; what became of a resource stays text."""
+"""The parsers of values by the types of fields; resource changes stay text."""

@@ -1,8 +1,8 @@
-"""Files of recorded runs: events found by row, cycle and time, decoded when asked.
+"""Files of recorded runs, with access to events by row, cycle and time.
 
-A trace may be larger than memory. It is read in blocks of lines as far as somebody
-asks; of each block the offset, the first cycle and the first time are kept. Not here:
-what a line holds (`rapc.debug.recorded_lines`).
+A trace may be larger than memory. Therefore a recording reads blocks of lines on
+demand. It keeps the offset, the first cycle and the first time of each block. Not here:
+the decoding of lines (`rapc.debug.recorded_lines`).
 """
 
 from __future__ import annotations
@@ -30,22 +30,22 @@ from rapc.spec import RunSpec
 from rapc.world import Time
 
 _ROWS = 256
-"""How many lines a block has."""
+"""The number of lines in a block."""
 
 _BLOCKS = 8
-"""How many blocks are kept that were read last."""
+"""The number of blocks in the cache."""
 
 _TAIL = 65_536
-"""How many bytes at the end of a file are looked at first for the last line."""
+"""The number of bytes at the end of a file that are searched first."""
 
 _WHOLE = 3
-"""How many parts of the end hold the last whole line: the first part may be cut."""
+"""The number of parts needed to find the last whole line; the first may be cut."""
 
 UNREADABLE = (msgspec.DecodeError, UnicodeDecodeError, RecursionError)
-"""What decoding a damaged line raises."""
+"""The exceptions of a decoder for a damaged line."""
 
 _LEAVING = ("primitive-cancelled", "skill-disabled")
-"""What else is told when a task leaves with one above it."""
+"""Further events when a task is removed with an ancestor."""
 
 _STARTED = "run-started"
 _ENDED = "run-ended"
@@ -54,7 +54,7 @@ _T = TypeVar("_T")
 
 
 class _Started(msgspec.Struct, frozen=True):
-    """The keys of the first line: what the run was begun with."""
+    """The keys of the first line: the options of the run."""
 
     spec: RunSpec
 
@@ -66,29 +66,29 @@ class _Format(msgspec.Struct, frozen=True):
 
 
 class _Tag(msgspec.Struct, frozen=True):
-    """The key of a line that says which event it is."""
+    """The key of a line with the kind of the event."""
 
     event: str
 
 
 class _Head(msgspec.Struct, frozen=True, gc=False):
-    """The keys of a line by which it is found."""
+    """The keys of a line that the search uses."""
 
     event: str
     n: Count
     cycle: Count
     time: Number
-    #: Why a task was removed.
+    #: The reason for the removal of a task.
     cause: str = ""
 
     @property
     def ends(self) -> bool:
-        """Whether the event belongs to the end of a run, at which all tasks go."""
+        """Whether the event belongs to the end of a run, which removes all tasks."""
         return self.event == _ENDED or self.cause == "run-over"
 
     @property
     def leaves(self) -> bool:
-        """Whether the event belongs to the removal of a task above."""
+        """Whether the event belongs to the removal of an ancestor."""
         return self.event in _LEAVING or self.cause == "parent-removed"
 
 
@@ -105,53 +105,54 @@ _BEGUN, _FORMAT = Decoder(_Started), Decoder(_Format)
 
 
 class _Block(NamedTuple):
-    """Lines that follow each other, from a row on."""
+    """A block of successive lines, from a row on."""
 
     row: int
     lines: Sequence[bytes]
     heads: Sequence[_Head]
-    #: What is wrong with the line behind them, if anything is.
+    #: The error in the line after the block, if any.
     wrong: LoadError | None
 
 
 class Recording:
     """A file with the trace of a run, in the form jsonl.
 
-    Whatever reads it raises LoadError for a file that cannot be read or is damaged.
+    Every method that reads the file raises LoadError if the file is unreadable or
+    damaged.
 
     Args:
         path: the file.
 
     Raises:
-        LoadError: for what cannot be read, and for what is not the trace of a run from
-            its beginning.
+        LoadError: if the file is unreadable, or not the trace of a run from its
+            beginning.
     """
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        #: Where each block begins, and the cycle and time of its first event.
+        #: The offset of each block, and the cycle and time of its first event.
         self._offsets: list[int] = []
         self._cycles: list[int] = []
         self._times: list[Time] = []
-        #: As far as blocks are known: the next offset and row, the last event.
+        #: The next offset and row, and the last event, after the known blocks.
         self._offset = 0
         self._rows = 0
         self._last: _Head | None = None
         self._complete = False
         self._wrong: LoadError | None = None
-        #: The row of the first event of the end of the run, once it is known.
+        #: The row of the first event of the end of the run; None while unknown.
         self._end: int | None = None
         self._kept: deque[_Block] = deque(maxlen=_BLOCKS)
-        #: What the run was begun with.
+        #: The options of the run.
         self.begun = self._spec()
         tail = self._tail()
         #: The number of the last cycle.
         self.last_cycle = tail.cycle
-        #: Why the run was over; empty if the trace was cut off before.
+        #: The end reason of the run; empty if the trace was cut off before.
         self.reason = tail.reason if tail.event == _ENDED else ""
 
     def __str__(self) -> str:
-        """Return in words how far it goes."""
+        """Return the extent of the recording as text."""
         cycles = plural(self.last_cycle, "cycle")
         return f"{cycles}, {f'over ({self.reason})' if self.reason else 'cut off'}"
 
@@ -169,7 +170,7 @@ class Recording:
         return self._decoded(line, 0, _BEGUN).spec
 
     def _tail(self) -> _Tail:
-        """Return the last line that is whole: a trace may be cut off within one."""
+        """Return the last complete line; a trace may be cut off within a line."""
         size = self._bytes(0, lambda file: file.seek(0, SEEK_END))
         length, lines = _TAIL, [b""]
         while len(lines) < _WHOLE and length < _TAIL + size * 2:
@@ -183,27 +184,27 @@ class Recording:
 
     @property
     def rows(self) -> int:
-        """How many events there are."""
+        """The number of events."""
         self._grow(lambda last: False)
         return self._rows
 
     def row_after(self, cycle: int) -> int:
         """Return the row of the first event after the end of a cycle.
 
-        That is the first of the end of the run after the last cycle.
+        After the last cycle, return the row of the first event of the end of the run.
         """
         self._grow(lambda last: last.cycle > cycle)
         before = bisect_right(self._cycles, cycle)
         return self._first_row(before, lambda head: head.cycle > cycle)
 
     def row_later(self, time: Time) -> int:
-        """Return the row of the first event after a time, or the first of the end."""
+        """Return the row of the first event after a time, or of the end of the run."""
         self._grow(lambda last: last.time > time)
         before = bisect_right(self._times, time)
         return self._first_row(before, lambda head: head.time > time)
 
     def _first_row(self, blocks: int, wanted: Callable[[_Head], bool]) -> int:
-        """Return the first row that is wanted, if blocks before it begin otherwise."""
+        """Return the first wanted row; the first `blocks` blocks begin unwanted."""
         if blocks == 0:
             return 0
         block = self._block(blocks - 1)
@@ -222,26 +223,26 @@ class Recording:
     def scan(
         self, first: int, until: int, kinds: Collection[type[Any]] = ()
     ) -> Iterator[ToldEvent]:
-        """Iterate over the events in some rows; of some kinds, if any are given."""
+        """Yield the events in a range of rows, of the given kinds (default: all)."""
         for row, line in self._lines(range(first, until), kinds):
             yield as_told(row, self._decoded(line, row, event_lines()))
 
     def backwards(
         self, until: int, kinds: Collection[type[Any]] = ()
     ) -> Iterator[ToldEvent]:
-        """Iterate over the events before a row, the last one first; see `scan`."""
+        """Yield the events before a row, latest first; see `scan`."""
         for row, line in self._lines(range(until - 1, -1, -1), kinds):
             yield as_told(row, self._decoded(line, row, event_lines()))
 
     def lines(self) -> Iterator[bytes]:
-        """Iterate over the lines of the file, damaged or not."""
+        """Yield the lines of the file, including damaged lines."""
         offset = 0
         while lines := self._bytes(offset, _next_lines):
             yield from lines
             offset += sum(map(len, lines))
 
     def written(self, kinds: Collection[type[Any]]) -> Iterator[dict[str, Any]]:
-        """Iterate over all events of some kinds as the file has them."""
+        """Yield all events of the given kinds in the form of the file."""
         for row, line in self._lines(range(self.rows), kinds):
             event = self._decoded(line, row, event_lines())
             yield msgspec.to_builtins(event)
@@ -249,7 +250,7 @@ class Recording:
     def _lines(
         self, rows: range, kinds: Collection[type[Any]]
     ) -> Iterator[tuple[int, bytes]]:
-        """Iterate over the lines in some rows whose events are of some kinds."""
+        """Yield the rows and lines of the events of the given kinds (default: all)."""
         tags = {str(kind.__struct_config__.tag) for kind in kinds}
         block = None
         for row in rows:
@@ -261,7 +262,7 @@ class Recording:
     # --- reading --------------------------------------------------------------------
 
     def _grow(self, enough: Callable[[_Head], bool]) -> None:
-        """Read on until the last event read is enough, or all are read."""
+        """Read blocks until `enough` accepts the last event, or to the end."""
         while not self._complete and (self._last is None or not enough(self._last)):
             if self._wrong is not None:
                 raise self._wrong
@@ -282,13 +283,13 @@ class Recording:
             self._complete = self._wrong is None and len(block.heads) < _ROWS
 
     def _with_leaving(self, row: int) -> int:
-        """Return the row of the first task that leaves with that of a row."""
+        """Return the first row of the removals that directly precede a row."""
         while row and self._block((row - 1) // _ROWS).heads[(row - 1) % _ROWS].leaves:
             row -= 1
         return row
 
     def _block(self, at: int) -> _Block:
-        """Return a block that was read before."""
+        """Return a known block by number, from the cache or the file."""
         row = at * _ROWS
         for block in self._kept:
             if block.row == row:
@@ -298,7 +299,7 @@ class Recording:
         return block
 
     def _read(self, offset: int, row: int, last: _Head | None) -> _Block:
-        """Read the block that begins at an offset, with a row, after an event."""
+        """Read the block at an offset; `row` and `last` describe its start."""
         lines = self._bytes(offset, _next_lines)
         if lines and row + len(lines) > 1 and _is_cut(lines[-1]):
             lines.pop()
@@ -312,7 +313,7 @@ class Recording:
         return _Block(row, lines, heads, None)
 
     def _head(self, line: bytes, row: int, last: _Head | None) -> _Head:
-        """Return the head of a line that comes after another."""
+        """Return the validated head of a line; `last` is the preceding head."""
         head = self._decoded(line, row, _HEAD)
         wrong = ""
         if head.event not in events.kinds():
@@ -326,7 +327,7 @@ class Recording:
         return head
 
     def _bytes(self, offset: int, read: Callable[[BinaryIO], _T]) -> _T:
-        """Read from an offset of the file."""
+        """Return the result of `read` on the file, opened at an offset."""
         try:
             with self.path.open("rb") as file:
                 file.seek(offset)
@@ -336,7 +337,7 @@ class Recording:
             raise LoadError(said) from error
 
     def _decoded(self, line: bytes, row: int | None, decoder: Decoder[_T]) -> _T:
-        """Return what a line holds; `row` is None for the last."""
+        """Return the decoded line; `row` is None for the last line."""
         try:
             return decoder.decode(line)
         except UNREADABLE as error:
@@ -346,10 +347,10 @@ class Recording:
 
 
 class Playback:
-    """A recorded run that is only looked at; it begins before its first cycle.
+    """A recorded run without library or world; it begins before its first cycle.
 
-    Nothing of it is kept but where it stands; what is asked for is read again. What
-    reads the recording raises LoadError where that is damaged.
+    A playback keeps only its position and reads events again on demand. Methods that
+    read the recording raise LoadError if the recording is damaged.
 
     Args:
         recording: the file.
@@ -361,31 +362,31 @@ class Playback:
         self.goto(0)
 
     def goto(self, cycle: int) -> None:
-        """Stand at the end of a cycle, or of the run for one after the last."""
+        """Go to the end of a cycle; after the last cycle, to the end of the run."""
         recording, over = self._recording, cycle > self.last_cycle
         #: The row of the next event.
         self.serial = recording.rows if over else recording.row_after(cycle)
-        #: The number of the cycle that was looked at last.
+        #: The number of the present cycle.
         self.cycle = min(cycle, self.last_cycle)
         self._over = over
 
     def step(self) -> bool:
-        """Go to the end of the next cycle; return False if the run is over instead."""
+        """Go to the end of the next cycle; return False if the run is over."""
         self.goto(self.cycle + 1)
         return not self._over
 
     @property
     def now(self) -> Time:
-        """The time of the last event up to here."""
+        """The time of the last event up to the present moment."""
         return self._recording.time_of(self.serial - 1) if self.serial else 0
 
     @property
     def reason(self) -> str:
-        """Why the run was over, at its end; empty before."""
+        """The end reason of the run; empty before its end."""
         return (self._recording.reason or "no more is recorded") if self._over else ""
 
     def cycle_by(self, time: Time) -> int:
-        """Return the last cycle that was over by a time."""
+        """Return the last cycle that ended at or before a time."""
         row = self._recording.row_later(time)
         if row == self._recording.rows:
             return self.last_cycle + 1
@@ -393,7 +394,7 @@ class Playback:
         return cycle if row == self._recording.row_after(cycle) else cycle - 1
 
     def seek(self, kinds: Collection[type[Event]], want: Want) -> ToldEvent | None:
-        """Go to the cycle of the next event of some kinds that is wanted."""
+        """Go to the cycle of the next wanted event; return the event or None."""
         told = self._recording.scan(self.serial, self._recording.rows, kinds)
         found = next(filter(want, told), None)
         if found is not None:
@@ -402,40 +403,40 @@ class Playback:
         return found
 
     def has(self, cycle: int) -> bool:
-        """Whether all events from a cycle on are at hand: always."""
+        """Return True: a recording has all events."""
         return True
 
     def scan(
         self, cycle: int, kinds: Collection[type[Event]] = (), want: Want | None = None
     ) -> Iterator[ToldEvent]:
-        """Iterate over the events up to here from a cycle on; of some, if wanted."""
+        """Yield the events from a cycle to the present moment, filtered."""
         first = self._recording.row_after(cycle - 1)
         told = self._recording.scan(first, self.serial, kinds)
         return told if want is None else filter(want, told)
 
     def backwards(self, *kinds: type[Event]) -> Iterator[ToldEvent]:
-        """Iterate over the events up to here, the last one first; of some kinds."""
+        """Yield the events up to the present moment, latest first."""
         return self._recording.backwards(self.serial, kinds)
 
     def since(self, serial: int) -> list[ToldEvent]:
-        """Return the events from a row on, the last of them if there are too many."""
+        """Return the events from a row on: at most the latest `MOST`."""
         first = max(serial, self.serial - MOST)
         return list(self._recording.scan(first, self.serial))
 
 
 def _next_lines(file: BinaryIO) -> list[bytes]:
-    """Read the lines of a block."""
+    """Return the next lines of a file, at most a block."""
     return list(islice(file, _ROWS))
 
 
 def _said(error: BaseException) -> str:
-    """Return what is wrong with a line, in a few words."""
+    """Return a short text for the error in a line."""
     text = "lists nested too deep" if isinstance(error, RecursionError) else str(error)
     return text if text[1:2].isupper() else text[:1].lower() + text[1:]
 
 
 def _is_cut(line: bytes) -> bool:
-    """Whether the last line of a file was not written to its end."""
+    """Return whether the last line of a file is incomplete."""
     if line.endswith(b"\n"):
         return False
     try:

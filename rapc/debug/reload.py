@@ -1,11 +1,15 @@
-"""Another text of the library while a run goes on: files read again, definitions typed.
+"""Reload a library during a run, from files or from typed definitions.
 
-The run is saved, made over, and taken up by one that is made with the new text. A
-method that is under way keeps the text that it began with: it stays among the methods
-of its RAP, with a context that never holds, so that it is saved and taken up like any
-other. Whatever is chosen from now on is chosen from the new text. What a task has tried
-stays with methods of the same name. Declarations are built into a run's memory: what
-that holds, and what is under way, must be as the new declarations have it.
+The debugger saves the run, adapts the saved state, and restores the state in a run of
+the new library. Three rules apply to the tasks of the run:
+
+* A method under way keeps its old text. The method stays among the methods of its RAP
+  with a context that never holds, so that the run can still be saved and restored.
+* Every further choice uses the new text.
+* The counts of tries of a task stay with methods of the same name.
+
+The memory of a run depends on the declarations. Therefore the facts in memory, and the
+requests and skills under way, must be valid for the new declarations.
 """
 
 from __future__ import annotations
@@ -38,21 +42,21 @@ from rapc.runtime.state.wait_state import WaitState
 from rapc.world import Time
 
 _NO_DEFINITIONS = ("files", "forms", "tests")
-"""The fields of a library of which a run knows nothing."""
+"""The fields of a library that do not affect a run."""
 
 
 class TakeUp(Act, frozen=True):
-    """Lets a run go on with another text of its library."""
+    """An act that reloads the library of a run."""
 
     program: Program
-    #: What is defined otherwise: names, and words for what has none.
+    #: The changed definitions: names, or the kind for definitions without a name.
     changed: tuple[str, ...]
 
     def do(self, run: Interpreter) -> Interpreter:
-        """Take up the new text.
+        """Restore the run with the new library.
 
         Raises:
-            RefusedError: if the run cannot go on with it; then nothing has changed.
+            RefusedError: if the run cannot go on; the run is then unchanged.
             StateError: if the run cannot be saved.
         """
         record, before = decode_run(run.save()), run.library
@@ -67,7 +71,7 @@ class TakeUp(Act, frozen=True):
 
 
 def changed(before: Library, after: Library) -> tuple[str, ...]:
-    """Return what two texts define differently, in the order of the kinds: names."""
+    """Return the names of changed definitions, in the order of their kinds."""
     return tuple(dict.fromkeys(_differing(before, after)))
 
 
@@ -83,7 +87,7 @@ def _differing(before: Library, after: Library) -> Iterator[str]:
 
 
 def _moved(record: RunRecord, before: Program, after: Program) -> RunRecord:
-    """Return a saved run of one text as a run of another."""
+    """Return a saved run, adapted from one library to another."""
     retired: list[tuple[str, nodes.Method]] = []
     added: dict[str, list[nodes.Method]] = {}
     for name, node in record.added_methods:
@@ -115,10 +119,11 @@ def _moved(record: RunRecord, before: Program, after: Program) -> RunRecord:
 
 
 def _waiting(task: TaskRecord, rap: nodes.DefineRap, now: Time) -> TaskRecord:
-    """Return a task that waits for what the monitors of its RAP say now.
+    """Return a task that waits for the monitors of the new RAP.
 
-    It is yet to find out what it listens to. A time that a task waits for counts from
-    when it was made or has ended a method, so that one of before stays.
+    The next test of the monitors registers the task for changes of facts. A time that
+    the task waits for counts from its creation or from the end of its last method.
+    Therefore an earlier time stays valid.
     """
     wait = task.wait
     if wait is None:
@@ -133,7 +138,7 @@ def _waiting(task: TaskRecord, rap: nodes.DefineRap, now: Time) -> TaskRecord:
 
 
 def _look_at_head(old: nodes.DefineRap, new: nodes.DefineRap) -> None:
-    """See that tasks of a RAP can go on with another text of it."""
+    """Validate that tasks of a RAP can go on with the new definition."""
     for field in ("inputs", "outputs", "resources"):
         if getattr(old, field) != getattr(new, field):
             raise RefusedError(
@@ -148,7 +153,7 @@ def _task(
     added: Mapping[str, list[nodes.Method]],
     retired: list[tuple[str, nodes.Method]],
 ) -> TaskRecord:
-    """Return a task whose methods are those of the new text."""
+    """Return a task with the methods of the new library."""
     olds = _methods(before, task.plan, added)
     news = _methods(after, task.plan, added)
     names = {name: at for at, (name, _) in enumerate(news)}
@@ -184,7 +189,7 @@ def _task(
 def _methods(
     program: Program, rap: str, added: Mapping[str, list[nodes.Method]]
 ) -> list[tuple[str, nodes.Method]]:
-    """Return the methods of a RAP, those of solvers behind them, by their names."""
+    """Return the methods of a RAP with their names, solver methods last."""
     plan = program.known_rap(rap)
     found = [(method.name, method.node) for method in plan.methods]
     for node in added.get(rap, ()):
@@ -194,12 +199,12 @@ def _methods(
 
 
 def obstacles(record: RunRecord, before: Program, after: Program) -> Iterator[str]:
-    """Yield why a run cannot go on with other declarations, a line for each reason.
+    """Yield the reasons why a run cannot go on with new declarations, as lines.
 
     Args:
-        record: the run.
-        before: the library that it runs.
-        after: the library with the other declarations.
+        record: the saved run.
+        before: the present library of the run.
+        after: the library with the new declarations.
     """
     for name, facts in record.memory.facts:
         old = before.signatures.relations[str(name)]
@@ -224,7 +229,7 @@ def obstacles(record: RunRecord, before: Program, after: Program) -> Iterator[st
 def _of_facts(
     old: Signature, new: Signature | None, facts: list[Fact], after: Program
 ) -> Iterator[str]:
-    """Yield why facts that memory holds cannot stay."""
+    """Yield the reasons why facts in memory are invalid."""
     held = f"memory holds {plural(len(facts), 'fact')} of `{old.name}`"
     away = f"`:erase ({old.name})` takes them away"
     if new is None:
@@ -244,7 +249,7 @@ def _declared_otherwise(
     before: Mapping[str, object],
     after: Mapping[str, object],
 ) -> Iterator[str]:
-    """Yield what is under way by names that are declared otherwise."""
+    """Yield the requests and skills under way whose declarations changed."""
     for how, fact in uses:
         name = str(fact[0])
         if before.get(name) != after.get(name):
@@ -252,22 +257,22 @@ def _declared_otherwise(
 
 
 TYPED = "<typed>"
-"""The file name of definitions that were typed."""
+"""The file name of typed definitions."""
 
 
 class Renewed(NamedTuple):
-    """Another text of a library, and what was found in it."""
+    """A reloaded library and its check report."""
 
     library: CheckedLibrary
     report: CheckReport
 
 
 def reread(paths: Iterable[str], typed: str, name: str) -> Renewed:
-    """Read files again, with the definitions that were typed in place of theirs.
+    """Read files again; typed definitions replace those of the same names.
 
     Raises:
-        LoadError: for what cannot be read.
-        CheckError: if anything of severity error is found.
+        LoadError: if a file cannot be read.
+        CheckError: if the checker reports an error.
     """
     loaded = load(list(paths))
     if typed:
@@ -276,10 +281,10 @@ def reread(paths: Iterable[str], typed: str, name: str) -> Renewed:
 
 
 def typed_in(library: Library, typed: str, name: str) -> Renewed:
-    """Return a library with typed definitions in place of those of the same names.
+    """Return a library in which typed definitions replace those of the same names.
 
     Raises:
-        CheckError: if anything of severity error is found.
+        CheckError: if the checker reports an error.
     """
     return _checked(load_sources(_with(library.files, typed)), name)
 
@@ -293,9 +298,9 @@ def _checked(loaded: Loaded, name: str) -> Renewed:
 
 
 def _with(files: Mapping[str, SourceFile], typed: str) -> list[SourceFile]:
-    """Return files without the definitions that were typed anew, and those.
+    """Return the files, with the definitions in `typed` moved to a file of their own.
 
-    What is left out is blanked, so that all else stays where it was.
+    Blanks replace the old definitions, so that all positions stay valid.
     """
     source = SourceFile(TYPED, typed)
     names = names_of(typed)
@@ -314,7 +319,7 @@ def _with(files: Mapping[str, SourceFile], typed: str) -> list[SourceFile]:
 
 
 def names_of(text: str) -> frozenset[tuple[str, str]]:
-    """Return what tells the definitions of a text from others: kind and name."""
+    """Return the kind and name of each definition in a text."""
     return frozenset(map(_named, parse(SourceFile(TYPED, text)).forms))
 
 

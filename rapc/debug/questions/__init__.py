@@ -1,1 +1,1 @@
-"""What a history is asked, a module for each subject: rows of answers are made here."""
+"""Questions to a history, one module for each subject."""

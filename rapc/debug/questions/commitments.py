@@ -1,4 +1,4 @@
-"""What the methods under way have been chosen for, and what of that is no longer so."""
+"""Commitments: the facts behind the choice of each method under way."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ from rapc.runtime.tasks.start import read_inputs
 
 
 class Commitment(msgspec.Struct, frozen=True):
-    """A method under way, what its choice rested on, and what of that has gone."""
+    """A method under way, with the supporting facts of its choice."""
 
     task: int
     goal: str
-    #: The event that tells of the choice.
+    #: The event of the choice.
     chosen: ToldEvent
     rested_on: tuple[Fact, ...]
-    #: Those of them that are no longer believed.
+    #: The supporting facts that memory no longer contains.
     gone: tuple[Fact, ...]
-    #: The context asked again with what the task was given alone.
+    #: The context, evaluated again with only the inputs of the task bound.
     now: ClauseAsked | None
-    #: The methods that hold now, each with what it would bind.
+    #: The methods whose context holds now, each with its bindings.
     would: tuple[tuple[str, Mapping[str, Value]], ...]
 
 
@@ -63,11 +63,11 @@ def _lines(one: Commitment) -> Iterator[str]:
 
 
 def commitment(history: History, number: int) -> Commitment:
-    """Return what the choice of a task's method rested on, and what has changed.
+    """Return the commitment of a task: its method and the supporting facts.
 
     Raises:
-        ArgumentError: if the task is at work on no method.
-        StateError: if the run cannot be taken back in time.
+        ArgumentError: if the task has no method under way.
+        StateError: if the run cannot go back.
     """
     if history.run.task(number).run is None:
         raise ArgumentError(f"task [{number}] is at work on no method")
@@ -100,7 +100,7 @@ def commitment(history: History, number: int) -> Commitment:
 
 
 def stale(history: History) -> list[Commitment]:
-    """Return the methods under way whose choice rested on what is no longer so."""
+    """Return the commitments whose supporting facts are no longer all in memory."""
     found = [
         commitment(history, task.number)
         for task in history.run.state.live_tasks()

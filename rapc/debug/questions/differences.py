@@ -1,4 +1,4 @@
-"""What differs between two moments of a run, and between two runs."""
+"""Differences between two moments of a run, and between two runs."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def diff(history: History, args: Arguments) -> Answer:
 
 
 class _Snapshot(msgspec.Struct):
-    """Facts, and tasks by number: the goal, and the state with the method."""
+    """Facts in memory, and the goal, state and method of each task."""
 
     facts: dict[Fact, None]
     tasks: dict[int, tuple[str, str]]
@@ -69,13 +69,13 @@ def _at(history: History, cycle: int) -> _Snapshot:
 # --- two runs -----------------------------------------------------------------------
 
 _DECISIONS = (events.TaskSelected, events.MethodChosen)
-"""The events in which a run decides something."""
+"""The events of decisions."""
 
 _Event = dict[str, Any]
 
 
 def _from_a_recording(history: History, path: Path) -> Answer:
-    """Say in which decision the run differs from a recorded one, as far as both go."""
+    """Return the first decision in which the run differs from a recorded run."""
     own = (record(told.event()) for told in history.scan(*_DECISIONS))
     for here, there in zip_longest(own, Recording(path).written(_DECISIONS)):
         if {**(here or {}), "n": 0} != {**(there or {}), "n": 0}:

@@ -1,6 +1,6 @@
-"""Questions about facts and items: when they came and went, and by whom.
+"""Questions about facts and items: their changes and their uses.
 
-When and by whom is gathered from the events of the run up to now.
+Times and sources of changes come from the events of the run up to the present moment.
 """
 
 from __future__ import annotations
@@ -39,14 +39,14 @@ _CAUSES = (events.PrimitiveEnded, events.DataReceived, events.TaskSelected)
 
 
 class _Change(NamedTuple):
-    """A fact that came or went, or what became of an item."""
+    """A change of a fact or of an item."""
 
     time: Time
     cycle: int
-    #: `+`, `-`, or what became of the item.
+    #: `+`, `-`, or the change of the item.
     what: str
     said: str
-    #: By what: a request of a task, a datum, a notation, the user.
+    #: The source: a request of a task, a datum, a notation, or the user.
     by: str
 
 
@@ -89,7 +89,7 @@ def history_(history: History, args: Arguments) -> Answer:
 
 
 def _names_of(history: History, name: str) -> set[str]:
-    """Return all names that stand for one item now."""
+    """Return all present names of an item."""
     if not history.is_run:
         merged = history.scan(events.ItemMerged)
         pairs = [{told.keys["item"], told.keys["with_"]} for told in merged]
@@ -100,7 +100,7 @@ def _names_of(history: History, name: str) -> set[str]:
 
 
 def _changes(history: History, of_fact: Want, of_item: Want) -> list[_Change]:
-    """Return the changes that are wanted, each with what made it."""
+    """Return the selected changes, each with its source."""
     found: list[_Change] = []
     open_since = 0
     chooser: int | None = None
@@ -140,10 +140,10 @@ def _of_item(told: ToldEvent) -> _Change:
     return _Change(told.time, told.cycle, what, said, "handler")
 
 
-# --- who has to do with a fact ------------------------------------------------------
+# --- uses of a fact -----------------------------------------------------------------
 
 _USES: tuple[Use, ...] = ("test", "believed", "asserted", "erased")
-"""How the library uses facts: it asks for them, or makes them so."""
+"""The uses of facts in a library: queries and changes."""
 
 
 @question("FACT", ":who (truck-location depot)", ":who (location ?item external)")
@@ -176,7 +176,7 @@ def _believed(origin: Origin) -> _Row:
 
 
 def _noted_by(history: History, facts: list[Fact]) -> Iterator[_Row]:
-    """Yield the methods under way that have noted some of the facts, by task."""
+    """Yield the methods under way that have noted one of the facts, by task."""
     notations = history.run.beliefs.notations
     for task in history.run.state.live_tasks():
         if task.run is not None and task.run.notations:
@@ -186,7 +186,7 @@ def _noted_by(history: History, facts: list[Fact]) -> Iterator[_Row]:
 
 
 def _listening(history: History, pattern: Fact) -> Iterator[_Row]:
-    """Yield the tasks whose monitor hears of changes of the fact."""
+    """Yield the tasks with a monitor registered for changes of the fact."""
     entries = {entry.task: entry for entry in history.run.agenda()}
     for task in history.run.state.live_tasks():
         keys = () if task.wait is None else task.wait.keys or ()
@@ -196,7 +196,7 @@ def _listening(history: History, pattern: Fact) -> Iterator[_Row]:
 
 
 def _hears(key: WatchKey, pattern: Fact) -> bool:
-    """Whether a change of a fact that fits the pattern may touch a listener's key."""
+    """Return whether a matching fact may concern the key of a listener."""
     if not isinstance(key, tuple) or key[0] != pattern[0]:
         return False
     if len(key) == 1 or int(str(key[1])) >= len(pattern):
@@ -206,7 +206,7 @@ def _hears(key: WatchKey, pattern: Fact) -> bool:
 
 
 def _places(history: History, name: str) -> Iterator[_Row]:
-    """Yield where the library asks for facts of a name, or makes them so."""
+    """Yield the positions where the library queries or changes facts of a name."""
     program = history.library.program
     index = Index(program.library)
     for use in _USES:
@@ -217,5 +217,5 @@ def _places(history: History, name: str) -> Iterator[_Row]:
 
 
 def _words(name: str) -> str:
-    """Return the name of a class of nodes as the language writes it."""
+    """Return the name of a node class in the notation of the language."""
     return "".join(f"-{c.lower()}" if c.isupper() else c for c in name).lstrip("-")

@@ -1,4 +1,4 @@
-"""Questions about what stands now besides tasks: memory, things, requests, world."""
+"""Questions about the present state: memory, things, requests and world."""
 
 from __future__ import annotations
 
@@ -15,18 +15,17 @@ from rapc.world import Drawable, Thing
 
 
 def names_with_facts(history: History) -> Answer:
-    """Return the names that facts of memory have, each with how many they are."""
+    """Return the names of facts in memory, with the number of facts of each."""
     tables = sorted(history.run.beliefs.facts.tables.items())
     rows = [(name, len(found.stamps)) for name, found in tables if found.stamps]
     return table(("facts of", "number"), rows, none="memory is empty")
 
 
 def beliefs(history: History, name: str, *values: Atom | None) -> Answer:
-    """Return the facts of a name that values match, None any value, with ages.
+    """Return the facts of a name that match values, with ages; None matches all.
 
     Raises:
-        ArgumentError: if nothing is declared by that name, or a value is not of the
-            declared kind.
+        ArgumentError: if the name is not declared or a value has the wrong kind.
     """
     run = history.run
     signatures = run.library.signatures
@@ -103,7 +102,7 @@ def claims(history: History, args: Arguments) -> Answer:
 @question()
 def requests(history: History, args: Arguments) -> Answer:
     """List the requests under way: sent, neither ended nor cancelled."""
-    # A world may answer what was cancelled once more, or never.
+    # A world may answer a cancelled request later, or never.
     pending = sorted(history.run.state.pending.items())
     rows = [
         (ticket, task.number, format_list(asked))
@@ -187,10 +186,10 @@ def source(history: History, args: Arguments) -> Answer:
 
 
 def _rap_of(history: History, number: int) -> str:
-    """Return the RAP of a task, whether it has ended or not.
+    """Return the RAP of a live or ended task.
 
     Raises:
-        ArgumentError: if there is no such task.
+        ArgumentError: if the task is unknown.
     """
     told = history.last(TaskCreated, want=lambda one: one.keys["task"] == number)
     goal = history.run.task(number).goal() if told is None else told.keys["goal"]

@@ -1,4 +1,4 @@
-"""Questions about tasks: the agenda, families, one task, and those above it."""
+"""Questions about tasks: agenda, families, single tasks and ancestors."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def agenda(history: History, args: Arguments) -> Answer:
 # --- families -----------------------------------------------------------------------
 
 _Member = dict[str, Any]
-"""A task in its family: its parent, goal, state, method, last result, and its cause."""
+"""A task in its family: parent, goal, state, method, last result and cause."""
 
 
 @question(of_recordings=True)
@@ -79,7 +79,7 @@ _OF_FAMILIES = (
 
 
 def _told(history: History) -> Mapping[int, _Member]:
-    """Return the live tasks that events tell of, by number."""
+    """Return the live tasks by number, reconstructed from events."""
     found: dict[int, _Member] = {}
     for told in history.scan(*_OF_FAMILIES):
         number = told.keys.get("task", 0)
@@ -95,7 +95,7 @@ def _told(history: History) -> Mapping[int, _Member]:
 
 
 def _changed_by(told: ToldEvent) -> _Member:
-    """Return what an event makes another of a task in its family."""
+    """Return the fields of a task that an event changes."""
     keys = told.keys
     changes: Mapping[type[events.Event], _Member] = {
         events.TaskSelected: {"goal": keys.get("goal"), "state": "selected"},
@@ -118,7 +118,7 @@ def _changed_by(told: ToldEvent) -> _Member:
 def _in_families(
     below: Mapping[int | None, Sequence[int]],
 ) -> Iterator[tuple[int, int]]:
-    """Yield tasks with their depths, each after its parent; None has those on top."""
+    """Yield tasks with depths, each after its parent; None is the root."""
     stack = [(0, task) for task in reversed(below.get(None, ()))]
     while stack:
         depth, task = stack.pop()

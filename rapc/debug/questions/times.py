@@ -1,6 +1,6 @@
 """Questions about the time of a run: retries, deadlines, and the timeline.
 
-All is gathered from the events of the run up to now.
+The answers come from the events of the run up to the present moment.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ def deadlines(history: History, args: Arguments) -> Answer:
         for task, time in missed
         for end in [ended.get(task)]
     ]
-    # Those ahead are not known of a recording that is only played.
+    # A playback has no agenda: its future deadlines are unknown.
     entries = {e.task: e for e in (history.run.agenda() if history.is_run else ())}
     for entry in entries.values():
         above, due = entries.get(entry.parent or 0), entry.deadline
@@ -90,18 +90,18 @@ _ENDS = (
 
 
 class Spell(msgspec.Struct, eq=False):
-    """A request, or the skills of an activation, under way for a while; or waiting."""
+    """An interval of a run: a request, the skills of an activation, or waiting."""
 
     start: Time
-    #: When it ended; now while it is under way.
+    #: The end of the interval; the present time while under way.
     stop: Time
     family: int | None
     task: int | None
-    #: One request, or the skills: an activation may get further ones. None if all wait.
+    #: The request or the skills (more may be added); empty while all tasks wait.
     parts: list[Fact]
-    #: The signals that arose under an activation, in the order in which they came.
+    #: The signals of the skills, in order.
     heard: list[Fact] = []
-    #: How many of the skills are still on; 0 for a request.
+    #: The number of skills still enabled; 0 for a request.
     on: int = 0
 
 
@@ -138,7 +138,7 @@ def timeline(history: History, args: Arguments) -> Answer:
 
 
 def _in_words(signals: Sequence[Fact]) -> str:
-    """Return signals in words: one that came once whole, others by name and number."""
+    """Return signals as text: unique signals in full, repeats by name and count."""
     by_name: dict[Atom, list[Fact]] = {}
     for one in signals:
         by_name.setdefault(one[0], []).append(one)
@@ -149,14 +149,14 @@ def _in_words(signals: Sequence[Fact]) -> str:
 
 
 def spells(history: History, start: Time = 0, stop: Time | None = None) -> list[Spell]:
-    """Return what was under way between two times, by the time at which it began.
+    """Return the intervals between two times, ordered by start.
 
-    Where nothing was there is a spell of waiting, so that all time is accounted for.
+    Intervals of waiting fill the gaps, so that the intervals cover all time.
 
     Args:
         history: the run.
-        start: spells that were over by then are left out.
-        stop: spells that began then or later are left out; None for none.
+        start: omit intervals that ended at or before this time.
+        stop: omit intervals that began at or after this time; None for no limit.
     """
     found = [one for one in _read(history) if one.stop > one.start]
     return [
@@ -167,12 +167,12 @@ def spells(history: History, start: Time = 0, stop: Time | None = None) -> list[
 
 
 def _read(history: History) -> list[Spell]:
-    """Return what was under way, gathered from events, by when it began."""
+    """Return the requests and activations from events, ordered by start."""
     now = history.now
     families: dict[int, int] = {}
     found: list[Spell] = []
     requests: list[Spell] = []
-    #: The activation of each task that came on last.
+    #: The latest activation of each task.
     activations: dict[int, Spell] = {}
     kinds = (*_ENDS, events.TaskCreated, events.PrimitiveRequested)
     of_skills = (events.SkillEnabled, events.SkillDisabled, events.SignalReceived)
@@ -210,7 +210,7 @@ def _read(history: History) -> list[Spell]:
 
 
 def _with_waiting(spells: Sequence[Spell], now: Time) -> Iterator[Spell]:
-    """Yield spells by their beginning, with those of waiting between them."""
+    """Yield intervals ordered by start, with waiting in the gaps."""
     reached: Time = 0
     for one in spells:
         if one.start > reached:
@@ -224,10 +224,10 @@ def _with_waiting(spells: Sequence[Spell], now: Time) -> Iterator[Spell]:
 def time_by_family(
     spells: Iterable[Spell], start: Time = 0, stop: Time | None = None
 ) -> dict[int | None, Time]:
-    """Return how much of the time between two times each family used, most first.
+    """Return the time that each family used between two times, most first.
 
-    A moment counts for whatever of all that was under way had begun last; for None
-    where all waited.
+    Each moment counts for the interval that began last among those under way. The key
+    None stands for waiting.
     """
     marks: list[tuple[Time, int, bool]] = []
     listed = list(spells)

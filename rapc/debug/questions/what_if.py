@@ -1,4 +1,4 @@
-"""What would be chosen if memory were another: tried aside, and undone."""
+"""What-if: run some cycles with changed memory, then undo."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _OF_CHOICES = (
     *(events.TaskFailed, events.TaskBlocked, events.TaskWoken),
     *(events.PrimitiveRequested, events.RunEnded),
 )
-"""The events that tell what is chosen."""
+"""The events of choices."""
 
 
 @question(
@@ -48,18 +48,18 @@ def what_if(history: History, args: Arguments) -> Answer:
 
 
 def ahead(history: History, acts: Iterable[Act], cycles: int) -> list[ToldEvent]:
-    """Return what is chosen in the next cycles after some acts, which are undone.
+    """Return the choices in the next cycles after given acts, then undo all.
 
     Raises:
-        Error: if an act cannot be done.
-        StateError: if the run cannot be taken back in time.
+        Error: if an act is impossible.
+        StateError: if the run cannot go back.
     """
     told = history.ahead(acts, cycles)
     return [one for one in told if one.kind in _OF_CHOICES]
 
 
 def _act(text: str) -> Act:
-    """Return what `(assert FACT)` or `(erase PREFIX)` does."""
+    """Return the act for `(assert FACT)` or `(erase PREFIX)`."""
     words = split(text[1:].rstrip().removesuffix(")"))
     makes: dict[str, type[AssertFact | EraseFacts]] = {
         "assert": AssertFact,

@@ -1,8 +1,8 @@
-"""Why a task came up, what it did then, and why tasks fail.
+"""Explanations of cycles: the selection of a task, its outcome and failures.
 
-The cycle is run again aside, from the moment before it: so each rule of choice is told
-with the candidates that it left [T 3.2.4; L 4], and the method with the facts that its
-context rested on.
+An explanation repeats the cycle from the preceding moment, then undoes the repeat. The
+explanation reports the candidates that each rule of choice left [T 3.2.4; L 4], and the
+method with the facts that support its context.
 """
 
 from __future__ import annotations
@@ -38,13 +38,13 @@ from rapc.world import Time
 
 
 class Origin(msgspec.Struct, frozen=True):
-    """A fact that something rested on, with who had asserted it."""
+    """A supporting fact and the source of its assertion."""
 
     fact: Fact
-    #: When it was asserted last; None if it was not in the run that is known.
+    #: The time of the last assertion; None if the events do not contain one.
     time: Time | None
     cycle: int | None
-    #: By what: a primitive of a task, a datum, a notation, the user.
+    #: The source: a primitive of a task, a datum, a notation, or the user.
     by: str
 
     def __str__(self) -> str:
@@ -57,28 +57,28 @@ class Origin(msgspec.Struct, frozen=True):
 
 
 class Choice(msgspec.Struct, frozen=True):
-    """Why a task was the one to come up."""
+    """The reasons for the selection of a task."""
 
     task: int
     cycle: int
     time: Time
-    #: The tasks that could have come up.
+    #: The eligible tasks.
     candidates: tuple[int, ...]
-    #: The rules of choice that were applied, each with the tasks that it left.
+    #: The applied rules of choice, each with the tasks that remain.
     rules: tuple[tuple[str, tuple[int, ...]], ...]
 
 
 class Doing(msgspec.Struct, frozen=True):
-    """What a task did in its cycle, and what that rested on."""
+    """The outcome of a cycle of a task, with the supporting facts."""
 
-    #: `method`, `succeeded`, `failed`, `blocked`, or `nothing` that events tell of.
+    #: `method`, `succeeded`, `failed`, `blocked`, or `nothing` without an event.
     outcome: str = "nothing"
-    #: The method chosen, or what it waits for.
+    #: The chosen method, or the reason to wait.
     said: str = ""
     bindings: Mapping[str, Value] = {}
-    #: The facts that the clause rested on that settled it.
+    #: The facts that support the deciding clause.
     rests_on: tuple[Origin, ...] = ()
-    #: All methods as they stood then, where one was chosen.
+    #: All methods at the time of a choice; empty without a choice.
     methods: tuple[MethodAnswer, ...] = ()
     because: Cause | None = None
 
@@ -89,7 +89,7 @@ _SETTLES: Mapping[type[Event], str] = {
     events.TaskFailed: "failed",
     events.TaskBlocked: "blocked",
 }
-"""The events that tell what a cycle came to."""
+"""The events that report the outcome of a cycle."""
 
 
 @question(
@@ -147,11 +147,11 @@ def _of_doing(doing: Doing) -> Iterator[str]:
 def reasons(
     history: History, task: int, cycle: int | None = None
 ) -> tuple[Choice, Doing]:
-    """Return why a task came up, in its last cycle or in the one given; what it did.
+    """Return the choice and the outcome of a task, in its last or a given cycle.
 
     Raises:
-        ArgumentError: if it did not come up.
-        StateError: if the run cannot be taken back in time.
+        ArgumentError: if the task was not selected.
+        StateError: if the run cannot go back.
     """
     last = last_cycle(history, task) if cycle is None else cycle
     of_cycle = history.scan(
@@ -178,11 +178,11 @@ _RULES = (
     "no method has ended badly",
     "family at work",
 )
-"""The rules of choice, in order: each keeps the tasks whose part of a key is least."""
+"""The rules of choice, in order; each keeps the tasks with the least key part."""
 
 
 def _choice(history: History, task: int) -> Choice:
-    """Return why a task is the next to come up; the run is about to choose."""
+    """Return the reasons for the next selection; the run is before the choice."""
     run = history.run
     live = {one.number: one for one in run.state.live_tasks()}
     sole, others = run.eligible.entries()
@@ -209,7 +209,7 @@ def _choice(history: History, task: int) -> Choice:
 
 
 def _doing(run: Run, task: Task, settled: ToldEvent | None) -> tuple[Doing, Supports]:
-    """Return what a task did, and what that rested on; the run stands before it."""
+    """Return the outcome of a cycle and its supports; the run is before the cycle."""
     if not task.bound:
         read_inputs(run, task)
     if settled is None:
@@ -231,7 +231,7 @@ def _doing(run: Run, task: Task, settled: ToldEvent | None) -> tuple[Doing, Supp
 
 
 def method_supports(run: Run, task: Task, method: MethodPlan | None) -> Supports:
-    """Return the facts that the context of a method rests on now."""
+    """Return the facts that make a method's context true."""
     return _supports_of(run, task, None if method is None else method.choice)
 
 
@@ -247,7 +247,7 @@ def _supports_of(run: Run, task: Task, query: Query | None) -> Supports:
 
 
 def origins(history: History, found: Supports, before: int) -> tuple[Origin, ...]:
-    """Return who asserted some facts last, before a cycle began."""
+    """Return the last assertion of each fact before a cycle."""
     last: dict[Fact, ToldEvent] = {}
     for told in history.log.backwards(events.FactAsserted):
         if len(last) == len(found):
@@ -272,7 +272,7 @@ def _origin(
 
 
 def _by_whom(history: History, told: ToldEvent) -> str:
-    """Return in words who has asserted or erased a fact."""
+    """Return the source of a change of a fact as text."""
     by: str = told.keys["by"]
     if told.cycle == 0 or by in ("user", "memory"):
         return by
@@ -290,7 +290,7 @@ def _by_whom(history: History, told: ToldEvent) -> str:
 
 
 def source(told: ToldEvent) -> str:
-    """Return in words a request that has ended, with its task, or a datum."""
+    """Return an ended request with its task, or a datum, as text."""
     if told.kind is events.DataReceived:
         return f"datum {format_list(told.keys['data'])}"
     task = told.keys["task"]
@@ -307,10 +307,10 @@ _FAILURES: Mapping[type[Event], str] = {
 
 
 def why_failed(history: History, number: int | None = None) -> Answer:
-    """Say why a task failed, or the last one that did: the causes, to the first one.
+    """Return the causes of a failure, to the root; default: the last failed task.
 
     Raises:
-        ArgumentError: if none has, or this one has not.
+        ArgumentError: if the task, or every task, has not failed.
     """
     numbers = history.run.state.numbers
 
@@ -341,6 +341,6 @@ def why_failed(history: History, number: int | None = None) -> Answer:
 
 
 def _goal(history: History, number: int) -> str:
-    """Return the goal of a task when it was made; nothing if that is not known."""
+    """Return the goal of a task at its creation; empty if unknown."""
     made = history.last(events.TaskCreated, want=lambda o: o.keys["task"] == number)
     return "" if made is None else str(made.keys["goal"])

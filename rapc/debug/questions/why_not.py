@@ -1,9 +1,10 @@
-"""Why a task does not go on, why a method is not chosen, why a query does not hold.
+"""Explanations of blocked tasks, rejected methods and false queries.
 
-What is asked is what a cycle would ask, in its order [L 3]: inputs, `succeed`,
-monitors, conditions, then the methods. A clause is asked conjunct by conjunct: how far
-it holds, and what is missing where not. A task that has ended is asked about as it
-stood before its last cycle. Asking leaves no mark on the run.
+An explanation evaluates the same clauses as a cycle, in the same order [L 3]: inputs,
+`succeed`, monitors, conditions, methods. A clause is evaluated conjunct by conjunct, to
+find the first conjunct without a solution and the missing facts. For an ended task, the
+explanation uses the moment before its last cycle. An explanation does not change the
+run.
 """
 
 from __future__ import annotations
@@ -36,35 +37,35 @@ from rapc.runtime.tasks.start import read_inputs
 from rapc.world import Time
 
 MOST = 100
-"""How many solutions are counted."""
+"""The greatest number of solutions that are counted."""
 
 _NEAR = 3
-"""How many facts are named that come near to what is missing."""
+"""The number of similar facts that an explanation lists."""
 
 _CLAUSES = tuple(clause.word for clause in clauses.RAP if not clause.hands_on)
-"""The clauses of a RAP that can be asked about by their names."""
+"""The clauses of a RAP that a user can name in `:why-not`."""
 
 
 class ClauseAsked(msgspec.Struct, frozen=True):
-    """What comes of asking a clause."""
+    """The result of evaluating a clause."""
 
-    #: The clause in words.
+    #: The clause as text.
     clause: str
-    #: The conjuncts up to the first without a solution, each with how many solutions
-    #: all up to it have: at most `MOST`.
+    #: The conjuncts up to the first without a solution, each with the number of
+    #: solutions of all conjuncts up to that conjunct: at most `MOST`.
     parts: tuple[tuple[str, int], ...]
-    #: How many conjuncts there are.
+    #: The number of conjuncts.
     count: int
-    #: What the first solution adds; where there is none, what the variables of the
-    #: conjunct that fails were bound to.
+    #: The bindings that the first solution adds; without a solution, the bindings of
+    #: the variables of the failing conjunct.
     bindings: Mapping[str, Value] = {}
-    #: What is wrong with the conjunct that fails, where there is more to say.
+    #: Details about the failing conjunct; may be empty.
     note: str = ""
-    #: Facts, each of which would let the conjunct that fails have a solution.
+    #: Facts, each of which would give the failing conjunct a solution.
     missing: tuple[Fact, ...] = ()
-    #: Facts that keep a negated conjunct from holding.
+    #: Facts that contradict a negated conjunct.
     unwanted: tuple[Fact, ...] = ()
-    #: Facts that come near to what is missing.
+    #: Facts similar to the missing facts.
     near: tuple[Fact, ...] = ()
 
     @property
@@ -73,7 +74,7 @@ class ClauseAsked(msgspec.Struct, frozen=True):
         return len(self.parts) == self.count and all(found for _, found in self.parts)
 
     def lines(self) -> Iterator[str]:
-        """Say how far the clause holds, and what is missing."""
+        """Yield lines about the conjuncts that hold and the missing facts."""
         yield f"{self.clause}: {'holds' if self.holds else 'does not hold'}"
         for text, found in self.parts:
             told = str(found) if found < MOST else f"{MOST} or more"
@@ -93,7 +94,7 @@ class ClauseAsked(msgspec.Struct, frozen=True):
             yield f"  near to it: {format_list(fact)}"
 
     def in_a_line(self) -> str:
-        """Say whether the clause holds, else at which conjunct it fails."""
+        """Return a line: whether the clause holds, or the failing conjunct."""
         pairs = bound_to(self.bindings)
         if self.holds:
             return f"holds{pairs}"
@@ -103,35 +104,35 @@ class ClauseAsked(msgspec.Struct, frozen=True):
 
 
 class MethodAnswer(msgspec.Struct, frozen=True):
-    """Whether a method could be chosen, and what speaks against it."""
+    """Whether a method could be chosen, with the reasons against the choice."""
 
     name: str
-    #: Its context, asked; None for a method without one.
+    #: The result of the context; None for a method without a context.
     context: ClauseAsked | None
-    #: Whether an `otherwise` keeps it from holding: a method before it holds.
+    #: Whether an `otherwise` rejects the method, because an earlier method holds.
     otherwise: bool
-    #: How often it has ended badly, and how often it was chosen.
+    #: The numbers of failures and of choices of the method.
     failures: int
     tries: int
-    #: Who holds a thing that it would have to wait for; empty if nobody.
+    #: The holder of a thing that the method needs; empty without a conflict.
     held_by: str = ""
-    #: Whether a problem solver has just brought it.
+    #: Whether a problem solver has just added the method.
     solved: bool = False
 
     @property
     def holds(self) -> bool:
-        """Whether its context holds."""
+        """Whether the context of the method holds."""
         return not self.otherwise and (self.context is None or self.context.holds)
 
 
 class TaskAnswer(msgspec.Struct, frozen=True):
-    """What keeps a task from going on, or from doing what was expected."""
+    """The reasons why a task does not go on."""
 
     task: int
     goal: Goal
-    #: The cycle at whose end it was asked.
+    #: The cycle at whose end the clauses were evaluated.
     cycle: int
-    #: How it stands, or stood, in lines.
+    #: The state of the task, as lines.
     stands: tuple[str, ...]
     #: The clauses of the task, in the order of a cycle.
     clauses: tuple[ClauseAsked, ...]
@@ -154,7 +155,7 @@ def why_not(history: History, args: Arguments) -> Answer:
 
     Behind each conjunct stands how many solutions all up to it have. A task that
     has ended is asked about as it stood before its last cycle.
-    """  # noqa: E501  # the help has it in one sentence
+    """  # noqa: E501  # the help is a single sentence
     if args.peek().startswith("("):
         return say(*why_not_query(history, args.word("a query")).lines())
     answer = task_asked(history, args.task(history))
@@ -192,7 +193,7 @@ def _one_method(answer: TaskAnswer, name: str) -> Iterator[str]:
 
 
 def in_words(method: MethodAnswer) -> str:
-    """Say whether a method could be chosen, and what became of it so far."""
+    """Return as text whether a method could be chosen, with its past results."""
     if method.otherwise:
         told = "is for when no method before it holds"
     elif method.solved:
@@ -212,11 +213,11 @@ def in_words(method: MethodAnswer) -> str:
 
 
 def task_asked(history: History, number: int) -> TaskAnswer:
-    """Return what keeps a task from going on.
+    """Return the reasons why a task does not go on.
 
     Raises:
-        ArgumentError: if there is no such task.
-        StateError: for one that has ended, if the run cannot be taken back in time.
+        ArgumentError: if the task is unknown.
+        StateError: if the task has ended and the run cannot go back.
     """
     live = {task.number: task for task in history.run.state.live_tasks()}
     if number in live:
@@ -233,7 +234,7 @@ def last_cycle(history: History, number: int) -> int:
     """Return the last cycle in which a task was selected.
 
     Raises:
-        ArgumentError: if it never was.
+        ArgumentError: if the task was never selected.
     """
     if not 0 < number <= history.run.state.numbers:
         raise ArgumentError(f"there is no task [{number}]")
@@ -262,7 +263,7 @@ def _answer(run: Interpreter, number: int, cycle: int, *, past: bool) -> TaskAns
 def _stands(
     task: Task, own: AgendaEntry, all_: Iterable[AgendaEntry], cycle: int, past: bool
 ) -> Iterator[str]:
-    """Say how a task stands, and which tasks go on before it."""
+    """Yield lines about the state of a task and the tasks with precedence."""
     at = f"{'stood' if past else 'stands'} after cycle {cycle}"
     waits = f", waiting for {own.waits_for}" if own.waits_for else ""
     yield f"[{own.task}] {task.goal()} {at}: {own.state}{waits}"
@@ -275,7 +276,7 @@ def _stands(
 
 
 def _clauses(run: Run, task: Task) -> Iterator[ClauseAsked]:
-    """Ask the clauses of a task that a cycle asks before methods."""
+    """Evaluate the clauses that a cycle evaluates before the methods."""
     plan, env = task.plan, task.env
     for clause in clauses.RAP if task.bound else ():
         if clause.word in plan.clauses and not clause.is_condition:
@@ -292,7 +293,7 @@ def _clauses(run: Run, task: Task) -> Iterator[ClauseAsked]:
 
 
 def methods(run: Run, task: Task) -> Iterator[MethodAnswer]:
-    """Ask each method of a task whether it could be chosen now."""
+    """Yield, for each method of a task, whether the method could be chosen now."""
     held = False
     for method in run.state.methods(task.plan):
         context = None
@@ -314,7 +315,7 @@ def methods(run: Run, task: Task) -> Iterator[MethodAnswer]:
 def _held_by(
     run: Run, task: Task, method: MethodPlan, context: ClauseAsked | None
 ) -> str:
-    """Return what a method would have to wait for, and whose it is."""
+    """Return the thing that a method would wait for, with its holder."""
     if not method.things or (context is not None and not context.holds):
         return ""
     env = task.env if context is None else {**task.env, **context.bindings}
@@ -331,13 +332,13 @@ def _held_by(
 
 
 def why_not_query(history: History, text: str) -> ClauseAsked:
-    """Ask memory a formula conjunct by conjunct.
+    """Evaluate a formula over memory, conjunct by conjunct.
 
     Raises:
-        TextError: if `text` is no formula.
+        TextError: if `text` is not a formula.
         ValueError: for names that the library does not declare.
     """
-    history.run.question(text)  # looks at the names
+    history.run.question(text)  # validates the names
     formula, run = parse_formula(text), history.run
     query = run.library.compiler.query(formula, "question", formula.span)
     return ask(run, "the question", query, None, {})
@@ -346,19 +347,19 @@ def why_not_query(history: History, text: str) -> ClauseAsked:
 def ask(
     run: Run, clause: str, query: Query, asker: Task | None, env: Env
 ) -> ClauseAsked:
-    """Ask a clause as a task would, conjunct by conjunct.
+    """Evaluate a clause as a task would, conjunct by conjunct.
 
     Args:
         run: the run.
-        clause: the clause in words.
-        query: what is asked.
-        asker: the task whose clause it is; None for a question of the user.
-        env: what is bound beforehand.
+        clause: the clause as text.
+        query: the query of the clause.
+        asker: the task with the clause; None for a query of the user.
+        env: the initial bindings.
     """
     asked = list(ask_in_parts(run, query, asker, env, MOST))
     parts = tuple([(one.text, len(one.solutions)) for one in asked])
     count, last = len(query.beginnings()), asked[-1] if asked else None
-    if last is None or last.solutions:  # `(and)` has no conjuncts, and holds
+    if last is None or last.solutions:  # `(and)` has no conjuncts and holds
         return ClauseAsked(clause, parts, count, last.solutions[0] if last else {})
     before = asked[-2].solutions if asked[1:] else [{}]
     known = [{**env, **one} for one in before]
@@ -381,12 +382,12 @@ _Facts = tuple[Fact, ...]
 def _facts_about(
     run: Run, part: nodes.Formula, known: list[dict[str, Value]]
 ) -> tuple[_Facts, _Facts, _Facts]:
-    """Return facts that a conjunct without a solution lacks, that negate it, and near.
+    """Return the missing, contradicting and similar facts of a failing conjunct.
 
     Args:
         run: the run.
         part: the conjunct.
-        known: what is bound in the solutions of those before it.
+        known: the solutions of the preceding conjuncts.
     """
     inner = part.part if isinstance(part, nodes.Not) else part
     if isinstance(inner, nodes.Believe):
@@ -408,13 +409,13 @@ def _in_memory(run: Run, part: nodes.Proposition) -> bool:
 
 
 Pattern = tuple[object, ...]
-"""A fact with None where nothing is known."""
+"""A fact with None for each unknown value."""
 
 
 def _with_values(
     run: Run, part: nodes.Proposition, env: Mapping[str, Value]
 ) -> Pattern:
-    """Return a proposition with the values that variables have, None for the others."""
+    """Return a proposition with values for variables, None if unbound."""
     relation = run.library.signatures.relations[part.name]
     values = [_value(term, env) for term in relation.full(part.args)]
     place = run.beliefs.place
@@ -425,14 +426,14 @@ def _with_values(
 
 
 def _value(term: nodes.Term, env: Mapping[str, Value]) -> object:
-    """Return the value of a term where it is known without computing, else None."""
+    """Return the value of a constant or variable, else None."""
     if isinstance(term, nodes.Const):
         return term.value
     return env.get(term.name) if isinstance(term, nodes.Var) else None
 
 
 def _nearest(run: Run, pattern: Pattern) -> Iterable[Fact]:
-    """Return the facts that agree with a pattern in most arguments."""
+    """Return the facts that match most arguments of a pattern."""
 
     def agreement(fact: Fact) -> int:
         given = zip(pattern[1:], fact[1:], strict=False)
@@ -444,11 +445,11 @@ def _nearest(run: Run, pattern: Pattern) -> Iterable[Fact]:
 
 
 Supports = dict[Fact, Time | None]
-"""Facts that a clause rests on, each with when it was last asserted, if it was."""
+"""The supporting facts of a clause, each with the time of its last assertion."""
 
 
 def supports(run: Run, formula: nodes.Formula, env: Mapping[str, Value]) -> Supports:
-    """Return the facts that make a formula hold, with these bindings, in its order."""
+    """Return the facts that make a formula true, in the order of the formula."""
     found: Supports = {}
     stack = [formula]
     while stack:
@@ -466,7 +467,7 @@ def supports(run: Run, formula: nodes.Formula, env: Mapping[str, Value]) -> Supp
 def _rests_on(
     run: Run, part: nodes.Proposition, env: Mapping[str, Value]
 ) -> Iterable[Fact]:
-    """Return the first fact that a proposition matches; those of a named query."""
+    """Return the first fact that matches; for a named query, its supports."""
     query = run.library.library.queries.get(part.name)
     if query is not None:
         given = zip(query.args, part.args, strict=False)
@@ -480,6 +481,6 @@ def _rests_on(
 
 
 def last_asserted(run: Run, fact: Fact) -> Time | None:
-    """Return when a fact was last asserted; None if it never was, or is a default."""
+    """Return the last assertion time; None for a default or unasserted fact."""
     stamp = run.beliefs.facts.stamp(fact)
     return None if stamp is None or stamp == NEVER else stamp
