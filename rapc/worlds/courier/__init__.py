@@ -1,4 +1,4 @@
-"""A courier robot in a hospital: a small world in which tasks want one body."""
+"""A courier robot in a hospital: a small world in which tasks compete for one body."""
 
 from rapc.worlds.courier.world import CourierWorld
 

@@ -1,7 +1,7 @@
-"""The hospital: rooms along one corridor, and how far it is between them.
+"""The hospital: rooms along one corridor, and the distances between the rooms.
 
-A place is how far along the corridor it is, and how deep beside it: the corridor itself
-is at depth 0, every room at `DEPTH`.
+A position has two coordinates: along the corridor, and depth beside the corridor. The
+corridor is at depth 0, every room at `DEPTH`.
 """
 
 from __future__ import annotations
@@ -11,13 +11,13 @@ from collections.abc import Iterator, Mapping
 from rapc.base.values import Fact
 
 CORRIDOR = "corridor"
-"""Where the robot is between two rooms."""
+"""The robot's place between two rooms."""
 
 BASE = "base"
 """The room with the dock."""
 
 DEPTH = 2
-"""From the corridor to where the robot stops in a room."""
+"""The distance from the corridor to the robot's stop in a room."""
 
 ROOMS: Mapping[str, tuple[int, str]] = {
     "base": (0, "base"),
@@ -29,7 +29,7 @@ ROOMS: Mapping[str, tuple[int, str]] = {
     "ward-3": (24, "ward"),
     "ward-4": (30, "ward"),
 }
-"""How far along the corridor each room is, and what kind of room it is."""
+"""The coordinate along the corridor and the kind of each room."""
 
 WARDS = tuple(room for room, (_, kind) in ROOMS.items() if kind == "ward")
 
@@ -38,16 +38,16 @@ SOLD: Mapping[str, tuple[str, ...]] = {
     "kitchen": ("meals",),
     "laundry": ("linen", "medicine"),
 }
-"""What each store gives out."""
+"""The goods of each store."""
 
 
 def way_to_room(along: int, depth: int, room: str) -> int:
-    """Return how long the way is from a place to a room that it is not in."""
+    """Return the distance from a position to a room that the robot is not in."""
     return depth + abs(ROOMS[room][0] - along) + DEPTH
 
 
 def passed(along: int, depth: int, room: str, gone: int) -> tuple[int, int]:
-    """The place on the way to a room after so much of it."""
+    """Return the position after a part of the way to a room."""
     if gone <= depth:
         return along, depth - gone
     ahead = ROOMS[room][0] - along
@@ -57,7 +57,7 @@ def passed(along: int, depth: int, room: str, gone: int) -> tuple[int, int]:
 
 
 def building_facts() -> Iterator[Fact]:
-    """Yield what the robot knows of the building."""
+    """Yield the facts about the building that the robot knows."""
     for room, (_, kind) in ROOMS.items():
         yield ("room", room, kind)
     for store, goods in SOLD.items():

@@ -1,4 +1,4 @@
-"""What results and data mean to the robot's memory, and what it can work out."""
+"""The courier's handlers of results and data, and its function for distances."""
 
 from __future__ import annotations
 
@@ -50,9 +50,10 @@ def _noted(memory: HandlerMemory, datum: Fact) -> None:
 
 
 def way(memory: HandlerMemory, from_: Atom, to: Atom) -> int | None:
-    """Return the distance of two rooms; `corridor` is where the robot is in it.
+    """Return the distance between two rooms; `corridor` is the robot's position in it.
 
-    None where one of them is no room, or nobody has told where the robot is.
+    Return None if one of the two is not a room, or if memory lacks the robot's
+    position.
     """
     if to not in building.ROOMS:
         return None

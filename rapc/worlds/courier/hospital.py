@@ -1,9 +1,9 @@
-"""What happens in the courier's hospital: one robot, one corridor, people.
+"""The events in the courier's hospital: one robot, one corridor, people.
 
-Whatever takes time ends by a message, so the robot could do several things at once, and
-drive off in the middle of any. What happens by itself happens in `advance`, which goes
-from one event to the next; `_due` says what is next. What follows from the state alone,
-like what the battery holds, is in `robot`.
+Every action that takes time ends with a message. So the robot can do several actions at
+once, and drive off during each of them. Events without a request happen in `advance`,
+which goes from one event to the next; `_due` yields the next event. Values that follow
+from the state alone, such as the battery charge, are in `robot`.
 """
 
 from __future__ import annotations
@@ -29,17 +29,17 @@ from rapc.worlds.courier.state import (
 from rapc.worlds.states import reading_state
 
 STEP = 10
-"""The battery is told of whenever it has changed by so much."""
+"""The change of the battery charge between two data about the battery."""
 
 PATIENCE = 20
-"""How long a nurse stands at the door."""
+"""The time that a nurse waits at the door."""
 
 RING_TIME, DOCK_TIME, HAND_TIME = 1, 2, 3
-"""How long the robot is held by what it does alone."""
+"""Durations of the robot's atomic actions."""
 
 
 class _Saved(msgspec.Struct, frozen=True):
-    """What `save` writes: the options are kept to refuse a state of other ones."""
+    """The data that `save` writes; `restore` refuses a state with other options."""
 
     options: dict[str, int]
     state: HospitalState
@@ -50,8 +50,8 @@ class Hospital(World):
     """The hospital with its robot, and the clock of the port.
 
     Args:
-        rng: what all chance is made of.
-        options: the world's options by name, all of them.
+        rng: the source of all chance.
+        options: values of all options of the world, by name.
     """
 
     def __init__(self, rng: random.Random, options: Mapping[str, int]) -> None:
@@ -63,25 +63,25 @@ class Hospital(World):
 
     @property
     def state(self) -> HospitalState:
-        """A copy of the whole truth, for tests; the robot has no part in it."""
+        """Return a copy of the complete truth, for tests; hidden from the robot."""
         whole = msgspec.json.encode(self._state)
         return msgspec.json.decode(whole, type=HospitalState)
 
     def now(self) -> Time:
-        """The clock."""
+        """The time of the clock."""
         return self._state.now
 
     def messages(self) -> Sequence[Message]:
-        """Return what was sent since this was last asked."""
+        """Return the messages sent since the preceding call."""
         sent, self._state.sent = self._state.sent, []
         return sent
 
     def ended(self) -> str | None:
-        """Return why the run is over: the battery is empty; None while it is not."""
+        """Return the reason for the end of the run: an empty battery; None before."""
         return self._state.ended
 
     def cancel(self, ticket: int) -> None:
-        """Stop where the robot is, or leave off what was to be done."""
+        """Stop the robot's drive, or drop the work under this ticket."""
         state = self._state
         if state.drive is not None and state.drive.ticket == ticket:
             robot.stop(state)
@@ -89,10 +89,11 @@ class Hospital(World):
         state.work = [work for work in state.work if work.ticket != ticket]
 
     def next_time(self) -> Time | None:
-        """Return when something is sent next; None if nothing is to come.
+        """Return the time of the next message; None if no message is to come.
 
-        A nurse for whom the robot is not there sends nothing. What could bring it there
-        before she comes sends something, and this is asked again.
+        A nurse who will not meet the robot sends no message. Every event that could
+        bring the robot to the nurse in time sends a message itself, and the interpreter
+        then calls `next_time` again.
         """
         state = self._state
         if state.sent:
@@ -101,7 +102,7 @@ class Hospital(World):
         return min((time for time, _ in self._due(state, nurses)), default=None)
 
     def advance(self, to: Time) -> None:
-        """Move the clock on; what is due until then happens, one after the other."""
+        """Advance the clock; events that are due happen in order of time."""
         state = self._state
         while due := sorted(self._due(state, state.nurses), key=lambda event: event[0]):
             time, happens = due[0]
@@ -112,15 +113,15 @@ class Hospital(World):
         state.now = max(state.now, int(to))
 
     def save(self) -> bytes:
-        """The state of world and random stream, as JSON."""
+        """Return the state of world and random stream, as JSON."""
         saved = _Saved(self._options, self._state, stream_state(self._rng))
         return msgspec.json.encode(saved)
 
     def restore(self, state: bytes) -> None:
-        """Take up a saved state.
+        """Restore a saved state.
 
         Raises:
-            ValueError: if it is none, or one of a hospital with other options.
+            ValueError: if the state is invalid or belongs to other options.
         """
         with reading_state("a courier's world"):
             read = msgspec.json.decode(state, type=_Saved)
@@ -142,7 +143,7 @@ class Hospital(World):
     # --- what the robot is asked for ------------------------------------------------
 
     def drive(self, ticket: int, room: str) -> Reply | Refused | None:
-        """Set off for a room; the end comes by a message."""
+        """Start a drive to a room; a message reports its end."""
         state = self._state
         if state.drive is not None:
             return Refused((state.drive.ticket,))
@@ -160,7 +161,7 @@ class Hospital(World):
         return None
 
     def take_on(self, ticket: int, goods: str, ward: str) -> Reply | None:
-        """Begin to take goods on that are labelled with a ward."""
+        """Start loading goods that are labelled with a ward."""
         state = self._state
         if goods not in SOLD.get(state.room, ()):
             return Reply("not-here")
@@ -172,7 +173,7 @@ class Hospital(World):
         return None
 
     def ring(self, ticket: int) -> Reply:
-        """Ring for the nurse of the ward in which the robot is."""
+        """Ring for the nurse of the robot's ward."""
         self.advance(self._state.now + RING_TIME)
         state = self._state
         if state.room not in WARDS:
@@ -183,7 +184,7 @@ class Hospital(World):
         return Reply(OKAY)
 
     def hand_over(self, ticket: int, goods: str, ward: str) -> Reply:
-        """Hand goods over to the nurse who stands before the robot."""
+        """Hand goods over to the nurse at the robot."""
         self.advance(self._state.now + HAND_TIME)
         state = self._state
         if (goods, ward) not in state.tray:
@@ -196,7 +197,7 @@ class Hospital(World):
         return Reply(OKAY)
 
     def dock(self, ticket: int) -> Reply:
-        """Dock at the base, where the battery is charged."""
+        """Dock at the base, which charges the battery."""
         self.advance(self._state.now + DOCK_TIME)
         if self._state.room != BASE:
             return Reply("not-here")
@@ -205,7 +206,7 @@ class Hospital(World):
         return Reply(OKAY, (robot.level(self._state),))
 
     def help(self, ticket: int, ward: str) -> Reply | None:
-        """Begin to help in a ward that has called."""
+        """Start helping in a ward that has called."""
         state = self._state
         if state.room != ward:
             return Reply("not-here")
@@ -220,11 +221,11 @@ class Hospital(World):
     def _due(
         self, state: HospitalState, nurses: Iterable[Nurse]
     ) -> Iterator[tuple[int, Callable[[], None]]]:
-        """Yield what will happen, with its time, in the order in which it is done.
+        """Yield future events, each with its time, in the order of their execution.
 
         Args:
-            state: of the hospital.
-            nurses: those on their way whose coming counts.
+            state: the state of the hospital.
+            nurses: the nurses on their way whose arrival matters.
         """
         if state.ended is not None:
             return
@@ -243,7 +244,7 @@ class Hospital(World):
             yield state.metered + -(-STEP // CHARGE), self._tell_level
 
     def _run_down(self) -> None:
-        """Stop on the way with an empty battery."""
+        """End the drive and the run: the battery is empty."""
         robot.end_drive(self._state, "battery-empty")
         self._state.ended = "the battery is empty"
 
@@ -265,7 +266,7 @@ class Hospital(World):
         robot.answer(state, work.ticket, work.result)
 
     def _come(self, nurse: Nurse) -> None:
-        """Let a nurse come to the door, and see whether the robot is there."""
+        """Bring a nurse to the door; count a visit in vain if the robot is away."""
         state = self._state
         state.nurses.remove(nurse)
         if state.room == nurse.ward:
@@ -289,11 +290,11 @@ class Hospital(World):
         robot.tell(self._state, robot.level(self._state))
 
     def _plan_call(self) -> None:
-        """Settle when the next ward will call."""
+        """Choose the time of the next call from a ward."""
         often = self._options["calls"]
         pause = self._rng.randint(often // 2, often + often // 2) if often else 0
         self._state.next_call = self._state.now + pause if pause else None
 
     def _happens(self, option: str) -> bool:
-        """Whether something happens that does so in so many of a hundred cases."""
+        """Draw whether an event happens; the option is its probability in per cent."""
         return self._rng.randrange(FULL) < self._options[option]

@@ -1,7 +1,7 @@
-"""The courier's robot: where it is, what its battery holds, what it sends.
+"""The courier's robot: its position, its battery, its messages.
 
-Place and battery follow from the state and its clock. They are brought up to date there
-only when the way in which they change is another one.
+Position and charge follow from the state and the clock. The functions here update the
+stored values only when the rate of change changes.
 """
 
 from __future__ import annotations
@@ -12,14 +12,14 @@ from rapc.worlds.courier.building import CORRIDOR
 from rapc.worlds.courier.state import HospitalState
 
 FULL = 100
-"""What a full battery holds: so long a way."""
+"""The charge of a full battery, as the distance that the robot can drive."""
 
 CHARGE = 2
-"""What the dock gives in a time unit."""
+"""The charge that the dock adds in a time unit."""
 
 
 def charge(state: HospitalState) -> int:
-    """Return what the battery holds now."""
+    """Return the present charge of the battery."""
     passed = state.now - state.metered
     driven = passed if state.drive is not None else 0
     gained = CHARGE * passed if state.docked else 0
@@ -27,24 +27,24 @@ def charge(state: HospitalState) -> int:
 
 
 def meter(state: HospitalState) -> None:
-    """Bring the battery up to date."""
+    """Update the stored charge of the battery."""
     state.battery = charge(state)
     state.metered = state.now
 
 
 def level(state: HospitalState) -> Fact:
-    """Return the datum that tells what the battery holds."""
+    """Return the datum with the charge of the battery."""
     return ("battery", charge(state))
 
 
 def position(state: HospitalState) -> Fact:
-    """Return the datum that tells where the robot is."""
+    """Return the datum with the robot's position."""
     along = state.drive.place(state.now)[0] if state.drive else state.along
     return ("position", state.room, along)
 
 
 def stop(state: HospitalState) -> None:
-    """Stop the robot in the corridor, beside where it has got to."""
+    """Stop the robot in the corridor at its present position."""
     meter(state)
     if state.drive is not None:
         state.along, _ = state.drive.place(state.now)
@@ -52,7 +52,7 @@ def stop(state: HospitalState) -> None:
 
 
 def end_drive(state: HospitalState, result: str, room: str = CORRIDOR) -> None:
-    """Stop the robot in a room or the corridor, and answer for its drive."""
+    """Stop the robot in a room or the corridor, and send the result of its drive."""
     drive = state.drive
     stop(state)
     state.room = room
@@ -61,7 +61,7 @@ def end_drive(state: HospitalState, result: str, room: str = CORRIDOR) -> None:
 
 
 def leave_behind(state: HospitalState) -> None:
-    """Set off: whoever does something with the robot is left standing."""
+    """End the work in progress and a nurse's visit; count the people left behind."""
     for work in state.work:
         answer(state, work.ticket, "robot-left")
     state.in_vain += len(state.work) + (state.nurse is not None)
@@ -76,5 +76,5 @@ def tell(state: HospitalState, *contents: Fact) -> None:
 
 
 def answer(state: HospitalState, ticket: int, result: str, *data: Fact) -> None:
-    """Send the result of what was asked for under a ticket, with its data."""
+    """Send the result of a request, with its data."""
     state.sent.append(Finished(ticket, Reply(result, data)))

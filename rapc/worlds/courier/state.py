@@ -1,4 +1,4 @@
-"""All that changes in the courier's world, as one value that can be saved exactly."""
+"""The complete changing state of the courier's world, as a value to be saved."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rapc.worlds.courier import building
 
 
 class DriveUnderWay(msgspec.Struct, frozen=True):
-    """The robot is on its way to a room, from a place that it left at a time."""
+    """A drive of the robot to a room, from a position and a start time."""
 
     ticket: int
     room: str
@@ -20,16 +20,16 @@ class DriveUnderWay(msgspec.Struct, frozen=True):
 
     @property
     def arrives(self) -> int:
-        """Return when the robot will be there."""
+        """Return the robot's time of arrival."""
         return self.since + building.way_to_room(self.along, self.depth, self.room)
 
     def place(self, now: int) -> tuple[int, int]:
-        """Return where the robot has got to: along the corridor, and beside it."""
+        """Return the robot's position: along the corridor, and depth."""
         return building.passed(self.along, self.depth, self.room, now - self.since)
 
 
 class Work(msgspec.Struct, frozen=True):
-    """Something that takes its time in a room, until it ends with a result."""
+    """Work in a room that takes time and ends with a result."""
 
     ticket: int
     request: Fact
@@ -38,14 +38,14 @@ class Work(msgspec.Struct, frozen=True):
 
 
 class Nurse(msgspec.Struct, frozen=True):
-    """A nurse who was rung for, and when she comes; or who came, and when she goes."""
+    """A nurse on her way with her time of arrival, or at the door with her end time."""
 
     ward: str
     time: int
 
 
 class HandOver(msgspec.Struct, frozen=True):
-    """Goods were handed over in a ward; `label` is the ward that they were for."""
+    """A hand-over of goods in a ward; `label` is the ward on the goods."""
 
     time: int
     goods: str
@@ -54,31 +54,31 @@ class HandOver(msgspec.Struct, frozen=True):
 
 
 class HospitalState(msgspec.Struct):
-    """The whole state."""
+    """The complete state."""
 
-    #: The room that the robot is in, or `corridor`.
+    #: The robot's room, or `corridor`.
     room: str = building.BASE
-    #: How far along the corridor the robot is.
+    #: The robot's coordinate along the corridor.
     along: int = 0
     now: int = 0
-    #: What the battery held at the time `metered`, of 100.
+    #: The charge of the battery at the time `metered`, of 100.
     battery: int = 100
     metered: int = 0
     docked: bool = False
     drive: DriveUnderWay | None = None
     work: list[Work] = msgspec.field(default_factory=list)
-    #: The nurses who are on their way, and one who stands before the robot.
+    #: The nurses on their way, and a nurse at the robot.
     nurses: list[Nurse] = msgspec.field(default_factory=list)
     nurse: Nurse | None = None
-    #: The wards that have called and nobody has helped yet.
+    #: The wards that have called and wait for help.
     calls: list[str] = msgspec.field(default_factory=list)
     next_call: int | None = None
     #: Goods on the tray, each with the ward on its label.
     tray: list[tuple[str, str]] = msgspec.field(default_factory=list)
     deliveries: list[HandOver] = msgspec.field(default_factory=list)
-    #: How often somebody was left standing: the robot drove off while goods were put on
-    #: or help was given, or while or before a nurse came for whom it had rung.
+    #: The number of people left behind. The robot drove off during loading or help, or
+    #: before or during the visit of a nurse for whom the robot had rung.
     in_vain: int = 0
-    #: The messages not taken in yet.
+    #: The messages not fetched yet.
     sent: list[Message] = msgspec.field(default_factory=list)
     ended: str | None = None

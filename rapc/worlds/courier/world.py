@@ -1,6 +1,6 @@
-"""The courier's world as libraries and the interpreter see it.
+"""The courier's world: its offer and its port.
 
-What happens in it is in `rapc.worlds.courier.hospital`.
+Not here: the events in the hospital, see `rapc.worlds.courier.hospital`.
 """
 
 from __future__ import annotations
@@ -85,14 +85,14 @@ class CourierWorld(Hospital):
     # --- the port -----------------------------------------------------------------
 
     def facts(self) -> Iterable[Fact]:
-        """The building: rooms, and what the stores give out."""
+        """Return the building: its rooms, and the goods of the stores."""
         return building.building_facts()
 
     def perform(self, ticket: int, request: Fact) -> Reply | Refused | None:
-        """Begin what takes its time, or do what the robot does alone.
+        """Start an action that takes time, or carry out an atomic action.
 
         Raises:
-            ValueError: for a primitive or a number of arguments not on offer.
+            ValueError: for an unknown primitive or a wrong number of arguments.
         """
         name, *arguments = (str(part) for part in request)
         if _OFFER.primitives.get(name, (-1,))[0] != len(arguments):
@@ -102,7 +102,7 @@ class CourierWorld(Hospital):
         return answer
 
     def picture(self) -> Picture:
-        """The corridor with its rooms, the tray, and who waits where."""
+        """Return the corridor with its rooms, the tray, and the waiting people."""
         state = self._state
         spots = [
             Spot(
