@@ -19,7 +19,7 @@ from functools import cached_property
 from itertools import combinations, islice
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.facts.index import INDEX, Form, NameUse, VariableAt
+from rapc.analysis.facts.index import INDEX, Form, NameUse
 from rapc.analysis.facts.statistics import LIMITS, THRESHOLDS
 from rapc.analysis.facts.usage import (
     CENSUS,
@@ -329,7 +329,7 @@ def marked_constant(run: Pass) -> Iterator[Diagnostic]:
     """Find variables used once that are named like a constant of their place."""
     usage = run.result(USAGE)
     census = run.result(CENSUS)
-    for variable, owner in _used_once(run):
+    for variable, _, owner in run.result(INDEX).used_once():
         there = usage.of(owner, variable.name)
         if not there:
             continue
@@ -350,23 +350,6 @@ def _others(census: Usage, word: str, place: Place) -> Iterator[Constant]:
     yield from [one for one in told if place in one.places][:most]
     for kind in census.kinds((place,)):
         yield from [one for one in told if kind in census.kinds(one.places)][:most]
-
-
-def _used_once(run: Pass) -> Iterator[tuple[nodes.Var, Form]]:
-    """Yield variables that occur once in a form with a body, with the form."""
-    for owner, names in run.result(INDEX).variables():
-        for name, uses in names.items() if isinstance(owner, _BODIES) else ():
-            if len(uses) == 1 and name != "?" and not _is_declared(uses[0]):
-                yield uses[0][0], owner
-
-
-_BODIES = (nodes.DefineRap, nodes.DefineQuery, nodes.MemoryRule, nodes.EventRule)
-
-
-def _is_declared(use: VariableAt) -> bool:
-    """Whether this is where an input, an output or an argument is declared."""
-    _, parent, own = use
-    return parent is own or isinstance(parent, nodes.Argument | nodes.Resource)
 
 
 def _are_sure(constants: Sequence[Constant], owner: Form) -> bool:

@@ -34,6 +34,7 @@ from rapc.base.diagnostics import (
     Subject,
 )
 from rapc.base.files import SUFFIX
+from rapc.base.graph import reachable
 from rapc.base.names import Suggestions
 from rapc.base.source import Span
 from rapc.base.values import format_atom, format_list
@@ -849,16 +850,10 @@ class _Brought:
 
     def by(self, file: str) -> set[str]:
         """Return a file and all that it requires, directly or not."""
-        found = self._known.get(file)
-        if found is None:
-            found = self._known[file] = {file}
-            waiting = [file]
-            while waiting:
-                for other in self._required.get(waiting.pop(), ()):
-                    if other not in found:
-                        found.add(other)
-                        waiting.append(other)
-        return found
+        if file not in self._known:
+            every = reachable([file], lambda one: self._required.get(one, ()))
+            self._known[file] = set(every)
+        return self._known[file]
 
 
 def _finding(run: Pass, use: NameUse, form: nodes.TopForm) -> Diagnostic:

@@ -7,10 +7,11 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 import msgspec
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.facts.index import INDEX, Form, Index, NameUse, Occurrence
+from rapc.analysis.facts.index import INDEX, Index, NameUse, Occurrence
 from rapc.analysis.facts.names import declared_at, renaming
 from rapc.analysis.facts.statistics import THRESHOLDS
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.base.graph import reachable
 from rapc.base.names import Close, Suggestions, is_row, plural
 from rapc.base.source import Span
 from rapc.ir import nodes
@@ -86,15 +87,14 @@ def leftovers(run: Pass) -> Iterator[Diagnostic]:
 
 
 def _unused_inputs(run: Pass, index: Index) -> Iterator[Diagnostic]:
-    own = {id(v) for rap in run.library.raps.values() for v in rap.inputs}
-    used = {
-        (id(one.owner), one.node.name)
-        for one in index.of(nodes.Var)
-        if id(one.node) not in own
-    }
-    for rap in run.library.raps.values():
-        for variable in rap.inputs if rap.methods else ():
-            if not variable.anonymous and (id(rap), variable.name) not in used:
+    for rap, names in index.variables():
+        if not isinstance(rap, nodes.DefineRap) or not rap.methods:
+            continue
+        if run.library.raps.get(rap.name) is not rap:
+            continue
+        for variable in rap.inputs:
+            uses = [use for use, _, _ in names[variable.name] if use is not variable]
+            if not variable.anonymous and not uses:
                 yield UNUSED_INPUT.at(
                     variable.span,
                     f"`{rap.name}` never uses its input `{variable.name}`",
@@ -104,18 +104,13 @@ def _unused_inputs(run: Pass, index: Index) -> Iterator[Diagnostic]:
 
 def _unreached(run: Pass, index: Index) -> Iterator[Diagnostic]:
     calls: dict[str, list[str]] = {}
-    waiting = []
+    given = []
     for goal in index.of(nodes.Goal):
         if isinstance(goal.owner, nodes.DefineRap):
             calls.setdefault(goal.owner.name, []).append(goal.node.name)
         else:
-            waiting.append(goal.node.name)
-    reached = set(waiting)
-    while waiting:
-        for name in calls.get(waiting.pop(), ()):
-            if name not in reached:
-                reached.add(name)
-                waiting.append(name)
+            given.append(goal.node.name)
+    reached = set(reachable(given, lambda name: calls.get(name, ())))
     for rap in run.library.raps.values():
         if rap.name not in reached:
             yield UNREACHED_RAP.at(
@@ -187,12 +182,13 @@ uses; the rule is opt-in for that reason.""",
 def singletons(run: Pass) -> Iterator[Diagnostic]:
     """Find variables that occur once, and declarations that nobody uses."""
     index = run.result(INDEX)
-    for variable in _single(index):
-        yield SINGLETON_VARIABLE.at(
-            variable.span,
-            f"`{variable.name}` occurs only here",
-            help="write `?` if anything will do",
-        )
+    for variable, parent, form in index.used_once():
+        if not isinstance(form, nodes.MemoryRule) or parent is not form.index:
+            yield SINGLETON_VARIABLE.at(
+                variable.span,
+                f"`{variable.name}` occurs only here",
+                help="write `?` if anything will do",
+            )
     read = not any(run.unsure(form.span) for form in run.library.forms)
     if run.complete and read:
         for declared, how in _unused_declarations(run, index):
@@ -201,29 +197,6 @@ def singletons(run: Pass) -> Iterator[Diagnostic]:
                 f"nobody {how} `{declared.name}`",
                 help="use it, or take the declaration away",
             )
-
-
-def _single(index: Index) -> Iterator[nodes.Var]:
-    """Yield the variables that occur once in a RAP, query or rule, and in no index."""
-    once: dict[tuple[int, str], Occurrence[nodes.Var] | None] = {}
-    for use in index.of(nodes.Var):
-        if isinstance(use.owner, _BODIES):
-            key = (id(use.owner), use.node.name)
-            once[key] = use if key not in once else None
-    for (_, name), only in once.items():
-        if only is not None and name != "?" and not _is_declared(only):
-            yield only.node
-
-
-_BODIES = (nodes.DefineRap, nodes.DefineQuery, nodes.MemoryRule, nodes.EventRule)
-
-
-def _is_declared(use: Occurrence[nodes.Var]) -> bool:
-    """Whether this is where an input, an output or an argument is declared."""
-    own: Form = use.owner
-    index = isinstance(own, nodes.MemoryRule) and use.parent is own.index
-    kinds = nodes.Argument | nodes.Resource
-    return index or use.parent is own or isinstance(use.parent, kinds)
 
 
 _FACTS: Sequence[Use] = ("test", "believed", "computed")

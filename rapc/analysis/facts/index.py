@@ -82,6 +82,10 @@ class NamedKind(msgspec.Struct, frozen=True, gc=False):
     owner: Form
 
 
+_BODIES = (nodes.DefineRap, nodes.DefineQuery, nodes.MemoryRule, nodes.EventRule)
+"""The forms with variables of their own."""
+
+
 class Index:
     """The nodes of a library by type; constants are left out.
 
@@ -153,6 +157,18 @@ class Index:
                     self._variables.append((owner, names))
                 names.setdefault(variable.name, []).append(row)
         return self._variables
+
+    def used_once(self) -> Iterator[VariableAt]:
+        """Yield the variables that occur once in a form with a body.
+
+        An input, an output, an argument or a resource is left out.
+        """
+        for owner, names in self.variables():
+            for name, uses in names.items() if isinstance(owner, _BODIES) else ():
+                _, parent, _ = uses[0]
+                declared = isinstance(parent, nodes.Argument | nodes.Resource)
+                if len(uses) == 1 and name != "?" and parent is not owner:
+                    yield from () if declared else uses
 
     def kinds(self) -> Sequence[NamedKind]:
         """Return each place where a kind is named; gathered once."""
