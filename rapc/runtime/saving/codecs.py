@@ -10,7 +10,8 @@ be shared: they stand in lists of their own and are named by their places there.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+import random
+from collections.abc import Callable, Iterator
 from functools import cache
 from operator import attrgetter
 from types import NoneType, UnionType
@@ -26,10 +27,13 @@ from rapc.compiler.rap_plan import MethodPlan, RapPlan
 from rapc.compiler.watches import WatchKey
 from rapc.runtime.fields import LEFT_OUT, Limit, Natural
 from rapc.runtime.memory.validation import need
+from rapc.runtime.state.activations import Activation
+from rapc.runtime.state.agenda import Agenda
 from rapc.runtime.state.run_state import RunState
 from rapc.runtime.state.states import State
-from rapc.runtime.state.task import Env, MethodRun, Task
-from rapc.runtime.state.things import Ask
+from rapc.runtime.state.task import Ends, Env, MethodRun, Task
+from rapc.runtime.state.things import Ask, Hold, ThingWait
+from rapc.runtime.state.top_level import TopLevelTask
 from rapc.world import Time
 
 
@@ -100,6 +104,8 @@ class Reader:
     ) -> None:
         self.library = library
         self.state = RunState()
+        #: The tasks of the host, in order, once they are made.
+        self.given: Iterator[Task] = iter(())
         #: The live tasks by number.
         self.live: dict[int, Task] = {}
         #: The task of which a field is being read.
@@ -116,6 +122,12 @@ class Reader:
     def value(self, saved: Any) -> Any:
         """Return the value of what was saved."""
         return self._resources[saved.at] if type(saved) is Ref else saved
+
+    def any_run(self) -> MethodRun:
+        """Return a method under way, for what gets its own one later."""
+        found = [task.run for task in self.live.values() if task.run is not None]
+        need(found, "a thing that no method holds")
+        return found[0]
 
     def method(self, index: int) -> MethodPlan:
         """Return a method of the task that is being read."""
@@ -308,6 +320,17 @@ def _of_dict(key: Codec, value: Codec) -> Codec:
     return Codec(_tuple[_tuple[key.saved, value.saved], ...], write, read)
 
 
+_MADE: dict[Any, Callable[[Reader, Any], Any]] = {
+    Agenda: lambda _r, _: Agenda(random.Random()),
+    Activation: lambda _r, it: Activation(it.ticket, it.owner, None, None, ()),
+    Ends: lambda _, it: Ends(len(it.times)),
+    Hold: lambda r, _: Hold(r.any_run(), Ask((), 0, False), None),
+    ThingWait: lambda r, it: ThingWait(r.live[it.task], (), "", 0),
+    TopLevelTask: lambda r, _: TopLevelTask(next(r.given), False),
+}
+"""How objects are made that take arguments, before their saved fields are set."""
+
+
 # --- records ------------------------------------------------------------------------
 
 
@@ -341,8 +364,10 @@ class Record:
         return self.saved(*values)
 
     def read(self, reader: Reader, saved: Any) -> Any:
-        """Return an object with the fields of a record, the others not yet set."""
-        return self.fill(reader, self._kind.__new__(self._kind), saved)
+        """Return an object with the fields of a record."""
+        new = _MADE.get(self._kind)
+        made = self._kind() if new is None else new(reader, saved)
+        return self.fill(reader, made, saved)
 
     def fill(self, reader: Reader, made: Any, saved: Any) -> Any:
         """Set the fields of an object to what a record says, in order; return it."""

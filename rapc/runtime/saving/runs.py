@@ -115,9 +115,8 @@ class RestoredRun:
             self._add_methods()
             #: All tasks in the order of their records.
             self.tasks = self._read_tasks(reader)
+            reader.given = iter(self.tasks)
             fields_of(RunState).fill(reader, self.state, record.state)
-            for given, task in zip(self.state.top_level, self.tasks, strict=False):
-                given.task = task
             self.state.settle()
             self.agenda: Agenda = fields_of(Agenda).read(reader, record.agenda)
             self.things: Things = fields_of(Things).read(reader, record.things)

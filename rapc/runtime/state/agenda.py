@@ -32,7 +32,7 @@ class Agenda:
         "stack": list[tuple[int, int]],
         "last_family": int | None,
         "_only": Task | None,
-        "_tasks": dict[int, tuple[Task, tuple[int, Limit, bool, int]]],
+        "_tasks": dict[int, tuple[Task, tuple[Limit, Limit, bool, int]]],
         "_order": LEFT_OUT,
         "_families": LEFT_OUT,
         "_rng": LEFT_OUT,
