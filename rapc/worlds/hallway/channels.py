@@ -1,8 +1,8 @@
-"""What flows between sensors, skills and motors of the hallway robot.
+"""The channels between sensors, skills and motors of the hallway robot.
 
-Angles are in radians, counter-clockwise; a *bearing* is one from where the robot
-points, a *heading* one in the frame of dead reckoning, which is that of the building at
-the start of a run and drifts away from it.
+Angles are in radians, counter-clockwise. A *bearing* is an angle from the robot's
+heading. A *heading* is an angle in the frame of dead reckoning, which agrees with the
+building at the start of a run and drifts later.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ import msgspec
 from rapc.worlds.skills.declarations import Channel
 
 SONARS = 24
-"""Sonars in the ring; number 0 looks ahead, the others follow counter-clockwise."""
+"""The number of sonars; number 0 looks ahead, the others follow counter-clockwise."""
 
 SONAR_RANGE = 4.0
-"""What a sonar says when it hears no echo, in metres."""
+"""The reading of a sonar without an echo, in metres."""
 
 BEARINGS = tuple(
     math.remainder(2 * math.pi * number / SONARS, 2 * math.pi)
@@ -28,20 +28,20 @@ BEARINGS = tuple(
 DIRECTIONS = tuple((math.cos(b), math.sin(b)) for b in BEARINGS)
 
 LASER_RANGE = 6.0
-"""How far the laser can read a tag, in metres."""
+"""The maximum distance at which the laser reads a tag, in metres."""
 
 RADIUS = 0.25
-"""Of the robot, which is round, in metres."""
+"""The radius of the round robot, in metres."""
 
 TOP_SPEED = 0.6
-"""In metres a second."""
+"""The maximum speed, in metres a second."""
 
 TOP_TURN = 1.5
-"""In radians a second."""
+"""The maximum turning speed, in radians a second."""
 
 
 class Pose(msgspec.Struct, frozen=True):
-    """Where the robot takes itself to be by dead reckoning, in metres."""
+    """The robot's pose by dead reckoning, in metres."""
 
     x: float
     y: float
@@ -49,63 +49,63 @@ class Pose(msgspec.Struct, frozen=True):
 
 
 class Tag(msgspec.Struct, frozen=True):
-    """A bar code that the laser sees, and its bearing: it tells nothing else."""
+    """A bar code seen by the laser, with its bearing; a tag carries no other data."""
 
     code: int
     bearing: float
 
 
 class Trajectory(msgspec.Struct, frozen=True):
-    """Where the robot is to go next."""
+    """The next movement of the robot."""
 
     bearing: float
     speed: float
-    #: Metres left to go; None if there is no end in sight.
+    #: The remaining metres; None if no end is in sight.
     distance: float | None = None
-    #: Whether the robot is only to turn.
+    #: Whether the robot only turns.
     turn: bool = False
-    #: Whether it goes through a gap that leaves no room to swerve.
+    #: Whether the gap ahead leaves no room to swerve.
     narrow: bool = False
 
 
 class Drive(msgspec.Struct, frozen=True):
-    """What the motors are to do, in metres and radians a second."""
+    """Speeds for the motors, in metres and radians a second."""
 
     speed: float
     turn: float
 
 
 class Hall(msgspec.Struct, frozen=True):
-    """A hallway as the robot sees it."""
+    """A hallway as seen by the robot."""
 
-    #: Of the hallway.
+    #: The bearing of the hallway.
     bearing: float
     width: float
-    #: From the middle of the hallway to the robot, positive to the left.
+    #: The robot's offset from the middle of the hallway, positive to the left.
     offset: float
     #: Whether a wall closes the hallway right ahead.
     ends: bool
-    #: Seconds for which the robot has been beside the hallway, as in a room.
+    #: The seconds that the robot has spent beside the hallway, for example in a room.
     outside: float = 0.0
 
 
 class Sighting(msgspec.Struct, frozen=True):
-    """A landmark that the laser sees, with what two angles tell of it."""
+    """A landmark seen by the laser, with its estimated distance and its bearing."""
 
     distance: float
     bearing: float
 
 
 class PositionFix(msgspec.Struct, frozen=True):
-    """A landmark that is being tracked, in the frame of dead reckoning."""
+    """A tracked landmark, in the frame of dead reckoning."""
 
     x: float
     y: float
-    #: The direction in which its tags face.
+    #: The direction that its tags face.
     normal: float
-    #: Seconds since it was last seen, or since it has been looked for.
+    #: Seconds since the last sighting, or since the start of the search.
     age: float
-    #: Whether it has been seen at all.
+    #: Whether the landmark has been seen.
     known: bool = True
     #: Whether both tags are in view, at the bearings that follow from the fix.
     in_view: bool = False
@@ -128,7 +128,7 @@ SPEED_LIMIT = Channel("speed-limit", float, "m/s", "the most that is allowed")
 FIX = Channel("fix", PositionFix, "m, rad", "the landmark that is being approached")
 
 GAP = Channel("gap", str, "", "the stage of a passage of a doorway", own=True)
-"""One of `looking`, `going`, `between`, `closed`, `through`."""
+"""The stages: `looking`, `going`, `between`, `closed`, `through`."""
 
 TRAVEL = Channel("travel", bool, "", "whether a movement is at its end", own=True)
 SIGHTING = Channel("sighting", Sighting, "m, rad", "a landmark in view", own=True)

@@ -1,7 +1,8 @@
-"""What opens and closes in a building: doors now and then, a lift that others use too.
+"""Doors that close now and then, and a lift shared with other users.
 
-The state of both is a part of the hallway's, and is handed in: another is taken up when
-a saved run is. What is closed stands in the plans of the floors as a wall.
+Doors and lift are parts of the hallway's state. Each function gets the state as an
+argument, because restoring a saved run replaces the state. A closed door is a wall in
+the plan of its floor.
 """
 
 from __future__ import annotations
@@ -16,16 +17,16 @@ from rapc.worlds.hallway.robot import Robot
 from rapc.worlds.hallway.state import DoorState, HallwaySettings, HallwayState, Lift
 
 SHUT_FOR = 25.0
-"""How long a door stays closed on average, in seconds."""
+"""The average time that a door stays closed, in seconds."""
 
 CLEAR = 0.5
-"""How near to the middle of a doorway somebody keeps its door open, in metres."""
+"""The distance from a doorway's middle at which its door cannot close, in metres."""
 
 A_FLOOR = 6.0
-"""What the lift takes from one floor to the next, doors included, in seconds."""
+"""The lift's travel time between neighbouring floors, doors included, in seconds."""
 
 DWELL = 20.0
-"""How long the lift stays for the robot before somebody else can call it."""
+"""The time that the lift waits for the robot before other users can call the lift."""
 
 
 def doors(openings: Iterable[Opening], every: float, rng: Random) -> list[DoorState]:
@@ -33,7 +34,7 @@ def doors(openings: Iterable[Opening], every: float, rng: Random) -> list[DoorSt
 
     Args:
         openings: all doorways.
-        every: how long a door stays open on average, in seconds; 0: for ever.
+        every: the average time that a door stays open, in seconds; 0: for ever.
         rng: the stream of doors.
     """
     names = [gap.doorway.name for gap in openings if gap.doorway.door]
@@ -45,7 +46,7 @@ def lift(map: Map, every: float, rng: Random) -> Lift | None:
 
     Args:
         map: the building.
-        every: how often somebody else wants it, in seconds on average; 0: never.
+        every: the average time between calls by other users, in seconds; 0: no calls.
         rng: the stream of the lift.
     """
     for space in map.space:
@@ -63,9 +64,9 @@ class Entrances:
 
     Args:
         map: the building.
-        plans: its floors, which are told what is closed.
-        openings: its doorways by name.
-        settings: how often doors close, and the lift is called by others.
+        plans: the floors; closed doors are entered here.
+        openings: the doorways by name.
+        settings: the rates of closing doors and of lift calls by other users.
     """
 
     def __init__(
@@ -87,7 +88,7 @@ class Entrances:
         }
 
     def shut(self, state: HallwayState) -> frozenset[str]:
-        """Return the doorways whose doors are closed now, the lift's among them."""
+        """Return the doorways with a closed door, the lift's included."""
         closed = {door.doorway for door in state.doors if door.closed}
         cabin = state.lift
         if cabin is not None:
@@ -99,19 +100,19 @@ class Entrances:
         return frozenset(closed)
 
     def close(self, state: HallwayState) -> None:
-        """Let the plans have the doors that are closed now."""
+        """Enter the closed doors into the plans."""
         closed = sorted(self.shut(state))
         for floor, plan in self._plans.items():
             gaps = (self._openings[name] for name in closed)
             plan.close([door_box(gap) for gap in gaps if gap.floor == floor])
 
     def move_doors(self, state: HallwayState, now: float, rng: Random) -> None:
-        """Open and close the doors whose time has come.
+        """Open and close the doors that are due.
 
-        A door that somebody stands in waits a second.
+        A door with a person or the robot in it is tried again a second later.
 
         Args:
-            state: of the hallway; its doors are changed.
+            state: the state of the hallway; its doors are changed.
             now: the time in seconds.
             rng: the stream of doors.
         """
@@ -129,10 +130,12 @@ class Entrances:
             self.close(state)
 
     def move_lift(self, state: HallwayState, now: float, rng: Random) -> None:
-        """Let the lift arrive, or go where the robot or somebody else calls it.
+        """Move the lift: let it arrive, or send it to a caller.
 
         Args:
-            state: of the hallway; its lift is changed, and the floor of a robot inside.
+            state: the state of the hallway; its lift is changed, and the floor of a
+            robot
+                inside.
             now: the time in seconds.
             rng: the stream of the lift.
         """
@@ -158,7 +161,7 @@ class Entrances:
             cabin.wanted = now + rng.expovariate(1 / self._settings.lift)
 
     def _send(self, state: HallwayState, cabin: Lift, floor: int, now: float) -> None:
-        """Let the cabin go, unless somebody stands in its door."""
+        """Send the cabin to a floor, unless its door is occupied."""
         if not any(_occupied(gap, state) for gap in self._of_lift.values()):
             cabin.towards = floor
             cabin.arrives = now + A_FLOOR * abs(floor - cabin.floor)
@@ -166,7 +169,7 @@ class Entrances:
 
 
 def _occupied(opening: Opening, state: HallwayState) -> bool:
-    """Return whether somebody is in a doorway, or about to be."""
+    """Return whether a person or the robot is in a doorway, or close to it."""
     x, y = middle(opening.box)
     bodies: list[Robot | Walker] = [state.robot, *state.walkers]
     return any(

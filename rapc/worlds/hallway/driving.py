@@ -1,6 +1,6 @@
-"""What becomes of the robot's body in a tick: it drives or is pushed, until it touches.
+"""The movement of the robot's body in a tick: drives, pushes and collisions.
 
-How the wheels slip and what dead reckoning makes of it is the body's (`robot`).
+Not here: the slip of the wheels and dead reckoning, see `robot`.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ from rapc.worlds.hallway.state import Collision, HallwayState
 def move_robot(
     state: HallwayState, drive: Drive | None, plan: FloorPlan, now: float, rng: Random
 ) -> bool:
-    """Move the body by a tick; return whether it has come to touch something.
+    """Move the body by a tick; return whether a new collision happened.
 
     Args:
-        state: of the hallway; its robot is moved, and a collision is noted.
-        drive: what the wheels are told; None if nothing.
+        state: the state of the hallway; its robot is moved, and a collision is noted.
+        drive: the speeds for the wheels; None without orders.
         plan: the robot's floor.
         now: the time in seconds.
-        rng: the stream of the wheels' slipping.
+        rng: the stream of the wheels' slip.
     """
     body = state.robot
     robot.set_speeds(body, drive if body.battery > 0 else None)
@@ -57,7 +57,7 @@ def people_around(state: HallwayState) -> list[Circle]:
 
 
 def space_under(state: HallwayState, spaces: Sequence[Space]) -> str:
-    """Return the space under the robot; in a doorway it is the one before."""
+    """Return the space under the robot; in a doorway, the preceding space."""
     body, found = state.robot, state.space
     for space in spaces:
         left, bottom, right, top = space.box
@@ -70,7 +70,7 @@ def space_under(state: HallwayState, spaces: Sequence[Space]) -> str:
 def _velocity(
     state: HallwayState, heading: float, now: float
 ) -> tuple[float, float, bool]:
-    """Return the body's speeds to the right and up, and whether it is pushed."""
+    """Return the body's speeds to the right and up, and whether the body is pushed."""
     if state.push is not None and now <= state.push.until:
         return state.push.x, state.push.y, True
     state.push = None
@@ -81,7 +81,7 @@ def _velocity(
 def _touch(
     x: float, y: float, plan: FloorPlan, people: Sequence[Circle]
 ) -> tuple[float, float, float, str]:
-    """Return how far the nearest thing is, which way the robot is from it, its kind."""
+    """Return the distance and direction of the nearest obstacle, and its kind."""
     far, px, py = plan.nearest(x, y, RADIUS + 0.05)
     what = "wall"
     for cx, cy, radius in people:

@@ -1,7 +1,7 @@
-"""What the robot knows of the building before it has seen any of it [S 3.2].
+"""The facts about the building that the robot knows at the start [S 3.2].
 
-Directions and distances are as rough as somebody would write them down: to a tenth of
-a metre, to a tenth of a radian.
+Directions and distances have the precision of a hand-written list: a tenth of a metre,
+a tenth of a radian.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from rapc.worlds.hallway.simulation import STANDOFF
 def map_facts(map: Map) -> Iterator[Fact]:
     """Yield the facts of a map.
 
-    `(location-data mark left right apart "print name")` says how to know a landmark,
-    `(connects mark space beyond)` what lies behind a doorway,
-    `(relative-loc space mark other direction distance)` how to go from one landmark of
-    a space to another: the direction counter-clockwise from where the robot looks when
-    it stands before the first.
+    `(location-data mark left right apart "print name")` describes the tags of a
+    landmark, `(connects mark space beyond)` gives the space beyond a doorway,
+    `(relative-loc space mark other direction distance)` gives the way from one landmark
+    of a space to another. The direction is counter-clockwise from the heading of a
+    robot that faces the first landmark.
     """
     hung = signs(map)
     for sign in {sign.landmark: sign for sign in hung}.values():
@@ -49,7 +49,7 @@ def map_facts(map: Map) -> Iterator[Fact]:
 
 
 def relation(start: Sign, end: Sign) -> tuple[Number, Number]:
-    """Return direction and distance from before one landmark to before another."""
+    """Return direction and distance between the robot's places before two landmarks."""
     (ax, ay), (bx, by) = start.front(STANDOFF), end.front(STANDOFF)
     direction = math.atan2(by - ay, bx - ax) - start.normal - math.pi
     return (

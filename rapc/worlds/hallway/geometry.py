@@ -8,7 +8,7 @@ from rapc.base.values import Number, number
 
 
 def turn_between(memory: object, one: Number, other: Number) -> Number:
-    """Return how far it is to turn from one heading to another: from 0 to pi."""
+    """Return the angle between two headings: from 0 to pi."""
     return number(round(abs(math.remainder(one - other, math.tau)), 3))
 
 
@@ -21,16 +21,16 @@ def far_from(
     other_x: Number,
     other_y: Number,
 ) -> Number:
-    """Return how far a point is from the one that lies ahead of a third.
+    """Return the distance between a point and the end of a way.
 
     Args:
-        memory: what is known; it is not asked.
-        x: where the way begins.
-        y: where the way begins.
-        heading: where the way leads.
-        distance: how far it leads.
-        other_x: where the point is.
-        other_y: where the point is.
+        memory: unused.
+        x: the start of the way.
+        y: the start of the way.
+        heading: the heading of the way.
+        distance: the length of the way.
+        other_x: the point.
+        other_y: the point.
     """
     away_x = x + distance * math.cos(heading) - other_x
     away_y = y + distance * math.sin(heading) - other_y
@@ -38,25 +38,25 @@ def far_from(
 
 
 def new_x(memory: object, x: Number, heading: Number, distance: Number) -> Number:
-    """Return how far to the right a point is that lies ahead of another [S 4.2.1].
+    """Return the x coordinate of the end of a way [S 4.2.1].
 
     Args:
-        memory: what is known; it is not asked.
-        x: how far to the right the way begins.
-        heading: where the way leads.
-        distance: how far it leads.
+        memory: unused.
+        x: the x coordinate of the start.
+        heading: the heading of the way.
+        distance: the length of the way.
     """
     return number(round(x + distance * math.cos(heading), 3))
 
 
 def new_y(memory: object, y: Number, heading: Number, distance: Number) -> Number:
-    """Return how far up a point is that lies ahead of another [S 4.2.1].
+    """Return the y coordinate of the end of a way [S 4.2.1].
 
     Args:
-        memory: what is known; it is not asked.
-        y: how far up the way begins.
-        heading: where the way leads.
-        distance: how far it leads.
+        memory: unused.
+        y: the y coordinate of the start.
+        heading: the heading of the way.
+        distance: the length of the way.
     """
     return number(round(y + distance * math.sin(heading), 3))
 
@@ -67,10 +67,10 @@ def heading_to(
     """Return the heading from one point to another.
 
     Args:
-        memory: what is known; it is not asked.
-        x: where the way begins.
-        y: where the way begins.
-        other_x: where it ends.
-        other_y: where it ends.
+        memory: unused.
+        x: the start.
+        y: the start.
+        other_x: the end.
+        other_y: the end.
     """
     return number(round(math.atan2(other_y - y, other_x - x), 3))

@@ -38,16 +38,16 @@ from msgspec import Meta
 from rapc.worlds.maps import MapError
 
 Metres = Annotated[float, Meta(ge=-1000, le=1000)]
-"""Where something is along an axis."""
+"""A coordinate in metres."""
 
 Name = Annotated[str, Meta(pattern=r"^[a-z][a-z0-9-]*\Z")]
-"""What a map calls something: a symbol of the language."""
+"""A name on a map: a symbol of the language."""
 
 Code = Annotated[int, Meta(ge=0, le=9999)]
-"""What a tag says."""
+"""The code on a tag."""
 
 Apart = Annotated[float, Meta(ge=0.2, le=5)]
-"""How far it is between two tags, in metres."""
+"""The distance between two tags, in metres."""
 
 FloorNumber = Annotated[int, Meta(ge=-9, le=99)]
 
@@ -66,19 +66,19 @@ SIDES: tuple[Side, ...] = get_args(Side)
 
 _FACING = (-math.pi / 2, math.pi, math.pi / 2, 0.0)
 NORMALS: dict[str, float] = dict(zip(SIDES, _FACING, strict=True))
-"""Where a wall faces, from its own side of the space, in radians from the x axis."""
+"""The direction that a wall faces, in radians from the x axis, by side of the space."""
 
 WALL = (0.1, 0.5)
-"""The thinnest and the thickest wall that a doorway may lead through, in metres."""
+"""The minimum and maximum thickness of a wall with a doorway, in metres."""
 
 
 class Space(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """A rectangle in which the robot can be."""
+    """A rectangle for the robot and for people."""
 
     name: Name
     box: Box
     kind: Literal["room", "hall", "lift"] = "room"
-    #: The floors on which the space is; more than one for a lift only.
+    #: The floors of the space; only a lift has more than one.
     floors: Annotated[tuple[FloorNumber, ...], Meta(min_length=1)] = (1,)
 
 
@@ -89,14 +89,14 @@ class Doorway(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     joins: tuple[str, str]
     #: The middle of the gap along the wall.
     at: Metres
-    #: The codes of the left and the right tag, as seen when facing the doorway: an even
-    #: one and the next.
+    #: The codes of the left and the right tag, as seen from in front of the doorway: an
+    #: even code and the next code.
     tags: tuple[Code, Code]
-    #: The robot's skills take a wider gap for no doorway.
+    #: The width of the gap; the robot's skills do not recognise a wider doorway.
     width: Annotated[float, Meta(ge=0.7, le=1.3)] = 1.0
-    #: Between the two tags, which hang on the wall beside the gap.
+    #: The distance between the two tags on the wall beside the gap.
     apart: Apart = 1.4
-    #: Whether there is a door that closes now and then.
+    #: Whether the doorway has a door that closes now and then.
     door: bool = False
     says: str = ""
 
@@ -111,23 +111,23 @@ class Landmark(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     at: Metres
     tags: tuple[Code, Code]
     apart: Apart = 1.0
-    #: Whether the robot can charge its battery here.
+    #: Whether the landmark is a charger for the robot's battery.
     charger: bool = False
     says: str = ""
 
 
 class Obstacle(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """A box that stands in a space."""
+    """A box in a space."""
 
     box: Box
     floor: FloorNumber = 1
 
 
 class Person(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Somebody who walks about, from the middle of a space."""
+    """A person who walks about, starting in the middle of a space."""
 
     space: str
-    #: In metres a second.
+    #: The walking speed, in metres a second.
     speed: Annotated[float, Meta(ge=0.1, le=2)] = 0.8
 
 
@@ -136,7 +136,7 @@ class Map(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     space: Annotated[tuple[Space, ...], Meta(min_length=1)]
     doorway: tuple[Doorway, ...]
-    #: The landmark that the robot stands at in the beginning.
+    #: The landmark at the robot's start.
     start: str
     landmark: tuple[Landmark, ...] = ()
     obstacle: tuple[Obstacle, ...] = ()
@@ -151,17 +151,17 @@ class Map(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Opening(msgspec.Struct, frozen=True):
-    """A doorway as it lies in the building, computed from the spaces it joins."""
+    """A doorway with its position in the building, computed from the joined spaces."""
 
     doorway: Doorway
     floor: int
     box: Box
-    #: The side of the first joined space on which it is.
+    #: The side of the first joined space that has the doorway.
     side: Side
 
 
 class Sign(msgspec.Struct, frozen=True):
-    """A pair of tags as it hangs in a space."""
+    """A pair of tags with its position in a space."""
 
     landmark: str
     space: str
@@ -169,14 +169,14 @@ class Sign(msgspec.Struct, frozen=True):
     #: The middle between the tags.
     x: float
     y: float
-    #: The direction in which the tags face, in radians.
+    #: The direction that the tags face, in radians.
     normal: float
     tags: tuple[int, int]
     apart: float
     says: str
 
     def tag_points(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Return where the left and the right tag are, as seen from in front."""
+        """Return the points of the left and the right tag, as seen from in front."""
         half = self.apart / 2
         dx, dy = -math.sin(self.normal) * half, math.cos(self.normal) * half
         return (self.x - dx, self.y - dy), (self.x + dx, self.y + dy)
@@ -190,7 +190,7 @@ class Sign(msgspec.Struct, frozen=True):
 
 
 def openings(map: Map) -> tuple[Opening, ...]:
-    """Return where the doorways of a map are.
+    """Return the doorways of a map with their positions.
 
     Raises:
         MapError: if a doorway does not lie in a wall between its spaces.
@@ -199,7 +199,7 @@ def openings(map: Map) -> tuple[Opening, ...]:
 
 
 def signs(map: Map) -> tuple[Sign, ...]:
-    """Return all pairs of tags: two for a doorway, one for any other landmark."""
+    """Return all pairs of tags: two of a doorway, one of any other landmark."""
     made = []
     for opening in openings(map):
         doorway, along = opening.doorway, opening.side in {"north", "south"}
@@ -217,7 +217,7 @@ def signs(map: Map) -> tuple[Sign, ...]:
 def _sign(
     space: Space, floor: int, wall: Side, at: float, mark: Doorway | Landmark
 ) -> Sign:
-    """Return a pair of tags as it hangs on a wall of a space."""
+    """Return a pair of tags on a wall of a space."""
     left, bottom, right, top = space.box
     x = {"east": right, "west": left}.get(wall, at)
     y = {"north": top, "south": bottom}.get(wall, at)

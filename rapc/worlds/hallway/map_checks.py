@@ -55,12 +55,12 @@ def check_map(map: Map) -> None:
 
 
 def _named(entry: Space | Mark) -> str:
-    """Return an entry as messages name it: the doorway `d`."""
+    """Return the name of an entry for messages: the doorway `d`."""
     return f"the {type(entry).__name__.lower()} `{entry.name}`"
 
 
 def _check_names(map: Map, marks: Sequence[Mark]) -> None:
-    """Check that names are unique, and that each name of a space is one."""
+    """Check that names are unique, and that references to spaces are valid."""
     spaces = {space.name for space in map.space}
     kinds: tuple[Sequence[Space | Mark], ...] = (map.space, marks)
     for entries in kinds:
@@ -113,7 +113,7 @@ def _overlap(a: Box, b: Box) -> bool:
 
 
 def _check_codes(mark: Mark) -> None:
-    """Check that `see-tags` takes the two codes for a pair."""
+    """Check that `see-tags` recognises the two codes as a pair."""
     left, right = mark.tags
     if left % 2 or right != left + 1:
         raise MapError(
@@ -134,7 +134,7 @@ def _check_tags(marks: Sequence[Mark]) -> None:
 
 
 def _check_place(mark: Mark, sign: Sign, space: Space) -> None:
-    """Check that tags hang on their wall, and that the robot can stand before them."""
+    """Check that tags are on their wall, and that the robot has room before them."""
     low, high = _extent(sign)
     along = _axis(sign)
     near, far = space.box[along], space.box[along + 2]
@@ -160,13 +160,13 @@ def _axis(sign: Sign) -> int:
 
 
 def _extent(sign: Sign) -> tuple[float, float]:
-    """Return where the tags begin and end along their wall."""
+    """Return the ends of the tags' extent along their wall."""
     at = (sign.x, sign.y)[_axis(sign)]
     return at - sign.apart / 2, at + sign.apart / 2
 
 
 def _check_shared_walls(marks: dict[str, Mark], hung: Sequence[Sign]) -> None:
-    """Check that no landmark hangs between or over the tags of another one."""
+    """Check that no landmark lies between or over the tags of another landmark."""
     for number, one in enumerate(hung):
         low, high = _extent(one)
         for other in hung[number + 1 :]:
@@ -182,7 +182,7 @@ def _check_shared_walls(marks: dict[str, Mark], hung: Sequence[Sign]) -> None:
 
 
 def _check_obstacles(map: Map, hung: Sequence[Sign]) -> None:
-    """Check that no obstacle is where somebody begins or where the robot stands."""
+    """Check that obstacles leave free each start and the place before each landmark."""
     spots = [
         (f"`{s.landmark}` in `{s.space}`", s.floor, s.front(STANDOFF)) for s in hung
     ]

@@ -1,4 +1,4 @@
-"""Maps as TOML texts: read, and checked by `map_checks`."""
+"""Maps as TOML texts: parsing, with validation by `map_checks`."""
 
 from __future__ import annotations
 
@@ -25,16 +25,16 @@ def named_map(name: str) -> Map:
     """Return a map that comes with rapc.
 
     Raises:
-        MapError: if none has that name.
+        MapError: for an unknown name.
     """
     return read_map(shipped_map("hallway", name))
 
 
 def read_map(text: str) -> Map:
-    """Return the map that a TOML text describes.
+    """Return the map in a TOML text.
 
     Raises:
-        MapError: if the text is none, with line or key; or if the map contradicts
+        MapError: if the text is not a map, with line or key; or if the map contradicts
             itself.
     """
     try:
@@ -50,7 +50,7 @@ def read_map(text: str) -> Map:
 
 
 def _placed(told: str, raw: Mapping[str, Any]) -> str:
-    """Return what msgspec says is wrong with a text, its place in words.
+    """Return the message of msgspec for a text, with the position in words.
 
     `$.doorway[3].at` becomes `at` of the doorway `office-door`, or of doorway 4.
     """

@@ -1,4 +1,4 @@
-"""People who walk about, and never into the robot."""
+"""People: they walk about and never collide with the robot by themselves."""
 
 from __future__ import annotations
 
@@ -16,41 +16,41 @@ GIRTH = 0.25
 """The radius of a person, in metres."""
 
 ROOM = 0.35
-"""What a person leaves between the robot and themselves."""
+"""The minimum distance that a person keeps from the robot, in metres."""
 
 PATIENCE = 2.0
-"""Seconds for which somebody waits for the robot to go before turning elsewhere."""
+"""The time that a person waits for the robot before turning elsewhere, in seconds."""
 
 POLITE = 1.2
-"""Nobody stands about for long so near to the robot, or to a doorway, in metres."""
+"""The distance that a standing person keeps from robot and doorways, in metres."""
 
 STEP_ASIDE = 0.7
-"""How far from a doorway's middle somebody begins to walk through, in metres."""
+"""The distance from a doorway's middle at which a person starts through, in metres."""
 
 
 class Walker(msgspec.Struct):
-    """Somebody, and where they are going."""
+    """A person with a destination."""
 
     x: float
     y: float
     floor: int
     space: str
     speed: float
-    #: Points to walk to, the next one first.
+    #: The points of the way, the next point first.
     way: list[tuple[float, float]] = []
     #: The space at the end of the way.
     towards: str = ""
-    #: Seconds for which they stay where they are.
+    #: The seconds left of a pause.
     pause: float = 0.0
-    #: Seconds for which they have been held up.
+    #: The seconds of the present hold-up.
     held: float = 0.0
-    #: The doorway out of which they turned back; it is not tried again before they have
-    #: been elsewhere.
+    #: The doorway at which the person turned back. The person does not try this doorway
+    #: again before visiting another space.
     barred: str = ""
 
 
 class Surroundings(msgspec.Struct, frozen=True):
-    """What people see of the building."""
+    """The building as people see it."""
 
     map: Map
     plans: Mapping[int, FloorPlan]
@@ -58,7 +58,7 @@ class Surroundings(msgspec.Struct, frozen=True):
 
 
 def everybody(map: Map) -> list[Walker]:
-    """Return the people of a map where they begin."""
+    """Return the people of a map at their start."""
     made = []
     for person in map.person:
         space = map.named_space(person.space)
@@ -74,14 +74,14 @@ def walk(
     rng: Random,
     seconds: float,
 ) -> None:
-    """Let somebody live for some time.
+    """Advance a person by some time.
 
     Args:
-        walker: who.
-        around: the building as it is now.
-        robot: its place and radius, if it is on the same floor.
+        walker: the person.
+        around: the present state of the building.
+        robot: its position and radius, if it is on the same floor.
         rng: the stream of all people.
-        seconds: how long.
+        seconds: the time.
     """
     if walker.pause > 0:
         walker.pause -= seconds
@@ -119,7 +119,7 @@ def _held_up(
     x: float,
     y: float,
 ) -> bool:
-    """Whether the robot, or a door that has closed, is in the way of a step."""
+    """Return whether the robot or a closed door blocks the next step."""
     if robot is not None:
         rx, ry, radius = robot
         near = math.hypot(rx - x, ry - y)
@@ -130,10 +130,10 @@ def _held_up(
 
 
 def _turn_elsewhere(walker: Walker, around: Surroundings) -> None:
-    """Let somebody who is held up go where nobody is in the way.
+    """Turn a held-up person to a free place.
 
-    Who is on the way through a doorway first goes back out of it, for whoever stands in
-    there has no other way than the one that is taken.
+    A person on the way through a doorway first goes back out, because the robot in the
+    doorway has no other way.
     """
     through, walker.way, walker.held = walker.towards != walker.space, [], 0.0
     walker.towards = walker.space
@@ -145,13 +145,13 @@ def _turn_elsewhere(walker: Walker, around: Surroundings) -> None:
 
 
 def _doors(walker: Walker, around: Surroundings) -> list[Opening]:
-    """Return the doorways of the space that somebody is in."""
+    """Return the doorways of a person's space."""
     here = [gap for gap in around.openings if gap.floor == walker.floor]
     return [gap for gap in here if walker.space in gap.doorway.joins]
 
 
 def _choose(walker: Walker, around: Surroundings, rng: Random) -> None:
-    """Give somebody something to walk to, or a little rest."""
+    """Choose a destination or a short rest for a person."""
     space = around.map.named_space(walker.space)
     doors = _doors(walker, around)
     tried = [gap for gap in doors if gap.doorway.name != walker.barred]
@@ -176,7 +176,7 @@ def _choose(walker: Walker, around: Surroundings, rng: Random) -> None:
 def _through(
     gap: Opening, map: Map, space: Space
 ) -> tuple[list[tuple[float, float]], str]:
-    """The way through a doorway, out of a space, and where it leads."""
+    """Return the way out of a space through a doorway, and the space beyond."""
     first, second = gap.doorway.joins
     x, y = middle(gap.box)
     across = gap.side in {"east", "west"}
@@ -190,7 +190,7 @@ def _through(
 def _free(
     plan: FloorPlan, start: tuple[float, float], end: tuple[float, float]
 ) -> bool:
-    """Whether a person fits along a straight line, closed doors in mind."""
+    """Return whether a person fits along a straight line; closed doors are walls."""
     away = math.hypot(end[0] - start[0], end[1] - start[1])
     if away < 1e-6:
         return True

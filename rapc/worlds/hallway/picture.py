@@ -1,9 +1,9 @@
 """The building as a picture: its spaces, and the robot's floor true to scale.
 
-What the robot believes is told by facts of memory, which the picture names: those that
-the world tells at the start (`rapc.worlds.hallway.facts`), and `found-closed`, which is
-a word of stdlib/hallway. In a library without that word no door is believed closed. The
-page docs/library-hallway.md names the same facts.
+The picture names the facts of memory that hold the robot's beliefs. Some facts come
+from the world at the start (`rapc.worlds.hallway.facts`). stdlib/hallway declares the
+fact `found-closed`; in a library without this fact no door is believed closed. The page
+docs/library-hallway.md names the same facts.
 """
 
 from __future__ import annotations
@@ -32,17 +32,17 @@ from rapc.worlds.hallway.planner import REMEMBERED
 from rapc.worlds.hallway.simulation import STANDOFF, Simulation
 
 STEP = 6.0
-"""How many metres are a step of the picture."""
+"""The length of a step of the picture, in metres."""
 
 READ = 3.0
-"""For how many seconds what was said stays in the picture."""
+"""The time that spoken words stay in the picture, in seconds."""
 
 _SPACE = ("current-space", "robot")
-"""The fact, up to its value, in which memory holds the robot's space."""
+"""The fact, without its value, that holds the robot's space in memory."""
 
 
 def picture(simulation: Simulation) -> Picture:
-    """Return the floor that the robot is on; doorways that are closed are left out."""
+    """Return the picture of the robot's floor; closed doorways are left out."""
     state, map = simulation.state, simulation.map
     body, shut = state.robot, simulation.shut()
     spaces = [space for space in map.space if body.floor in space.floors]
@@ -65,7 +65,7 @@ def picture(simulation: Simulation) -> Picture:
 
 
 def _said(simulation: Simulation) -> str:
-    """Return what the robot has said last, as long as that can be read."""
+    """Return the robot's last words, while the words can still be read."""
     said = simulation.state.said
     if not said or simulation.now - said[-1][0] > READ:
         return ""
@@ -86,7 +86,7 @@ def _spots(simulation: Simulation, spaces: list[Space]) -> Iterator[Spot]:
 
 
 def floor_plan(simulation: Simulation, floor: int) -> Plan:
-    """Return a floor as it is now, true to scale."""
+    """Return a floor in its present state, true to scale."""
     state, map = simulation.state, simulation.map
     body, spaces = state.robot, [s for s in map.space if floor in s.floors]
     gaps = [gap for gap in simulation.openings.values() if gap.floor == floor]
@@ -108,7 +108,7 @@ def floor_plan(simulation: Simulation, floor: int) -> Plan:
 
 
 def _marks(simulation: Simulation, floor: int) -> Iterator[Mark]:
-    """Yield the landmarks, each with the fact by which memory knows it."""
+    """Yield the landmarks, each with its fact in memory."""
     for sign in simulation.signs:
         if sign.floor == floor:
             known = ("location-data", sign.landmark, None, None, None, None)
@@ -133,7 +133,7 @@ def _reckoning(simulation: Simulation, floor: int) -> Reckoning:
 
 
 def _echoes(simulation: Simulation) -> tuple[Point, ...]:
-    """Return where the echoes of the last tick came from; none if nothing listens."""
+    """Return the sources of the last tick's echoes; empty if no skill listens."""
     body, ranges = simulation.state.robot, simulation.runtime.value(SONAR)
     if ranges is None:
         return ()

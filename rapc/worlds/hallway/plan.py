@@ -1,11 +1,11 @@
 """Walls of a floor for rays and collisions, found by a grid over the walls.
 
-All walls are parallel to the axes. For a square metre of floor the walls within reach
-are kept in four lists, those to the right of it by rising x, those to the left by
-falling x, and so on. A ray to the upper right goes through the list of the right and
-the one of the top, and is done with a list at the first wall that is farther away than
-what was hit: in a hallway that is after two or three walls, wherever else there are
-any. The lists of a square are made when it is first asked for.
+All walls are parallel to the axes. For a square metre of floor, four lists keep the
+walls within reach: the walls to the right by rising x, the walls to the left by falling
+x, and correspondingly for up and down. A ray to the upper right searches the list of
+the right and the list of the top. The search of a list stops at the first wall beyond
+the nearest hit: in a hallway after two or three walls, whatever the size of the
+building. The lists of a square are made at its first use.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ Lists = tuple[list[Line], list[Line], list[Line], list[Line]]
 """The walls around a square: to the right, to the left, above, below."""
 
 REACH = 8.0
-"""How far from a square walls are looked for, in metres."""
+"""The maximum distance of walls from their square, in metres."""
 
 _PARALLEL = 1e-9
 
 
 class FloorPlan:
-    """The walls of one floor, doors that are closed among them."""
+    """The walls of one floor, closed doors included."""
 
     def __init__(self, boxes: Iterable[Box], obstacles: Iterable[Box]) -> None:
         self._upright, self._level = outlines(list(boxes))
@@ -39,16 +39,16 @@ class FloorPlan:
         self._squares: dict[tuple[int, int], Lists] = {}
 
     def close(self, doors: Sequence[Box]) -> None:
-        """Let these doors be closed, flat boxes, and no others."""
+        """Close exactly these doors, given as flat boxes; open all others."""
         self._closed = list(doors)
         self._squares.clear()
 
     def cast(self, x: float, y: float, dx: float, dy: float, limit: float) -> float:
-        """Return how far a ray goes before it hits a wall, at most `limit` metres.
+        """Return the distance along a ray to the nearest wall, at most `limit` metres.
 
         Args:
-            x: where the ray begins.
-            y: where the ray begins.
+            x: the start of the ray.
+            y: the start of the ray.
             dx: the direction, of length 1.
             dy: the direction, of length 1.
             limit: at most `REACH`.
@@ -73,7 +73,7 @@ class FloorPlan:
     def nearest(self, x: float, y: float, limit: float) -> tuple[float, float, float]:
         """Return the nearest point of a wall within `limit`: distance, x, y.
 
-        The distance is `limit` if no wall is as near as that.
+        The distance is `limit` if no wall is nearer.
         """
         found = (limit, x, y)
         right, left, above, below = self._around(x, y)
@@ -115,7 +115,7 @@ class FloorPlan:
 
 
 def _near(lines: Iterable[Line], own: int, other: int) -> list[Line]:
-    """The walls within reach of a square, by rising coordinate."""
+    """Return the walls within reach of a square, by rising coordinate."""
     return sorted(
         line
         for line in lines
@@ -129,7 +129,7 @@ def outlines(boxes: Sequence[Box]) -> tuple[list[Line], list[Line]]:
     """Return the outline of a union of rectangles that touch, but do not overlap.
 
     Returns:
-        Upright and level walls. Where two rectangles touch there is no wall.
+        Upright and level walls. Touching rectangles have no wall between them.
     """
     upright: list[Line] = []
     level: list[Line] = []
@@ -142,7 +142,7 @@ def outlines(boxes: Sequence[Box]) -> tuple[list[Line], list[Line]]:
 
 
 def _sides(at: float, low: float, high: float, touching: Iterable[Line]) -> list[Line]:
-    """One side of a rectangle without the parts where another one touches it."""
+    """Return a side of a rectangle without the parts where other rectangles touch."""
     parts = [(low, high)]
     for wall, start, stop in touching:
         if wall == at:

@@ -1,8 +1,8 @@
 """The path planner: a breadth-first search over spaces, as a problem solver [S 3.2].
 
-It is asked when `travel-to-distant-space` has no method for where the robot is and
-where it is to go. What it finds becomes a method, which stays: from this space to that
-one, by these doorways, as long as none of them was found closed a short while ago.
+The interpreter calls the planner if `travel-to-distant-space` has no method for start
+and goal. The result becomes a permanent method: a way from this space to that space
+through these doorways. Its context excludes doorways recently found closed.
 """
 
 from __future__ import annotations
@@ -15,24 +15,24 @@ from rapc.ir import nodes
 from rapc.worlds import ways
 
 REMEMBERED = 60
-"""For so many seconds a doorway that was found closed is taken to be so."""
+"""The seconds for which a doorway found closed counts as closed."""
 
 Joint = tuple[str, str, str]
-"""A space, a doorway of it, and the space behind that."""
+"""A space, a doorway of the space, and the space beyond."""
 
 Doorways = Sequence[tuple[str, str]]
-"""Doorways, each with the space behind it."""
+"""Doorways, each with the space beyond."""
 
 
 def plan(goal: Fact, memory: AskedMemory) -> Sequence[nodes.Method]:
     """Return a method for `(travel-to-distant-space space)`, or none.
 
-    There is none if memory does not have the robot's space. A doorway that was found
-    closed is used only where there is no other way.
+    The result is empty if memory lacks the robot's space. A doorway found closed is
+    used only if there is no other way.
 
     Args:
-        goal: what the task is to bring about.
-        memory: what the robot believes.
+        goal: the goal of the task.
+        memory: the robot's beliefs.
     """
     wanted = str(goal[1])
     spaces = [str(fact[-1]) for fact in memory.query("current-space", "robot", None)]
@@ -54,10 +54,10 @@ def shortest(
     """Return the doorways of a shortest way, or none.
 
     Args:
-        joined: what leads where.
-        start: the space where the way begins.
-        goal: the space where it ends.
-        closed: doorways that are not to be used.
+        joined: the connections between spaces.
+        start: the space at the start.
+        goal: the space at the end.
+        closed: doorways to avoid.
     """
     behind: dict[str, list[tuple[tuple[str, str], str, int]]] = {}
     for space, doorway, beyond in joined:
@@ -67,7 +67,7 @@ def shortest(
 
 
 def _method(start: str, goal: str, way: Doorways) -> nodes.Method:
-    """Return the method that goes a way, one space after another."""
+    """Return the method that follows a way from space to space."""
     const = nodes.Const
 
     def within(space: str) -> nodes.Proposition:

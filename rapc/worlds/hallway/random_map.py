@@ -1,7 +1,7 @@
-"""A building made at random: a ring of hallways with rooms outside and inside of it.
+"""A random building: a ring of hallways with rooms outside and inside of the ring.
 
-Whatever the seed, every space can be reached, doorways and landmarks keep away from
-corners, and obstacles from doorways, so that the robot's skills have a fair chance.
+For every seed, all spaces can be reached. Doorways and landmarks keep a distance from
+corners, and obstacles from doorways, because the robot's skills need the room.
 """
 
 from __future__ import annotations
@@ -26,20 +26,20 @@ HALL = 2.0
 """The width of a hallway, in metres."""
 
 THICK = 0.2
-"""The thickness of walls."""
+"""The thickness of walls, in metres."""
 
 CORNER = 1.3
-"""How far the middle of a doorway or a landmark is from a corner at least."""
+"""The minimum distance of a doorway's or landmark's middle from a corner, in metres."""
 
 
 def random_map(seed: int) -> Map:
-    """Return the building of a seed: the same one every time."""
+    """Return the building of a seed; equal seeds return equal buildings."""
     rng = Random(f"building {seed}")
     return _Builder(rng).build()
 
 
 class _Builder:
-    """One building in the making; tags are given out in order."""
+    """A building under construction; tags are numbered in order."""
 
     def __init__(self, rng: Random) -> None:
         self.rng = rng
@@ -74,7 +74,7 @@ class _Builder:
         return Map(spaces, doorways, start.name, *rest)
 
     def _ring(self, wide: float, high: float) -> None:
-        """Four hallways with a doorway at each corner."""
+        """Add four hallways with a doorway at each corner."""
         west: Box = (0.0, 0.0, HALL, high)
         east: Box = (wide - HALL, 0.0, wide, high)
         left, right = HALL + THICK, wide - HALL - THICK
@@ -98,7 +98,7 @@ class _Builder:
         yield left, right
 
     def _room(self, box: Box, hall: str, side: str) -> Space:
-        """A room with a door to its hallway and a landmark on another wall."""
+        """Add a room with a door to its hallway and a landmark on another wall."""
         left, bottom, right, top = box
         wall = side or ("south" if hall == "south-hall" else "north")
         others: list[Side] = ["west", "east"]
@@ -121,7 +121,7 @@ class _Builder:
         return room
 
     def _join(self, rooms: list[Space]) -> None:
-        """Now and then a door between neighbours, where no landmark hangs."""
+        """Add random doors between neighbours, at places without a landmark."""
         for one, other in pairwise(rooms):
             hung = {(mark.space, mark.wall) for mark in self.landmarks}
             free = not hung & {(one.name, "east"), (other.name, "west")}

@@ -1,8 +1,7 @@
 """The robot's body: two driven wheels, dead reckoning, sonars, a laser, a battery.
 
-What the body senses is noisy, and what it does is not quite what it was told to do. The
-noise of each part has a random stream of its own. Not here: collisions (`simulation`),
-and anything that decides (`skills`).
+Sensors are noisy, and movements differ slightly from the orders. The noise of each part
+has its own random stream. Not here: collisions (`driving`) and decisions (`skills`).
 """
 
 from __future__ import annotations
@@ -28,29 +27,29 @@ from rapc.worlds.hallway.map import Sign
 from rapc.worlds.hallway.plan import FloorPlan
 
 TICK = 0.1
-"""Seconds between two steps of everything."""
+"""The length of a step of the simulation, in seconds."""
 
 ACCELERATION = 0.8
-"""Of the wheels, in metres a second, every second."""
+"""The acceleration of the wheels, in metres a second, every second."""
 
 TURN_ACCELERATION = 4.0
 
 SONAR_NOISE = 0.012
 DEAF = 0.1
-"""How often, of all ticks, one of the sonars hears no echo."""
+"""The probability in a tick that one of the sonars hears no echo."""
 
 LASER_NOISE = 0.006
 STEEPEST = math.cos(math.radians(75))
-"""A tag that is turned away further than this cannot be read."""
+"""The minimum cosine of the angle at which a tag can be read."""
 
 IDLE_DRAIN = 0.008
 DRIVE_DRAIN = 0.02
-"""Per cent of the battery a second."""
+"""The drain of the battery by driving, in per cent a second."""
 
 CHARGING = 1.0
 
 Circle = tuple[float, float, float]
-"""Somebody: x, y and radius."""
+"""A person: x, y and radius."""
 
 
 class Robot(msgspec.Struct):
@@ -60,30 +59,30 @@ class Robot(msgspec.Struct):
     y: float
     heading: float
     floor: int
-    #: How fast the body moves ahead and turns.
+    #: The speed ahead and the turning speed of the body.
     speed: float = 0.0
     turn: float = 0.0
-    #: Where dead reckoning takes it to be.
+    #: The pose by dead reckoning.
     reckoned_x: float = 0.0
     reckoned_y: float = 0.0
     reckoned_heading: float = 0.0
-    #: In per cent.
+    #: The charge of the battery, in per cent.
     battery: float = 100.0
     charging: bool = False
-    #: Driven so far.
+    #: The distance driven.
     distance: float = 0.0
-    #: Whether it stood against something in the last tick.
+    #: Whether the body touched an obstacle in the last tick.
     touching: bool = False
 
 
 class Wear(msgspec.Struct, frozen=True):
-    """How the wheels of this robot differ from those on paper."""
+    """The errors of this robot's wheels."""
 
-    #: What a metre is measured as, above one.
+    #: The relative error of a measured metre.
     scale: float
-    #: What a turn is measured as, above one.
+    #: The relative error of a measured turn.
     turn: float
-    #: How much dead reckoning turns by itself on a metre.
+    #: The turn of dead reckoning on a straight metre.
     pull: float
 
 
@@ -97,7 +96,7 @@ def worn(rng: Random, drift: float) -> Wear:
 
 
 def set_speeds(robot: Robot, drive: Drive | None) -> None:
-    """Bring the wheels nearer to what they are to do; without orders they brake."""
+    """Move the speeds towards the ordered speeds; without orders the wheels brake."""
     wanted = drive or Drive(0.0, 0.0)
     speed = max(-TOP_SPEED, min(TOP_SPEED, wanted.speed))
     turn = max(-TOP_TURN, min(TOP_TURN, wanted.turn))
@@ -108,15 +107,15 @@ def set_speeds(robot: Robot, drive: Drive | None) -> None:
 def move(
     robot: Robot, x: float, y: float, turned: float, wear: Wear, rng: Random
 ) -> None:
-    """Put the body somewhere near, and let dead reckoning follow as it can.
+    """Move the body, and update dead reckoning with its errors.
 
     Args:
         robot: the body.
-        x: where it is now.
-        y: where it is now.
-        turned: radians that it has turned.
-        wear: of its wheels.
-        rng: the stream of its slipping.
+        x: the new position.
+        y: the new position.
+        turned: the radians turned.
+        wear: the wear of its wheels.
+        rng: the stream of its slip.
     """
     dx, dy, middle = x - robot.x, y - robot.y, robot.heading + turned / 2
     ahead = dx * math.cos(middle) + dy * math.sin(middle)
@@ -131,7 +130,7 @@ def move(
 def _reckon(
     robot: Robot, ahead: float, aside: float, turned: float, wear: Wear, rng: Random
 ) -> None:
-    """Add a movement to dead reckoning, as the worn wheels measure it."""
+    """Add a movement to dead reckoning, as measured by the worn wheels."""
     slip = 0.01 * math.sqrt(abs(ahead)) * rng.gauss(0, 1) if wear.scale else 0.0
     measured = ahead * (1 + wear.scale)
     middle = robot.reckoned_heading + turned / 2
@@ -144,12 +143,12 @@ def _reckon(
 
 
 def pose(robot: Robot) -> Pose:
-    """Return what dead reckoning says."""
+    """Return the pose by dead reckoning."""
     return Pose(robot.reckoned_x, robot.reckoned_y, robot.reckoned_heading)
 
 
 def drain(robot: Robot, usage: float) -> None:
-    """Let a tick's worth of the battery go, or come."""
+    """Drain or charge the battery for a tick."""
     if robot.charging:
         robot.battery = min(100.0, robot.battery + CHARGING * TICK)
         return
@@ -161,7 +160,7 @@ def drain(robot: Robot, usage: float) -> None:
 def sonar(
     robot: Robot, plan: FloorPlan, people: Iterable[Circle], rng: Random
 ) -> tuple[float, ...]:
-    """Return what the ring of sonars measures, in metres from its middle."""
+    """Return the readings of the sonar ring, in metres from its middle."""
     x, y = robot.x, robot.y
     cos, sin = math.cos(robot.heading), math.sin(robot.heading)
     cast, gauss = plan.cast, rng.gauss
@@ -185,7 +184,7 @@ def _shadow(
     dy: float,
     radius: float,
 ) -> None:
-    """Shorten the rays that somebody stands in the way of."""
+    """Shorten the rays that a person blocks."""
     if dx * dx + dy * dy > (SONAR_RANGE + radius) ** 2:
         return
     for number, (ax, ay) in enumerate(rays):
@@ -204,7 +203,7 @@ def laser(
     people: Sequence[Circle],
     rng: Random,
 ) -> tuple[Tag, ...]:
-    """Return the tags that can be read from where the robot is."""
+    """Return the tags that the laser can read from the robot's position."""
     seen: list[Tag] = []
     for sign in signs:
         away = math.hypot(sign.x - robot.x, sign.y - robot.y)
@@ -226,7 +225,7 @@ def _readable(
     y: float,
     people: Sequence[Circle],
 ) -> bool:
-    """Whether nothing hides a tag, and it is not turned away."""
+    """Return whether a tag is visible and not turned away."""
     dx, dy = x - robot.x, y - robot.y
     away = math.hypot(dx, dy)
     if away < 0.05:

@@ -1,9 +1,9 @@
-"""Time in the hallway: one tick after the other, a tenth of a second each.
+"""Time in the hallway, in ticks of a tenth of a second.
 
-In a tick people, doors and the lift live, the active skills read what the sensors say,
-and the body does what the motors are told; then whatever touches is a collision. All
-chance comes from streams made of one; the whole state can be saved and taken up again.
-Doors and lift move in `doors`, the body in `driving`, people in `people`.
+In a tick, people, doors and the lift move, the active skills read the sensors, and the
+body follows the motors' orders; then contacts are recorded as collisions. All random
+streams come from one stream, and the complete state can be saved and restored. Doors
+and lift move in `doors`, the body in `driving`, people in `people`.
 """
 
 from __future__ import annotations
@@ -47,10 +47,10 @@ from rapc.worlds.states import reading_state
 STREAMS = ("wear", "motion", "sonar", "laser", "people", "doors", "lift")
 
 STANDOFF = 1.0
-"""How far from a landmark the robot stands when it is at it, in metres."""
+"""The distance between a landmark and a robot at that landmark, in metres."""
 
 DOCKED = 0.35
-"""How far from its place at the charger the robot can still charge, in metres."""
+"""The maximum distance from the place at the charger for charging, in metres."""
 
 
 class _Saved(msgspec.Struct):
@@ -62,13 +62,13 @@ class _Saved(msgspec.Struct):
 
 
 class Simulation:
-    """A building, its people, and a robot whose skills can be switched on and off.
+    """A building, its people, and a robot with skills that are switched on and off.
 
     Args:
         map: the building.
         catalogue: the robot's skills.
-        rng: what all chance is made of.
-        settings: what can be chosen.
+        rng: the source of all chance.
+        settings: the options of the run.
     """
 
     def __init__(
@@ -105,7 +105,7 @@ class Simulation:
         return self.state.ticks / round(1 / TICK)
 
     def tick(self) -> list[EventTold]:
-        """Let a tenth of a second pass; return what the robot tells of it, in order.
+        """Advance the time by a tick; return the robot's events, in order.
 
         A `bump` belongs to no activation.
         """
@@ -125,17 +125,17 @@ class Simulation:
         return [*told, EventTold("bump", (), ())] if bumped else told
 
     def push(self, x: float, y: float, seconds: float) -> None:
-        """Let somebody push the robot, whatever its motors do.
+        """Push the robot, whatever its motors do.
 
         Args:
-            x: how fast to the right, in metres a second.
-            y: how fast upwards.
-            seconds: for how long.
+            x: the speed to the right, in metres a second.
+            y: the speed upwards.
+            seconds: the duration.
         """
         self.state.push = Push(x, y, self.now + seconds)
 
     def sign_of(self, landmark: str, space: str) -> Sign:
-        """Return a landmark as it hangs in a space. Raises KeyError."""
+        """Return a landmark's tags in a space. Raises KeyError."""
         return self._signs[landmark, space]
 
     def save(self) -> bytes:
@@ -146,11 +146,12 @@ class Simulation:
         return msgspec.json.encode(saved)
 
     def restore(self, saved: bytes) -> None:
-        """Take up a state that `save` returned, in place of the present one.
+        """Restore a state that `save` returned.
 
         Raises:
-            ValueError: if it is none, or that of another map or other settings;
-                nothing has changed then.
+            ValueError: if the state is invalid, or from another map or other settings;
+            the
+                simulation is unchanged then.
         """
         with reading_state("a hallway"):
             read = msgspec.json.decode(saved, type=_Saved)
@@ -164,7 +165,7 @@ class Simulation:
         self._entrances.close(self.state)
 
     def _check(self, state: HallwayState) -> None:
-        """See that all places of a state are of this map. Raises ValueError."""
+        """Validate that all places of a state are on this map; raise ValueError."""
         spaces = {space.name for space in self.map.space}
         people, lift, mine = state.walkers, state.lift, self.state
         floors = {state.robot.floor, *(walker.floor for walker in people)}
@@ -230,7 +231,7 @@ class Simulation:
             people.walk(walker, self._around, here, rng, TICK)
 
     def shut(self) -> frozenset[str]:
-        """Return the doorways whose doors are closed now, the lift's among them."""
+        """Return the doorways with a closed door, the lift's included."""
         return self._entrances.shut(self.state)
 
     def _charge(self) -> None:

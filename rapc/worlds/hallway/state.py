@@ -1,4 +1,4 @@
-"""What can be chosen about a run in the hallway, and all that changes in one."""
+"""The options of a run in the hallway, and its complete changing state."""
 
 from __future__ import annotations
 
@@ -9,17 +9,17 @@ from rapc.worlds.hallway.robot import Robot, Wear
 
 
 class HallwaySettings(msgspec.Struct, frozen=True):
-    """What can be chosen about a run; times in seconds."""
+    """The options of a run; times in seconds."""
 
-    #: How long a door stays open on average; 0: for ever.
+    #: The average time that a door stays open; 0: for ever.
     doors: float = 120.0
-    #: How many of the map's people there are.
+    #: The number of the map's people in the run.
     people: int = 99
-    #: How often somebody else calls the lift; 0: never.
+    #: The average time between lift calls by other users; 0: no calls.
     lift: float = 90.0
-    #: How much dead reckoning drifts; 1 is usual.
+    #: The drift of dead reckoning; 1 is usual.
     drift: float = 1.0
-    #: How fast the battery is used up; 1 is usual, 0 never.
+    #: The use of the battery; 1 is usual, 0 none.
     usage: float = 1.0
 
 
@@ -28,39 +28,39 @@ class DoorState(msgspec.Struct):
 
     doorway: str
     closed: bool = False
-    #: When it is next opened or closed; None: never.
+    #: The time of the next change; None: never.
     changes: float | None = None
 
 
 class Lift(msgspec.Struct):
     """The cabin of the lift."""
 
-    #: Where it is, or was last.
+    #: The present or last floor.
     floor: int
-    #: Where it is going, and when it will be there; None: it stands open.
+    #: The destination and the time of arrival; None: the cabin stands open.
     towards: int | None = None
     arrives: float = 0.0
-    #: When it can be called by somebody else.
+    #: The time from which other users can call the lift.
     free_from: float = 0.0
-    #: When somebody else next wants it; None: never.
+    #: The time of the next call by another user; None: never.
     wanted: float | None = None
 
 
 class Collision(msgspec.Struct, frozen=True):
-    """The robot touched something."""
+    """A contact of the robot with an obstacle."""
 
     time: float
-    #: How fast they came together, in metres a second.
+    #: The relative speed at the contact, in metres a second.
     speed: float
-    #: Where the robot was.
+    #: The robot's position at the contact.
     x: float
     y: float
-    #: A `wall`, a `person`, or a `push` for what the robot could not help.
+    #: A `wall`, a `person`, or a `push` for a contact that the robot could not avoid.
     what: str
 
 
 class Push(msgspec.Struct):
-    """Somebody is pushing the robot, in metres a second."""
+    """A push of the robot, in metres a second."""
 
     x: float
     y: float
@@ -68,7 +68,7 @@ class Push(msgspec.Struct):
 
 
 class HallwayState(msgspec.Struct):
-    """All that changes, apart from skills and streams of chance."""
+    """The complete changing state, except skills and random streams."""
 
     robot: Robot
     wear: Wear
@@ -82,5 +82,5 @@ class HallwayState(msgspec.Struct):
     #: The floor to which the robot called the lift in the last tick.
     called: int | None = None
     collisions: list[Collision] = []
-    #: When something was said, and what.
+    #: Spoken words, each with its time.
     said: list[tuple[float, str]] = []

@@ -1,4 +1,4 @@
-"""The hallway as a world: what it offers, and the simulation behind it."""
+"""The hallway as a world: its offer, and the simulation behind the port."""
 
 from __future__ import annotations
 
@@ -51,17 +51,17 @@ FUNCTIONS: Callables = {f.__name__.replace("_", "-"): f for f in _OF_THE_PLANE}
 
 
 class Figures(msgspec.Struct, frozen=True):
-    """What was true so far, for experiments and tests, never for the robot."""
+    """Ground-truth figures for experiments and tests, hidden from the robot."""
 
-    #: The space and the floor that the robot is in, in truth.
+    #: The true space and floor of the robot.
     space: str
     floor: int
-    #: Driven, in metres.
+    #: The distance driven, in metres.
     distance: Number
-    #: Collisions the robot could help, and the fastest one's speed in metres a second.
+    #: Collisions that the robot could avoid, and the highest speed, in metres a second.
     collisions: int
     fastest: Number
-    #: How far dead reckoning is off, in metres.
+    #: The error of dead reckoning, in metres.
     drift: Number
     battery: Number
 
@@ -94,20 +94,20 @@ class HallwayWorld(SkillWorld):
         super().__init__(self.simulation.runtime)
 
     def facts(self) -> Iterable[Fact]:
-        """Return the map, as far as the robot has been told of it."""
+        """Return the facts of the map that the robot knows at the start."""
         return facts.map_facts(self._map)
 
     def tick(self) -> Iterable[EventTold]:
-        """Let a tenth of a second pass."""
+        """Advance the time by a tenth of a second."""
         return self.simulation.tick()
 
     def ended(self) -> str | None:
-        """Return why the run is over: an empty battery, nothing else."""
+        """The reason for the end of the run: an empty battery; None before."""
         left = self.simulation.state.robot.battery
         return "the battery is empty" if left <= 0 else None
 
     def figures(self) -> Figures:
-        """Return what was true so far."""
+        """Return the ground-truth figures."""
         state = self.simulation.state
         body, own = state.robot, [c for c in state.collisions if c.what != "push"]
         off = math.hypot(body.x - body.reckoned_x, body.y - body.reckoned_y)
@@ -119,11 +119,11 @@ class HallwayWorld(SkillWorld):
 
     @property
     def said(self) -> Sequence[tuple[float, str]]:
-        """Return what the robot has said so far: when, and the words."""
+        """Return the robot's spoken words so far, each with its time."""
         return tuple(self.simulation.state.said)
 
     def picture(self) -> Picture:
-        """Return the robot's floor as it is now, for `--show`."""
+        """Return the robot's floor in its present state, for `--show`."""
         return picture(self.simulation)
 
     def save_rest(self) -> bytes:
@@ -131,16 +131,16 @@ class HallwayWorld(SkillWorld):
         return self.simulation.save()
 
     def restore_rest(self, rest: bytes) -> None:
-        """Take up a saved simulation.
+        """Restore a saved simulation.
 
         Raises:
-            ValueError: if it is none, or one of a hallway with other options.
+            ValueError: if the data are invalid or from a hallway with other options.
         """
         self.simulation.restore(rest)
 
 
 def _read_map(given: Mapping[str, Atom | bool]) -> Map:
-    """Return the map that the options ask for, with the start they ask for."""
+    """Return the map of the options, with the start of the options."""
     text, seed, start = given["map"], given["random-map"], given["start"]
     if isinstance(seed, int) and seed >= 0:
         map = random_map(seed)
@@ -157,5 +157,5 @@ def _read_map(given: Mapping[str, Atom | bool]) -> Map:
 
 
 def _map_of(text: str) -> Map:
-    """Return the map of a name, or of a text, which no name looks like."""
+    """Return the map of a name, or of a TOML text; the two cannot be confused."""
     return read_map(text) if "=" in text or "\n" in text else named_map(text)

@@ -1,7 +1,7 @@
 """The skills of the hallway robot, by the names of [S 2] and [S 2.1].
 
-`avoiding` goes along a trajectory without bumping into anything; `halls`, `doorways`,
-`landmarks` and `moving` say where the trajectory leads; `passages` notices a doorway
-that lies behind the robot; `reporting` watches and tells, `services` speaks, charges
-and calls the lift; `sonar` is geometry they share. `all` is the whole catalogue.
+`avoiding` follows a trajectory around obstacles. `halls`, `doorways`, `landmarks` and
+`moving` choose the trajectory. `passages` recognises a doorway behind the robot.
+`reporting` watches and reports; `services` speaks, charges and calls the lift; `sonar`
+is shared geometry. `all` is the complete catalogue.
 """

@@ -1,4 +1,4 @@
-"""The catalogue of everything that the hallway robot can do."""
+"""The catalogue of the hallway robot's skills."""
 
 from __future__ import annotations
 

@@ -1,12 +1,12 @@
-"""Going along a trajectory without bumping into anything.
+"""Following a trajectory around obstacles.
 
 `follow-trajectory` looks along the wanted bearing for a free lane as wide as the robot
-and a margin. If there is none it tries bearings to the left and the right of it in turn
-and takes the first with a lane; for some seconds it keeps to the side that it took, so
-that it does not dither before a post. How fast it goes depends on how much is free
-straight ahead: it can always stop within that.
+and a margin. If the lane is blocked, the skill tries bearings to the left and the right
+in turn and takes the first free lane. For some seconds the skill keeps to that side, to
+avoid wavering before a post. The speed depends on the free way straight ahead: the
+robot can always stop within that way.
 
-    wanted:  0 degrees, something 0.6 m ahead
+    wanted:  0 degrees, an obstacle 0.6 m ahead
     tried:   10 left, 10 right (blocked), 20 left (blocked), 20 right: free, taken
 """
 
@@ -43,50 +43,49 @@ from rapc.worlds.skills.declarations import (
 )
 
 LOOK_AHEAD = 1.2
-"""How much of a lane has to be free, in metres from the robot's edge."""
+"""The free length that a lane needs, in metres from the robot's edge."""
 
 MARGINS = (0.12, 0.05)
-"""How much wider than the robot a lane is on each side, in metres; at best, at least.
-"""
+"""Margins of a lane on each side of the robot, in metres: preferred and minimum."""
 
 STEP = math.radians(10)
 
 WIDEST = 12
-"""How many steps aside a lane is looked for."""
+"""The maximum number of steps aside for a lane."""
 
 TIGHT_WIDEST = 6
-"""How many steps aside a lane of the lesser margin is looked for."""
+"""The maximum number of steps aside for a lane with the minimum margin."""
 
 TIGHT_COSTS = 1.5
-"""A lane of the lesser margin is as good as one so many steps farther aside."""
+"""The penalty of the minimum margin, in steps aside."""
 
 OTHER_SIDE_COSTS = 4
-"""While the robot keeps to a side, so is one on the other side."""
+"""The penalty of the other side while the robot keeps to a side, in steps aside."""
 
 KEEP_SIDE = 3.0
-"""For how long after a swerve the robot keeps to its side, in seconds."""
+"""The time that the robot keeps to its side after a swerve, in seconds."""
 
 
 NARROW = 0.03
-"""The margin in a doorway."""
+"""The margin in a doorway, in metres."""
 
 WAITING = 0.4
-"""How fast the robot grows tired of waiting in a doorway, where others want to pass."""
+"""The rate at which patience in a doorway is used up, where others want to pass."""
 
 BRAKING = 0.4
-"""How hard the robot means to brake, in metres a second, every second."""
+"""The planned deceleration, in metres a second, every second."""
 
 STOP_BEFORE = 0.1
-"""What is left free when it has stopped, in metres."""
+"""The distance left to an obstacle after braking, in metres."""
 
 TURNING = 2.5
-"""How fast it turns towards a bearing, per second."""
+"""The gain of turning towards a bearing, per second."""
 
 STUCK = 8.0
-"""Seconds without moving after which the robot is stuck."""
+"""Seconds without movement after which the robot is stuck."""
 
 CIRCLING = 15.0
-"""Seconds more for a robot that moves, but comes no nearer."""
+"""Additional seconds for a robot that moves without approaching its goal."""
 
 
 class Echoes(msgspec.Struct):
@@ -106,7 +105,7 @@ class DetectObstacles(Skill):
     state: Echoes
 
     def step(self, now: float, ports: Ports) -> None:
-        """Write the middle one of the last three readings of each sonar."""
+        """Write the median of the last three readings of each sonar."""
         new = ports[SONAR]
         last = self.state.last or new
         before = self.state.before or last
@@ -123,21 +122,21 @@ class Stuck(Event):
     inputs = (PROGRESS,)
 
     def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
-        """Whether it has come no nearer for some time."""
+        """Return an empty tuple after some time without progress, else None."""
         return () if ports[PROGRESS] >= STUCK else None
 
 
 class Following(msgspec.Struct):
-    """What `follow-trajectory` remembers."""
+    """The state of `follow-trajectory`."""
 
-    #: The side on which it last swerved, 1 left, -1 right, and when.
+    #: The side of the last swerve, 1 left, -1 right, and its time.
     side: int = 1
     swerved: float = -100.0
-    #: Where and when it last had moved on.
+    #: The position and time of the last progress.
     x: float | None = None
     y: float = 0.0
     moved: float = 0.0
-    #: The least that was left to go, and when.
+    #: The least remaining distance, and its time.
     left: float | None = None
     nearer: float = 0.0
 
@@ -177,7 +176,7 @@ class FollowTrajectory(Skill):
     def _choose(
         self, now: float, near: Sequence[Point], wanted: Trajectory
     ) -> float | None:
-        """The bearing to take; None if everything is blocked."""
+        """Return the bearing to take; None if everything is blocked."""
         left = math.inf if wanted.distance is None else wanted.distance
         need = min(LOOK_AHEAD, left + STOP_BEFORE)
         if wanted.narrow:
@@ -194,7 +193,7 @@ class FollowTrajectory(Skill):
         return None
 
     def _stalled(self, now: float, ports: Ports) -> float:
-        """For how long the robot has come no nearer, in seconds."""
+        """Return the seconds without progress of the robot."""
         state, pose, wanted = self.state, ports[POSE], ports[TRAJECTORY]
         far = state.x is None or math.hypot(pose.x - state.x, pose.y - state.y) > 0.25
         if far or wanted.turn:
@@ -210,7 +209,7 @@ class FollowTrajectory(Skill):
 
 @functools.cache
 def _swerves(keeps: bool) -> tuple[tuple[int, int, float], ...]:
-    """The lanes to be tried, best first: side (1 the last one), steps, margin."""
+    """Return the lanes to try, best first: side (1 the last side), steps, margin."""
     rated: list[tuple[float, int, int, float]] = []
     for step in range(1, WIDEST + 1):
         for side in (1, -1):
@@ -222,12 +221,12 @@ def _swerves(keeps: bool) -> tuple[tuple[int, int, float], ...]:
 
 
 def lane(near: Sequence[Point], bearing: float, half: float) -> float:
-    """Return how far a lane is free, from the robot's edge, in metres.
+    """Return the free length of a lane, from the robot's edge, in metres.
 
     Args:
-        near: where there is something.
-        bearing: of the lane.
-        half: half its width.
+        near: the points with echoes.
+        bearing: the bearing of the lane.
+        half: half the width of the lane.
     """
     cos, sin = math.cos(bearing), math.sin(bearing)
     free = SONAR_RANGE
@@ -246,7 +245,7 @@ class LimitSpeed(Skill):
     parameters = (Parameter("speed", "number", "m/s", low=0),)
 
     def step(self, now: float, ports: Ports) -> None:
-        """Say the limit."""
+        """Write the limit."""
         ports[SPEED_LIMIT] = float(self.arguments["speed"])
 
 
@@ -256,5 +255,5 @@ class LowestLimit(Arbiter):
     channel = SPEED_LIMIT
 
     def decide(self, values: list[float]) -> float:
-        """Return the lowest."""
+        """Return the lowest value."""
         return min(values)

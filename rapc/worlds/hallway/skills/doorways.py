@@ -1,21 +1,21 @@
 """Going through a doorway by sonar.
 
-The skill is told roughly where the doorway leads to. It squares that direction to the
-walls it sees, finds the wall ahead as the plane that most echoes share, and asks of
-every place along that wall whether beams end there or go on. Places are kept in bins of
-five centimetres across; each beam moves its bin towards *wall* or *open*, so a door
-that closes is soon believed. The gap is the run of open bins nearest to straight ahead,
-and its edges lie half-way between the last open place and the first with wall:
+The skill gets the rough heading of the doorway. It squares that heading to the walls in
+view, and finds the wall ahead as the plane that most echoes share. For every place
+along that wall, the skill records whether beams end there or go on. Places are kept in
+bins of five centimetres. Each beam moves its bin towards *wall* or *open*, so a closing
+door is noticed soon. The gap is the run of open bins nearest to straight ahead. Its
+edges lie half-way between the last open place and the first place with wall:
 
     wall wall  .  open open  .  open open  .   .  wall      (. unknown)
               ^----------- the gap -----------^
 
-At the end of a narrow hall no three echoes share a plane. After some looks one echo on
-each side of the way, equally far ahead, are taken for the edges of the wall.
+At the end of a narrow hall no three echoes share a plane. After some looks, an echo on
+each side of the way, equally far ahead, marks the edges of the wall.
 
-A robot that was stopped in the doorway has no such wall ahead. If it stands between two
-jambs (`jambs`) it goes on from there, and is through if it has a wall behind it then,
-which begins on both sides of the way.
+A robot that was stopped in the doorway has no such wall ahead. If the robot stands
+between two jambs (`jambs`), it goes on from there. The robot is through if a wall
+behind it begins on both sides of the way.
 """
 
 from __future__ import annotations
@@ -56,67 +56,67 @@ BINS = 60
 """Bins along the wall, as many to the left as to the right."""
 
 FACED = 0.12
-"""How well the robot has to face the doorway before it judges it, in radians."""
+"""The maximum error of the heading for judging the doorway, in radians."""
 
 LOOKS = 12
-"""Ticks for which it looks before it believes that a door is closed."""
+"""Ticks of looking before the skill takes the door as closed."""
 
 DEEPER = 0.3
-"""A beam that goes so much farther than the wall goes through it, in metres."""
+"""The minimum length of a beam beyond the wall that goes through it, in metres."""
 
 LEAST = 0.5
-"""A gap that is narrower is none, in metres."""
+"""The minimum width of a gap, in metres."""
 
 OFF = 0.8
-"""A gap may be so far to the side of straight ahead, in metres."""
+"""The maximum distance of a gap to the side of straight ahead, in metres."""
 
 BEYOND = 0.8
-"""How far past the wall's face the robot goes, in metres."""
+"""The way of the robot past the wall's face, in metres."""
 
 CLOSE = 0.4
-"""So near to the wall the gap is not looked for any more, in metres."""
+"""The distance from the wall below which the gap is not searched, in metres."""
 
 AHEAD = (0.6, 1.5)
-"""Before a wall that is so far away the robot stands in no doorway, in metres."""
+"""Distances of a wall ahead at which the robot stands before a doorway, in metres."""
 
 EDGE = (0.3, 1.2)
-"""How far to each side of straight ahead an edge of a doorway can be, in metres."""
+"""Distances of a doorway's edge to each side of straight ahead, in metres."""
 
 FLAT = 0.1
-"""Two edges of a doorway are equally far ahead, but for this, in metres."""
+"""The maximum difference of the distances to two edges of a doorway, in metres."""
 
 LINE_UP = 0.4
-"""How soon the robot is in line with the gap, in metres of way."""
+"""The way in which the robot lines up with the gap, in metres."""
 
 
 class Passage(msgspec.Struct):
-    """What `track-door-jambs` remembers."""
+    """The state of `track-door-jambs`."""
 
     votes: Votes = msgspec.field(default_factory=Votes)
     stage: str = "looking"
     #: Ticks spent looking.
     looks: int = 0
-    #: Where the robot stood when the skill came on, by dead reckoning. What follows is
-    #: measured from there: the heading is made better while the robot stands there, and
-    #: seen from far away each small turn of it would be a large step along the axis.
+    #: The robot's position by dead reckoning at the start of the skill. The following
+    #: fields are relative to it. The heading is refined while the robot stands there;
+    #: relative to a far origin, a small turn would be a large step along the axis.
     x: float | None = None
     y: float = 0.0
-    #: Squared to the walls; the axis of what follows.
+    #: The heading squared to the walls: the axis of the following fields.
     heading: float | None = None
-    #: How far the wall is along the axis.
+    #: The distance of the wall along the axis.
     wall: float | None = None
-    #: Where the robot stood across the axis when the bins were begun.
+    #: The robot's position across the axis at the start of the bins.
     origin: float = 0.0
-    #: 1 where beams go through, -1 where they end; 0 where none went.
+    #: Per bin: 1 where beams go through, -1 where beams end, 0 without a beam.
     bins: list[float] = msgspec.field(default_factory=lambda: [0.0] * (2 * BINS))
     #: The middle of the gap across the axis.
     middle: float | None = None
-    #: For each tick of looking in which the robot found itself between jambs: how far
-    #: along and across the axis the middle between them is, and how far apart they are.
+    #: For each tick of looking with the robot between jambs: the position of the middle
+    #: along and across the axis, and the distance between the jambs.
     jambs: list[tuple[float, float, float]] = []
-    #: How far apart the jambs are between which it found itself.
+    #: The distance between the jambs around the robot.
     wide: float = 0.0
-    #: What was heard on the way from there, oldest first.
+    #: The rings of echoes on the way from there, oldest first.
     rings: list[Ring] = []
 
 
@@ -127,7 +127,7 @@ class ThroughDoorway(Event):
     inputs = (GAP,)
 
     def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
-        """Whether it is on the other side."""
+        """Return an empty tuple if the robot is on the other side, else None."""
         return () if ports[GAP] == "through" else None
 
 
@@ -138,7 +138,7 @@ class DoorClosed(Event):
     inputs = (GAP,)
 
     def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
-        """Whether no gap could be found."""
+        """Return an empty tuple if no gap was found, else None."""
         return () if ports[GAP] == "closed" else None
 
 
@@ -154,7 +154,7 @@ class TrackDoorJambs(Skill):
     state: Passage
 
     def step(self, now: float, ports: Ports) -> None:
-        """Look at the wall ahead, and say where the way leads."""
+        """Look at the wall ahead, and write the trajectory."""
         state, pose, ranges = self.state, ports[POSE], ports[SONAR]
         if state.x is None:
             state.x, state.y = pose.x, pose.y
@@ -180,7 +180,7 @@ class TrackDoorJambs(Skill):
     def _lead(
         self, pose: Pose, along: float, across: float, bearing: float
     ) -> Trajectory:
-        """Return where to go: face the wall, line up with the gap, go through, stop."""
+        """Return the way: face the wall, line up with the gap, go through, stop."""
         state = self.state
         led = state.stage in {"going", "between"}
         if not led or state.wall is None or state.middle is None:
@@ -197,7 +197,7 @@ class TrackDoorJambs(Skill):
         along: float,
         across: float,
     ) -> None:
-        """Find the wall, and put into the bins what the beams say of it."""
+        """Find the wall, and enter the beams into the bins."""
         state = self.state
         wall = _plane(echoes)
         state.looks += 1
@@ -224,11 +224,11 @@ class TrackDoorJambs(Skill):
                     state.bins[number] = 0.6 * old + (0.4 if opens else -0.4)
 
     def _far(self, along: float) -> bool:
-        """Whether the wall is far enough away to look for the gap in it."""
+        """Return whether the wall is far enough away for a search of its gap."""
         return self.state.wall is not None and self.state.wall - along > CLOSE
 
     def _judge(self, along: float) -> None:
-        """Whether there is a gap, or the door is closed, or the robot is through."""
+        """Set the stage: gap found, door closed, or robot through."""
         state = self.state
         if state.stage == "looking" and self._between():
             return
@@ -248,14 +248,14 @@ class TrackDoorJambs(Skill):
             state.stage = "closed"
 
     def _look_aside(self, echoes: Sequence[Point], along: float, across: float) -> None:
-        """Note the jambs if there is one on both sides."""
+        """Note the jambs if both sides have one."""
         found = between_jambs(echoes)
         if found is not None:
             ahead, aside, wide = found
             self.state.jambs.append((along + ahead, across + aside, wide))
 
     def _between(self) -> bool:
-        """Go on from between the jambs if most looks were; return whether it does."""
+        """Go on from between the jambs if most looks found jambs; return whether."""
         state = self.state
         if state.looks < LOOKS // 2 or 2 * len(state.jambs) <= state.looks:
             return False
@@ -266,13 +266,13 @@ class TrackDoorJambs(Skill):
         return True
 
     def _hear(self, pose: Pose, ranges: Sequence[float]) -> None:
-        """Keep what is heard on the way from between the jambs."""
+        """Keep the echoes on the way from between the jambs."""
         vote(self.state.votes, ranges, pose)
         self.state.rings.append(Ring(pose, tuple([round(r, 3) for r in ranges])))
         del self.state.rings[:-KEPT]
 
     def _look_back(self, along: float, heading: float) -> None:
-        """Judge whether there is a wall behind, once the robot has gone so far."""
+        """Judge, after some way, whether a wall lies behind the robot."""
         state = self.state
         assert state.x is not None
         assert state.wall is not None
@@ -287,7 +287,7 @@ class TrackDoorJambs(Skill):
 
 
 def _plane(echoes: Sequence[Point]) -> float | None:
-    """Return how far ahead most echoes lie in one plane; None if no three do."""
+    """Return the distance of the plane with most echoes; None for fewer than three."""
     ahead = sorted(x for x, y in echoes if 0.3 < x < 2.5 and abs(y) < 1.6)
     best, found = 2, None
     for x in ahead:
@@ -298,9 +298,9 @@ def _plane(echoes: Sequence[Point]) -> float | None:
 
 
 def _edges(echoes: Sequence[Point]) -> float | None:
-    """Return how far ahead a wall is that has room for one echo on each side of a gap.
+    """Return the distance of a wall with room for an echo on each side of a gap.
 
-    At the end of a narrow hall there may be too little wall for a plane.
+    The end of a narrow hall may have too little wall for a plane.
     """
     low, high = EDGE
     near = [(x, y) for x, y in echoes if 0.3 < x < 2.5 and low < abs(y) < high]
@@ -314,12 +314,12 @@ def _edges(echoes: Sequence[Point]) -> float | None:
 
 
 def _is_before(wall: float | None) -> bool:
-    """Whether the robot stands before a wall ahead, too far from it to be in it."""
+    """Return whether the wall is so far ahead that the robot is not in a doorway."""
     return wall is not None and AHEAD[0] < wall < AHEAD[1]
 
 
 def _gap(bins: Sequence[float]) -> float | None:
-    """The middle of the gap nearest to the middle of the bins, in metres from it."""
+    """Return the middle of the gap nearest to the middle of the bins, in metres."""
     opened = [number for number, value in enumerate(bins) if value > 0]
     best: float | None = None
     for start in opened:
@@ -342,7 +342,7 @@ def _gap(bins: Sequence[float]) -> float | None:
 
 
 def _before(bins: Sequence[float], start: int) -> Sequence[float]:
-    """The bins between an open one and the open one before it."""
+    """Return the bins between an open bin and the preceding open bin."""
     for number in range(start - 1, -1, -1):
         if bins[number] > 0:
             return bins[number + 1 : start]
@@ -350,7 +350,7 @@ def _before(bins: Sequence[float], start: int) -> Sequence[float]:
 
 
 def _edge(bins: Sequence[float], last: int, step: int) -> float:
-    """Return where a gap ends, in bins, beyond its last open bin."""
+    """Return the end of a gap, in bins, beyond its last open bin."""
     number = last + step
     while 0 <= number < len(bins) and bins[number] == 0 and abs(number - last) < 8:
         number += step

@@ -31,34 +31,34 @@ from rapc.worlds.hallway.skills.sonar import (
 from rapc.worlds.skills.declarations import Event, Ports, Skill
 
 SPEED = 0.5
-"""In a hallway, unless there is a limit, in metres a second."""
+"""The speed in a hallway without a limit, in metres a second."""
 
 BESIDE = 1.2
-"""Walls are looked for this far ahead and back, in metres."""
+"""The length of the walls used for measuring, ahead and back, in metres."""
 
 WIDEST = 3.0
-"""The middle of something wider is not looked for."""
+"""The maximum width of a hallway, in metres."""
 
 END = 1.0
-"""How near the wall at the end has to be, in metres."""
+"""The maximum distance of the wall at the end, in metres."""
 
 SURE = 4
-"""Ticks for which the end has to be seen."""
+"""Ticks in which the end must be seen."""
 
 FIRST = 20
-"""Ticks after which the walls are where they were measured."""
+"""Ticks after which the measured walls count as reliable."""
 
 ELSEWHERE = 0.4
-"""The middle between other walls is so far away at least, in metres."""
+"""The minimum distance to the middle between other walls, in metres."""
 
 BLOCKED = 6.0
-"""Seconds without moving after which a hallway is blocked."""
+"""Seconds without movement after which a hallway is blocked."""
 
 BODY = 0.15
-"""Nearer to the wall than this the robot's middle is in a doorway, in metres."""
+"""The distance to the wall below which the robot is in a doorway, in metres."""
 
 OUTSIDE = 20.0
-"""Seconds outside of the hallway after which it is blocked: there is no way back."""
+"""Seconds outside of the hallway after which the hallway is blocked."""
 
 
 class EndOfHall(Event):
@@ -68,7 +68,7 @@ class EndOfHall(Event):
     inputs = (HALL,)
 
     def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
-        """Whether the end is in sight."""
+        """Return an empty tuple if the end is in sight, else None."""
         return () if ports[HALL].ends else None
 
 
@@ -79,14 +79,14 @@ class HallBlocked(Event):
     inputs = (HALL, PROGRESS)
 
     def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
-        """Whether the robot does not get on, and not for the hallway's end."""
+        """Return an empty tuple if stuck before the hallway's end, else None."""
         hall = ports[HALL]
         stuck = ports[PROGRESS] >= BLOCKED or hall.outside >= OUTSIDE
         return () if stuck and not hall.ends else None
 
 
 class Tracking(msgspec.Struct):
-    """What `track-hallway` remembers."""
+    """The state of `track-hallway`."""
 
     votes: Votes = msgspec.field(default_factory=Votes)
     #: The hallway's heading in the frame of dead reckoning.
@@ -96,13 +96,13 @@ class Tracking(msgspec.Struct):
     #: The middle of the hallway beside the robot; None before the first tick.
     x: float | None = None
     y: float = 0.0
-    #: From there to the walls.
+    #: The distances from the middle to the walls.
     half: float = 1.0
-    #: How often the walls have been measured.
+    #: The number of measurements of the walls.
     looks: int = 0
-    #: When the robot was last between the walls of the hallway.
+    #: The time when the robot was last between the walls of the hallway.
     within: float | None = None
-    #: For how many ticks an end has been seen.
+    #: The number of ticks with the end in view.
     ends: int = 0
 
 
@@ -121,7 +121,7 @@ class TrackHallway(Skill):
     state: Tracking
 
     def step(self, now: float, ports: Ports) -> None:
-        """Look at the walls, and say where the middle leads."""
+        """Measure the walls, and write the trajectory along the middle."""
         state, pose, ranges = self.state, ports[POSE], ports[SONAR]
         vote(state.votes, ranges, pose)
         before = pose.heading if state.heading is None else state.heading
@@ -141,7 +141,7 @@ class TrackHallway(Skill):
         ports[TRAJECTORY] = Trajectory(ahead, SPEED)
 
     def _measure(self, echoes: Sequence[Point]) -> None:
-        """Take the distances to the walls on both sides; doorways are deeper."""
+        """Measure the distances to the walls on both sides; doorways are deeper."""
         beside = [y for x, y in echoes if abs(x) < BESIDE]
         left = [y for y in beside if 0.2 < y < WIDEST]
         right = [-y for y in beside if 0.2 < -y < WIDEST]
@@ -151,10 +151,11 @@ class TrackHallway(Skill):
             self.state.right = median(right)
 
     def _offset(self, pose: Pose, heading: float) -> float:
-        """Return how far the robot is to the left of the middle of the hallway.
+        """Return the robot's offset to the left of the middle of the hallway.
 
-        By the walls on both sides; by dead reckoning while these lie elsewhere than
-        before, as in a room into which the robot swerved.
+        The offset comes from the walls on both sides. While the walls differ from the
+        known walls, as in a room into which the robot swerved, it comes from dead
+        reckoning.
         """
         state = self.state
         offset, width = (state.right - state.left) / 2, state.left + state.right
@@ -171,7 +172,7 @@ class TrackHallway(Skill):
         return offset
 
     def _ends(self, echoes: Sequence[Point]) -> bool:
-        """Whether there is wall ahead on both sides of the middle, equally far."""
+        """Return whether walls on both sides of the middle are equally far ahead."""
         edge_left, edge_right = self.state.left - 0.12, self.state.right - 0.12
         left = [x for x, y in echoes if 0.3 < x < END and 0.4 < y < edge_left]
         right = [x for x, y in echoes if 0.3 < x < END and 0.4 < -y < edge_right]

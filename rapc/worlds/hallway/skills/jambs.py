@@ -1,7 +1,7 @@
-"""Telling by one ring of sonars that the robot stands between the jambs of a doorway.
+"""Recognising by one ring of sonars a robot between the jambs of a doorway.
 
-A doorway is a gap in a wall, so a robot in it has something near on both sides, and
-only there: beams that cross the line of a jamb a little before it or behind it go on
+A doorway is a gap in a wall. So a robot in a doorway has a near echo on both sides, and
+only there: beams that cross the line of a jamb a little before or behind the jamb go on
 into one of the two spaces.
 
       .      |wall|      .       beams beside the jamb end deep in a space
@@ -10,7 +10,7 @@ into one of the two spaces.
        .'    +----+    `.
       '      |wall|      `
 
-Who stands farther from the wall finds its face by other means (`doorways`).
+Not here: a robot farther from the wall, see `doorways`.
 """
 
 from __future__ import annotations
@@ -20,34 +20,34 @@ from collections.abc import Iterable, Sequence
 from rapc.worlds.hallway.skills.sonar import Point
 
 WIDTH = (0.55, 1.35)
-"""How wide a doorway can be, in metres."""
+"""The minimum and maximum width of a doorway, in metres."""
 
 REACH = 0.5
-"""A jamb has an echo no farther ahead of the robot's middle or behind it, in metres."""
+"""The maximum distance of a jamb's echo ahead of or behind the middle, in metres."""
 
 SHORT = 1.1
-"""From that echo a jamb ends within this, both ahead and behind, in metres."""
+"""The maximum length of a jamb from that echo, ahead and behind, in metres."""
 
 DEEP = 0.3
-"""A beam that ends so far behind the line of a jamb has not met it, in metres."""
+"""The distance behind the line of a jamb at which a beam missed the jamb, in metres."""
 
 FREE = 1.3
-"""Nothing is on the way for so long, in metres,"""
+"""The length of the way that must be free, in metres."""
 
 BROAD = 0.2
-"""so far to both sides of the robot's middle."""
+"""The width of the free way to each side of the robot's middle, in metres."""
 
 
 def between_jambs(echoes: Sequence[Point]) -> tuple[float, float, float] | None:
     """Return the middle between the two jambs beside the robot.
 
     Args:
-        echoes: what the sonars heard, the robot's middle at (0, 0), x along the way
+        echoes: the echoes of the sonars, the robot's middle at (0, 0), x along the way
             through the doorway.
 
     Returns:
-        How far ahead and how far to the left it is, and how far apart the jambs are, in
-        metres; None if the robot stands in no doorway, or something is on the way.
+        The position of the middle, ahead and to the left, and the distance between the
+        jambs, in metres; None if the robot is in no doorway, or the way is not free.
     """
     if any(0 < x < FREE and abs(y) < BROAD for x, y in echoes):
         return None
@@ -62,7 +62,7 @@ def between_jambs(echoes: Sequence[Point]) -> tuple[float, float, float] | None:
 
 
 def _jamb(echoes: Iterable[Point]) -> Point | None:
-    """Return the echo of a jamb on the left: what is nearest there, if it is short."""
+    """Return the echo of a jamb on the left: the nearest echo, if the jamb is short."""
     aside = [(x, y) for x, y in echoes if y > 0]
     beside = [echo for echo in aside if abs(echo[0]) < REACH]
     if not beside:

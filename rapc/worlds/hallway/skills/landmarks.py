@@ -1,4 +1,4 @@
-"""Landmarks by laser: watching for them, and going to them.
+"""Landmarks by laser: watching for a landmark, and going to it.
 
 The laser gives the bearings of the two tags of a landmark, nothing else. With the angle
 between them, a rough knowledge of how far they are apart, and the way they are turned,
@@ -58,21 +58,21 @@ LOST = 6.0
 """Seconds out of sight after which a landmark is lost."""
 
 LEARNING = 0.15
-"""How much of each new place is believed."""
+"""The weight of each new place in the estimate."""
 
 OPEN = 0.4
-"""A wall that is farther away by so much is another one, in metres."""
+"""The distance beyond an expected wall at which an echo shows an opening, in metres."""
 
 BESIDE = (0.2, 2.0)
-"""Distance of an echo of the wall beside a doorway from the plane of that wall and,
-along the wall, from the robot, in metres, at most.
+"""The maximum distance of an echo of the wall beside a doorway: from the plane of the
+wall and, along the wall, from the robot, in metres.
 """
 
 AT = 0.12
-"""How near to its place before the landmark the robot stops, in metres."""
+"""The maximum distance from the place before the landmark, in metres."""
 
 FITS = 0.15
-"""A tag is seen where it should be if its bearing is off by less, in radians."""
+"""The maximum error of a tag's bearing, in radians."""
 
 MARK = (
     Parameter("mark", "symbol", "", "what the landmark is called"),
@@ -89,9 +89,9 @@ SIGHT = (
 
 
 class InView(msgspec.Struct):
-    """What `watch-for-landmark` remembers."""
+    """The state of `watch-for-landmark`."""
 
-    #: Ticks for which both tags have been in view.
+    #: Ticks with both tags in view.
     ticks: int = 0
 
 
@@ -103,7 +103,7 @@ class LandmarkVisible(Event):
     carries = SIGHT
 
     def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
-        """Whether both tags are seen, and roughly where."""
+        """Return the rough place of the landmark if both tags are seen, else None."""
         seen = ports.get(SIGHTING)
         if seen is None:
             return None
@@ -138,27 +138,27 @@ class LandmarkLost(Event):
     inputs = (FIX,)
 
     def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
-        """Whether it was last seen too long ago."""
+        """Return an empty tuple if the last sighting is too old, else None."""
         return () if ports[FIX].age > LOST else None
 
 
 class Guess(msgspec.Struct):
-    """A landmark, if it is turned in a certain direction."""
+    """A landmark under the assumption of one of its possible directions."""
 
     normal: float
     x: float
     y: float
-    #: How far the places lay from each other of late, and out of the laser's reach,
-    #: in metres.
+    #: The recent spread of the places, and their distance beyond the laser's reach, in
+    #: metres.
     wander: float = 0.0
 
 
 class Tracked(msgspec.Struct):
-    """What `track-landmark` remembers."""
+    """The state of `track-landmark`."""
 
     votes: Votes = msgspec.field(default_factory=Votes)
     guesses: list[Guess] = msgspec.field(default_factory=list)
-    #: When it was last seen; None before the first tick.
+    #: The time of the last sighting; None before the first tick.
     seen: float | None = None
 
 
@@ -174,7 +174,7 @@ class TrackLandmark(Skill):
     state: Tracked
 
     def step(self, now: float, ports: Ports) -> None:
-        """Take in what the laser sees of the landmark."""
+        """Update the estimate from the laser's view of the landmark."""
         state, pose = self.state, ports[POSE]
         vote(state.votes, ports[SONAR], pose)
         state.seen = now if state.seen is None else state.seen
@@ -200,7 +200,7 @@ class TrackLandmark(Skill):
         half: float,
         ranges: Sequence[float],
     ) -> None:
-        """Let both guesses have the place that they imply."""
+        """Update both guesses with the implied places."""
         left, right = pair
         sight = pose.heading + between(left, right)
         facing = sight + math.pi
@@ -225,7 +225,7 @@ class TrackLandmark(Skill):
             self._improve(guess, places)
 
     def _improve(self, guess: Guess, places: Sequence[Guess]) -> None:
-        """Move a guess towards the place that is turned as it is."""
+        """Move a guess towards the place with the same direction."""
         off, new = min(
             (abs(math.remainder(p.normal - guess.normal, 2 * math.pi)), n, p)
             for n, p in enumerate(places)
@@ -242,9 +242,9 @@ class TrackLandmark(Skill):
 
 
 class LandmarkApproach(msgspec.Struct):
-    """What `approach-landmark` remembers."""
+    """The state of `approach-landmark`."""
 
-    #: Whether the robot is in its place and only turns.
+    #: Whether the robot is at its place and only turns.
     turning: bool = False
     done: bool = False
 
@@ -261,7 +261,7 @@ class AtLandmark(Event):
     )
 
     def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
-        """Whether it has arrived, and where that is."""
+        """Return the landmark's pose if the robot has arrived, else None."""
         pose = ports[POSE]
         here = round(pose.x, 2), round(pose.y, 2), round(pose.heading, 3)
         return here if ports[TRAVEL] else None
@@ -279,7 +279,7 @@ class ApproachLandmark(Skill):
     state: LandmarkApproach
 
     def step(self, now: float, ports: Ports) -> None:
-        """Say where the place is; wait while the landmark has not been seen."""
+        """Write the trajectory to the place; wait until the landmark has been seen."""
         state, fix, pose = self.state, ports[FIX], ports[POSE]
         ports[TRAVEL] = False
         if not fix.known:
@@ -300,9 +300,9 @@ class ApproachLandmark(Skill):
 
 
 def open_to(ranges: Sequence[float], bearing: float, wall: float) -> bool:
-    """Return whether there is plainly no wall square to a bearing, so far ahead.
+    """Return whether no wall is square to a bearing at this distance.
 
-    A gap in that wall is a doorway: there is wall on one side of it at least.
+    A gap in that wall is a doorway: there is wall on at least one side of it.
     """
     middle = round(bearing / (2 * math.pi) * SONARS)
     near = min(ranges[(middle + off) % SONARS] for off in (-1, 0, 1))
@@ -313,7 +313,7 @@ def open_to(ranges: Sequence[float], bearing: float, wall: float) -> bool:
 
 
 def _fits(guess: Guess, half: float, pair: tuple[Tag, Tag], pose: Pose) -> bool:
-    """Return whether both tags are seen where a guess has them."""
+    """Return whether both tags are seen at the bearings that a guess predicts."""
     aside_x, aside_y = math.sin(guess.normal) * half, -math.cos(guess.normal) * half
     for tag, side in zip(pair, (1, -1), strict=True):
         x, y = guess.x + side * aside_x - pose.x, guess.y + side * aside_y - pose.y
@@ -331,19 +331,19 @@ def both(tags: Sequence[Tag], arguments: Mapping[str, Any]) -> tuple[Tag, Tag] |
 
 
 def sighting(left: Tag, right: Tag, apart: float) -> Sighting:
-    """Return where a landmark is if its tags are not turned away."""
+    """Return the place of a landmark whose tags are not turned away."""
     angle = math.remainder(left.bearing - right.bearing, 2 * math.pi)
     far = min(LASER_RANGE, distance(angle, apart / 2, 1.0))
     return Sighting(far, between(left, right))
 
 
 def distance(angle: float, half: float, cos: float) -> float:
-    """Return how far away two tags are.
+    """Return the distance of two tags.
 
     Args:
-        angle: under which they are seen.
-        half: half of what they are apart.
-        cos: the cosine of the angle by which they are turned away.
+        angle: the angle between the two bearings.
+        half: half the distance between the tags.
+        cos: the cosine of the angle by which the tags are turned away.
     """
     angle = max(0.01, min(angle, math.pi - 0.01))
     along, sin = cos * math.cos(angle), math.sin(angle)

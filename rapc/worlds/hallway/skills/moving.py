@@ -20,13 +20,13 @@ from rapc.worlds.hallway.skills.sonar import bearing_of
 from rapc.worlds.skills.declarations import Event, Parameter, Ports, Skill
 
 ARRIVED = 0.3
-"""How near to its end a movement is complete, in metres."""
+"""The distance from its end at which a movement is complete, in metres."""
 
 FACING = 0.05
-"""How near to its bearing a turn is complete, in radians."""
+"""The angle from its bearing at which a turn is complete, in radians."""
 
 HALTED = 2.0
-"""Seconds without coming on after which something stands behind the robot."""
+"""Seconds without progress after which an obstacle is behind the robot."""
 
 DIRECTION = Parameter(
     "direction", "number", "rad", "a heading in the frame of dead reckoning"
@@ -41,12 +41,12 @@ class MovementComplete(Event):
     inputs = (TRAVEL,)
 
     def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
-        """Whether nothing is left to go."""
+        """Return an empty tuple if the movement has ended, else None."""
         return () if ports[TRAVEL] else None
 
 
 class Start(msgspec.Struct):
-    """Where a movement began."""
+    """The start of a movement."""
 
     x: float | None = None
     y: float = 0.0
@@ -64,7 +64,7 @@ class SteerInDirection(Skill):
     state: Start
 
     def step(self, now: float, ports: Ports) -> None:
-        """Say where the point is, or that the robot is there or beyond."""
+        """Write the trajectory to the point; its distance is 0 at or past the point."""
         pose, state, wanted = ports[POSE], self.state, self.arguments
         if state.x is None:
             state.x, state.y = pose.x, pose.y
@@ -89,7 +89,7 @@ class FaceDirection(Skill):
     events = (MovementComplete,)
 
     def step(self, now: float, ports: Ports) -> None:
-        """Say how far there is to turn."""
+        """Write the angle left to turn."""
         bearing = bearing_of(self.arguments["direction"], ports[POSE])
         ports[TRAVEL] = abs(bearing) < FACING
         ports[TRAJECTORY] = Trajectory(bearing, 0.0, turn=True)
@@ -102,14 +102,14 @@ class Halted(Event):
     inputs = (PROGRESS,)
 
     def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
-        """Whether it has been standing for some time."""
+        """Return an empty tuple if the robot stands for some time, else None."""
         return () if ports[PROGRESS] >= HALTED else None
 
 
 class Backing(Start):
-    """What `back-off` remembers."""
+    """The state of `back-off`."""
 
-    #: How far it had come when it last came on, and when that was.
+    #: The distance and time of the last progress.
     far: float = 0.0
     moved: float | None = None
 
@@ -127,7 +127,7 @@ class BackOff(Skill):
     state: Backing
 
     def step(self, now: float, ports: Ports) -> None:
-        """Drive until the distance has been made."""
+        """Drive until the distance is complete."""
         pose, state = ports[POSE], self.state
         if state.x is None:
             state.x, state.y = pose.x, pose.y

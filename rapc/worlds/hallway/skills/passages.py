@@ -1,18 +1,17 @@
-"""Noticing by sonar that the robot has come through a doorway, wherever it meant to go.
+"""Recognising by sonar a doorway that the robot has passed, on any route.
 
-A narrow place is one where something is near on two sides. A person beside a box makes
-one, too; so a narrow place is judged from behind, by what was heard before and behind
-it. A doorway is a gap in a wall: on both sides of the way the echoes lie in one plane
-across it, unbroken from the edge of the gap for longer than a person or a post is wide,
-and no beam has gone through the plane there.
+A narrow place has near echoes on two sides. A person beside a box makes a narrow place,
+too; so the skill judges a narrow place from behind, by the echoes before and behind it.
+A doorway is a gap in a wall. On both sides of the way the echoes lie in one plane
+across the way, unbroken from the edge of the gap for longer than a person or a post is
+wide. No beam has gone through the plane there.
 
     wall wall wall ...|        |... wall wall wall     echoes near one plane
                    one     the other
                   edge     edge
 
-Echoes are kept with the place from which they were heard, in the frame of dead
-reckoning: over the few metres of way that they cover, that drifts by less than they are
-noisy.
+Each ring of echoes is kept with its position in the frame of dead reckoning. Over a few
+metres of way the drift is smaller than the noise of the echoes.
 """
 
 from __future__ import annotations
@@ -29,63 +28,63 @@ from rapc.worlds.hallway.skills.sonar import Point, Votes, turned_by, vote
 from rapc.worlds.skills.declarations import Event, Parameter, Ports, Skill
 
 KEPT = 50
-"""So many rings of echoes are kept."""
+"""The number of rings of echoes kept."""
 
 APART = 0.05
-"""A ring is kept when the robot has gone on so far, in metres,"""
+"""The way after which a ring is kept, in metres."""
 
 TURNED = 0.3
-"""or has turned so far, in radians."""
+"""The turn after which a ring is kept, in radians."""
 
 TIGHT = WIDTH[1] + 0.05
-"""At a narrow place the two nearest things leave no more than this, in metres."""
+"""The maximum distance between the two nearest points at a narrow place, in metres."""
 
 OPPOSITE = range(9, 16)
-"""Sonars that look more or less the other way, counted from one of them."""
+"""Sonars that look roughly in the opposite direction, counted from a sonar."""
 
 PAST = 0.75
-"""So far behind a narrow place the robot looks back at it, in metres."""
+"""The distance behind a narrow place at which the robot looks back, in metres."""
 
 BEFORE, BEHIND = 0.25, 0.35
-"""So far across the plane it has come from and gone to at least, in metres."""
+"""The minimum distances across the plane, before and behind, in metres."""
 
 BIN = 0.05
-"""The size of pieces of a plane, in metres."""
+"""The size of a bin of a plane, in metres."""
 
 FLAT = 0.05
-"""Echoes of one wall lie so near to its plane, in metres."""
+"""The maximum distance of a wall's echoes from its plane, in metres."""
 
 THROUGH = 0.15
-"""A beam that ends farther than this from the plane has gone through it, in metres."""
+"""The distance beyond the plane at which a beam has gone through, in metres."""
 
 AWAY = 9
-"""The plane is so many bins from the narrow place at most."""
+"""The maximum distance of the plane from the narrow place, in bins."""
 
 SIDE = (0.15, 1.3)
-"""How far to the side its echoes are looked for, in metres."""
+"""The range to the side in which the wall's echoes are searched, in metres."""
 
 RUN = 8
-"""From the edge of the gap on a wall runs on for so many bins at least."""
+"""The minimum length of the wall from the edge of the gap, in bins."""
 
 PIECES = 5
-"""So many bins of a run have echoes at least, of a dozen beginning with the edge."""
+"""The minimum number of bins with echoes, of the first dozen from the edge."""
 
 NEARLY = 0.25
-"""From wall to wall it is as far as between the jambs, but for this, in metres."""
+"""The maximum difference between the widths of wall gap and jambs, in metres."""
 
 PLANES = 6
-"""So many planes are tried, those with most bins first."""
+"""The number of planes tried, planes with most bins first."""
 
 
 class Ring(msgspec.Struct, frozen=True, array_like=True):
-    """What all sonars measured from one place, to the millimetre."""
+    """The readings of all sonars at a position, to the millimetre."""
 
     pose: Pose
     ranges: tuple[float, ...]
 
 
 class Trail(msgspec.Struct):
-    """What `detect-doorway` remembers."""
+    """The state of `detect-doorway`."""
 
     votes: Votes = msgspec.field(default_factory=Votes)
     #: The last rings, oldest first.
@@ -106,7 +105,7 @@ class PassedDoorway(Event):
     )
 
     def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
-        """Whether there is a doorway close behind the robot."""
+        """Return a gap's pose if a doorway is close behind the robot, else None."""
         gap = ports.get(PASSED)
         if gap is None:
             return None
@@ -124,7 +123,7 @@ class DetectDoorway(Skill):
     state: Trail
 
     def step(self, now: float, ports: Ports) -> None:
-        """Keep what is heard, and judge the narrow places left behind."""
+        """Keep the echoes, and judge the narrow places behind the robot."""
         state, pose, ranges = self.state, ports[POSE], ports[SONAR]
         vote(state.votes, ranges, pose)
         if state.rings and not _moved(state.rings[-1].pose, pose):
@@ -141,19 +140,19 @@ class DetectDoorway(Skill):
 
 
 def is_narrow(ranges: Sequence[float]) -> bool:
-    """Return whether there is something near on two sides that are opposite."""
+    """Return whether two opposite sides have near echoes."""
     near = min(ranges)
     first = ranges.index(near)
     return near + min(ranges[(first + n) % SONARS] for n in OPPOSITE) < TIGHT
 
 
 def find_gap(rings: Sequence[Ring], place: Point, votes: Votes) -> Pose | None:
-    """Return the middle of the gap that the robot came through, and which way.
+    """Return the middle and heading of the gap that the robot passed.
 
     Args:
-        rings: what was heard, oldest first; the robot is where the last one was.
+        rings: the rings of echoes, oldest first; the robot is at the last position.
         place: the narrow place, in the frame of dead reckoning.
-        votes: on how the walls run.
+        votes: the votes on the direction of the walls.
     """
     axis = math.atan2(votes.sin, votes.cos) / 4
     for quarter in range(4):
@@ -174,7 +173,7 @@ def find_gap(rings: Sequence[Ring], place: Point, votes: Votes) -> Pose | None:
 
 
 Beam = tuple[float, float, float, float]
-"""From where to where: each along and across the way through a narrow place."""
+"""A beam's start and end, each along and across the way through a narrow place."""
 
 
 def _beams(rings: Sequence[Ring], place: Point, heading: float) -> Iterator[Beam]:
@@ -188,13 +187,13 @@ def _beams(rings: Sequence[Ring], place: Point, heading: float) -> Iterator[Beam
 
 
 def is_walled(rings: Sequence[Ring], place: Point, heading: float, wide: float) -> bool:
-    """Return whether one wall begins on both sides of where the robot came through.
+    """Return whether a wall begins on both sides of the robot's way.
 
     Args:
-        rings: what was heard on the way on from there.
+        rings: the echoes on the way from the place.
         place: the middle between two jambs, in the frame of dead reckoning.
-        heading: along the way.
-        wide: how far it is from one jamb to the other, in metres.
+        heading: the heading of the way.
+        wide: the distance between the jambs, in metres.
     """
     beams = list(_beams(rings, place, heading))
     for plane in range(-AWAY, AWAY + 1):
@@ -237,9 +236,9 @@ def _planes(beams: Sequence[Beam]) -> list[int]:
 def _votes(
     beams: Sequence[Beam], plane: float
 ) -> tuple[dict[int, int], dict[int, int]]:
-    """Return for the bins to the left and to the right how often there was wall.
+    """Return for the bins to the left and to the right the votes for a wall.
 
-    A beam that went through a bin counts against it.
+    A beam that went through a bin counts against a wall.
     """
     sides: tuple[dict[int, int], dict[int, int]] = ({}, {})
     for x, y, end, aside in beams:
@@ -255,7 +254,7 @@ def _votes(
 
 
 def _edge(votes: dict[int, int]) -> int | None:
-    """Return the bin at which a run of wall begins; None if there is no such run."""
+    """Return the first bin of a run of wall; None without a run."""
     wall = sorted(number for number, hits in votes.items() if hits > 0)
     if not wall:
         return None

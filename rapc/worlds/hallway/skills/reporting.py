@@ -1,4 +1,4 @@
-"""Telling the RAP system how things are: position and battery."""
+"""Reports to the RAP system: position and battery."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class ReportPosition(Skill):
     events = (Position,)
 
     def step(self, now: float, ports: Ports) -> None:
-        """Do nothing: the event says it all."""
+        """Do nothing: the event carries the report."""
 
 
 class BatteryLow(Event):
@@ -44,7 +44,7 @@ class BatteryLow(Event):
     carries = (Parameter("level", "number", "%"),)
 
     def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
-        """Whether the level has been reached."""
+        """Return an empty tuple if the level is reached, else None."""
         level = ports[BATTERY]
         return (round(level, 1),) if level <= self.arguments["level"] else None
 
@@ -58,4 +58,4 @@ class WatchBattery(Skill):
     events = (BatteryLow,)
 
     def step(self, now: float, ports: Ports) -> None:
-        """Do nothing: the event says it all."""
+        """Do nothing: the event carries the report."""

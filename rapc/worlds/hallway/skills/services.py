@@ -1,4 +1,4 @@
-"""What the robot does besides moving: speaking, charging, calling the lift."""
+"""Skills besides moving: speaking, charging, calling the lift."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from rapc.worlds.hallway.channels import (
 from rapc.worlds.skills.declarations import Event, Parameter, Ports, Skill
 
 LETTERS = 15
-"""Letters that the robot speaks in a second."""
+"""The speed of speech, in letters a second."""
 
 FULL = 99.0
-"""The battery is charged, in per cent."""
+"""The charge of a full battery, in per cent."""
 
 NO_CONTACT = 2.0
 """Seconds without current after which the robot is not at a charger."""
 
 
 class Since(msgspec.Struct):
-    """When something began."""
+    """The start time of a process."""
 
     start: float | None = None
 
@@ -39,7 +39,7 @@ class Spoken(Event):
     inputs = (DONE,)
 
     def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
-        """Whether the last letter is out."""
+        """Return an empty tuple after the last letter, else None."""
         return () if ports[DONE] else None
 
 
@@ -55,7 +55,7 @@ class Speak(Skill):
     state: Since
 
     def step(self, now: float, ports: Ports) -> None:
-        """Hand the words over at first, and see when they must be out."""
+        """Start the speech at first, and compute its end."""
         words: Text = self.arguments["words"]
         if self.state.start is None:
             self.state.start = now
@@ -71,7 +71,7 @@ class Charged(Event):
     inputs = (BATTERY,)
 
     def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
-        """Whether nothing more goes in."""
+        """Return an empty tuple if the battery is full, else None."""
         return () if ports[BATTERY] >= FULL else None
 
 
@@ -82,7 +82,7 @@ class NotDocked(Event):
     inputs = (DONE,)
 
     def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
-        """Whether the contacts have been without current for some time."""
+        """Return an empty tuple after some time without current, else None."""
         return () if ports[DONE] else None
 
 
@@ -98,7 +98,7 @@ class Charge(Skill):
     state: Since
 
     def step(self, now: float, ports: Ports) -> None:
-        """Close the contacts, and see whether there is a current."""
+        """Close the contacts, and check the current."""
         if self.state.start is None or ports[CURRENT]:
             self.state.start = now
         ports[CHARGE] = True
@@ -113,7 +113,7 @@ class LiftHere(Event):
     carries = (Parameter("floor", "number"),)
 
     def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
-        """Whether it has come."""
+        """Return an empty tuple if the lift has come, else None."""
         floor = self.arguments["floor"]
         return (floor,) if ports[LIFT] == floor else None
 
@@ -132,5 +132,5 @@ class CallLift(Skill):
     uses = ("lift-radio",)
 
     def step(self, now: float, ports: Ports) -> None:
-        """Go on calling."""
+        """Keep calling."""
         ports[CALL] = int(self.arguments["floor"])

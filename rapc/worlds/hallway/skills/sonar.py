@@ -1,8 +1,8 @@
-"""What several skills make of the ring of sonars: points, and how the walls run.
+"""Shared geometry of the sonar ring: points, and the direction of walls.
 
-Walls in buildings stand at right angles. Three neighbouring echoes that lie on a line
-vote for the direction of that line, modulo a right angle: with four times the angle,
-the votes of walls that are parallel or square to each other add up. Old votes fade.
+Walls in buildings stand at right angles. Three neighbouring echoes on a line vote for
+the direction of that line, modulo a right angle: with four times the angle, the votes
+of parallel and square walls add up. Old votes fade.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from rapc.worlds.hallway.channels import DIRECTIONS, SONARS, Pose
 Point = tuple[float, float]
 
 FAR = 3.0
-"""Echoes from farther away have no vote, in metres."""
+"""The maximum distance of echoes with a vote, in metres."""
 
 STRAIGHT = 0.15
-"""Two pieces of one line differ by less than this, in radians."""
+"""The maximum angle between two pieces of one line, in radians."""
 
 FADING = 0.93
 
@@ -28,31 +28,31 @@ QUARTER = math.pi / 2
 
 
 class Votes(msgspec.Struct):
-    """The sum of all votes on how the walls run, in the frame of dead reckoning."""
+    """The sum of all votes on the walls' direction, in the frame of dead reckoning."""
 
     cos: float = 0.0
     sin: float = 0.0
 
 
 def turned_by(x: float, y: float, heading: float) -> Point:
-    """Return how far a place is along a heading, and to the left of it."""
+    """Return the position of a point along a heading, and to the left of it."""
     cos, sin = math.cos(heading), math.sin(heading)
     return x * cos + y * sin, y * cos - x * sin
 
 
 def turned(echoes: Sequence[Point], bearing: float) -> list[Point]:
-    """Return points as they are when `bearing` is ahead."""
+    """Return points in a frame with `bearing` ahead."""
     cos, sin = math.cos(bearing), math.sin(bearing)
     return [(x * cos + y * sin, y * cos - x * sin) for x, y in echoes]
 
 
 def echo_points(ranges: Sequence[float]) -> list[Point]:
-    """Return where the echoes come from, the robot's middle at (0, 0), ahead is x."""
+    """Return the points of the echoes, the robot's middle at (0, 0), ahead is x."""
     return [(r * dx, r * dy) for r, (dx, dy) in zip(ranges, DIRECTIONS, strict=True)]
 
 
 def vote(votes: Votes, ranges: Sequence[float], pose: Pose) -> None:
-    """Let the echoes of one tick vote."""
+    """Add the votes of one tick's echoes."""
     votes.cos *= FADING
     votes.sin *= FADING
     echoes = echo_points(ranges)

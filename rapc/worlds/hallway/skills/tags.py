@@ -1,6 +1,6 @@
-"""Looking out for landmarks, whichever they are.
+"""Watching for all landmarks.
 
-Watching for one landmark, and going to it, is in `landmarks`.
+Not here: watching for a certain landmark and going to it, see `landmarks`.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from rapc.worlds.hallway.channels import POSE, SEEN, TAGS, Tag
 from rapc.worlds.skills.declarations import Event, Parameter, Ports, Skill
 
 EACH = 1.0
-"""Seconds for which one of several landmarks in view is told of."""
+"""Seconds for which each of several landmarks in view is reported."""
 
 
 class TagsSeen(Event):
@@ -31,7 +31,7 @@ class TagsSeen(Event):
     again = EACH
 
     def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
-        """Whether a pair is in view, and which."""
+        """Return the data of the pair that has its turn, or None."""
         seen = ports[SEEN]
         if not seen:
             return None
@@ -43,11 +43,11 @@ class TagsSeen(Event):
 
 
 class Turns(msgspec.Struct):
-    """What `see-tags` remembers."""
+    """The state of `see-tags`."""
 
-    #: The left codes of the pairs in view, the one that has its turn now last.
+    #: The left codes of the pairs in view; the pair that has its turn is last.
     queue: list[int] = []
-    #: Since when it has its turn.
+    #: The start of this turn.
     since: float = 0.0
 
 
@@ -65,7 +65,7 @@ class SeeTags(Skill):
     state: Turns
 
     def step(self, now: float, ports: Ports) -> None:
-        """Write the pair in view that has its turn, left tag first."""
+        """Write the pair that has its turn, left tag first."""
         tags, state = {tag.code: tag for tag in ports[TAGS]}, self.state
         pairs = [code for code in sorted(tags) if code % 2 == 0 and code + 1 in tags]
         if not pairs:
