@@ -1,1 +1,1 @@
-"""What a person types to a session, and what is shown: commands, tables, the prompt."""
+"""The REPL of the debugger: commands, tables and the prompt."""

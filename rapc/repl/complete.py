@@ -1,8 +1,8 @@
-"""What fits at the end of an unfinished input: words, names and values.
+"""Completion of an unfinished input: words, names and values.
 
-Commands complete by what they take. RAP text completes by the grammar, which says what
-kind of name is wanted; the names are those of the library, the values those that stand
-in memory at that place of a fact.
+The usage text of a command determines the completions of its arguments. For RAP text,
+the grammar determines the expected kind of name. The library supplies the names, and
+memory supplies the values for an argument of a fact.
 """
 
 from __future__ import annotations
@@ -26,21 +26,21 @@ _WORD = re.compile(r"[^\s()\"]*$")
 
 
 Named = Iterable[tuple[str, str]]
-"""Names, each with a line on it."""
+"""Names, each with a line of documentation."""
 
 
 class Candidate(msgspec.Struct, frozen=True):
-    """Something that fits."""
+    """A completion."""
 
     text: str
-    #: How many characters before the place it takes the place of.
+    #: The number of characters before the cursor that the completion replaces.
     replaces: int
-    #: What there is to say of it, in a line.
+    #: The documentation, as a line.
     doc: str = ""
 
 
 def candidates(shell: Shell, text: str) -> list[Candidate]:
-    """Return what fits at the end of an input, sorted, each once."""
+    """Return the completions at the end of an input, sorted, without duplicates."""
     found: Iterable[Candidate] = ()
     if text.startswith(":"):
         found = _of_command(shell, text)
@@ -73,7 +73,7 @@ def _of_command(shell: Shell, text: str) -> Iterable[Candidate]:
 
 
 def _open_list(text: str) -> int | None:
-    """Return where a list begins that is still open, the outermost one."""
+    """Return the start of the outermost list that is not closed, or None."""
     depth, start = 0, 0
     for at, char in enumerate(text):
         if char == "(":
@@ -90,22 +90,22 @@ _GROUP = re.compile(r"\[[^\]]*\]|[^\s\[\]]+")
 
 
 def _unwrapped(usage: str) -> str:
-    """Return a usage without brackets round all of it."""
+    """Return a usage without brackets around the whole text."""
     found = _IN_BRACKETS.fullmatch(usage)
     return found[1] if found else usage
 
 
 class _Slot(NamedTuple):
-    """A place of an argument: one of some words may stand there."""
+    """An argument of a usage, with its allowed words."""
 
     words: list[str]
-    #: Whether it may be left out, and whether it belongs to the word before it.
+    #: Whether the argument is optional, and whether it belongs to the preceding word.
     optional: bool
     follows: bool
 
 
 def _slots(usage: str) -> Iterator[_Slot]:
-    """Yield what a usage without alternatives has, in order."""
+    """Yield the arguments of a usage without alternatives, in order."""
     for group in _GROUP.findall(_unwrapped(usage)):
         inner = group.strip("[]")
         words = [inner.split(" | ")] if " | " in inner else [[w] for w in inner.split()]
@@ -114,11 +114,11 @@ def _slots(usage: str) -> Iterator[_Slot]:
 
 
 def next_words(takes: str, before: Iterable[str]) -> Iterator[tuple[str, str]]:
-    """Yield what a command may be given next; a word is followed by what comes then.
+    """Yield the possible next words of a command, each with the argument after it.
 
     Args:
-        takes: what it takes, as its help has it: `[TASK] [in CYCLE] | failed [TASK]`.
-        before: the arguments that are there.
+        takes: the usage of the command: `[TASK] [in CYCLE] | failed [TASK]`.
+        before: the preceding arguments.
     """
     for usage in _ALTERNATIVES.split(_unwrapped(takes)):
         slots = list(_slots(usage))
@@ -136,7 +136,7 @@ def next_words(takes: str, before: Iterable[str]) -> Iterator[tuple[str, str]]:
 
 
 def _arguments(shell: Shell, name: str, before: list[str], prefix: str) -> Named:
-    """Yield what a command may be given next."""
+    """Yield the possible next arguments of a command."""
     takes = shell.commands[name].takes if name in shell.commands else ""
     named: dict[str, Callable[[], Named]] = {
         "COMMAND": lambda: [(c.name, c.doc) for c in shell.commands.values()],
@@ -171,7 +171,7 @@ def _library(shell: Shell) -> Library:
 
 
 def _of_break(library: Library, kind: str) -> Named:
-    """Return what fits behind a kind of breakpoint."""
+    """Return the possible arguments of a kind of breakpoint."""
     if kind == "method":
         methods = [
             (m.name, rap.name) for rap in library.raps.values() for m in rap.methods
@@ -181,7 +181,7 @@ def _of_break(library: Library, kind: str) -> Named:
 
 
 def _of_methods(library: Library, before: list[str]) -> Named:
-    """Return what fits behind the name of a method: which RAP it is of."""
+    """Return the possible words after the name of a method: `of RAP`."""
     if before[1:] != ["of"]:
         return [("of", "RAP")] if len(before) == 1 else ()
     name, raps = before[0], library.raps.values()
@@ -206,7 +206,7 @@ def _files(prefix: str) -> Iterator[tuple[str, str]]:
             for entry in entries:
                 path = os.path.join(folder, entry.name)
                 yield (f"{path}/" if entry.is_dir() else path), ""
-    except OSError:  # there is no such folder, so nothing fits
+    except OSError:  # the folder does not exist: no completions
         return
 
 
@@ -230,7 +230,7 @@ def _of_text(shell: Shell, text: str) -> Iterable[Candidate]:
 
 
 def _is_definition(text: str) -> bool:
-    """Whether a text is, or may become, a form that stands at the top of a file."""
+    """Return whether a text is the start of a top-level form of a file."""
     head = text[1:].split(maxsplit=1)[:1]
     return bool(head) and any(
         head[0].startswith(word) for word in ("def", "declare", "require")
@@ -254,11 +254,11 @@ _FIELDS: Mapping[str, tuple[str, ...]] = {
     "KIND": ("kinds",),
     "AGENDA": ("agendas",),
 }
-"""The tables of a library in which a kind of name is found."""
+"""The tables of a library that contain each kind of name."""
 
 
 def _of_kind(library: Library, kind: str) -> Iterator[tuple[str, str]]:
-    """Iterate over the names of a kind, as the grammar calls it, with their docs."""
+    """Yield the names of a grammar kind, each with its documentation."""
     if kind == "RAP":
         yield from _raps(library)
     for field in _FIELDS.get(kind, ()):
@@ -274,7 +274,7 @@ def _doc(name: str, node: Any) -> str:
 
 
 def _values(shell: Shell, text: str) -> Iterator[Candidate]:
-    """Iterate over what facts in memory have at the place that is being written."""
+    """Yield the values in memory for the argument at the cursor."""
     start = text.rfind("(")
     words = text[start + 1 :].split(" ") if start >= 0 else []
     if len(words) < 2 or ")" in text[start:]:

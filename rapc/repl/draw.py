@@ -1,7 +1,7 @@
-"""Answers drawn as lines of a given width, coloured or not.
+"""Format answers as lines of a given width, with or without colour.
 
-A cell that is too wide is wrapped between words inside its column. Where the words of
-the columns do not fit beside each other, each row is a record of several lines.
+A cell that is too wide is wrapped between words inside its column. If the longest words
+of the columns do not fit side by side, each row is a block of several lines.
 """
 
 from __future__ import annotations
@@ -24,25 +24,25 @@ from rapc.debug.answer import Answer, Table, shown
 _NUMBERS = (int, float)
 
 _BEFORE = re.compile(r" *(?:[0-9.]+ +)?(?:(?:-->|\.\.\.) )?")
-"""What stands before the words of a line: blanks, the time and the mark of a trace."""
+"""The prefix of a line: blanks, and the time and the mark of a trace."""
 
 _LONGEST = 40
-"""Longer words, paths mostly, are broken rather than that a table becomes records."""
+"""The greatest width of a word, often a path, that a table does not break."""
 
 _GAPS = (3, 2)
-"""How many columns of the terminal lie between two of a table; fewer if need be."""
+"""The gaps between two columns of a table, in characters: preferred, smallest."""
 
 _HANG = 2
-"""How much deeper the further lines of a first cell begin than its first."""
+"""The indentation of the further lines of a first cell."""
 
 
 def draw(answer: Answer, width: int, *, color: bool) -> str:
-    """Return an answer as text of lines that end, ready to be written.
+    """Return an answer as text; each line ends with a line break.
 
     Args:
-        answer: what is to be said.
-        width: how many columns there are.
-        color: whether escape sequences for colours are put in.
+        answer: the answer.
+        width: the width in characters.
+        color: whether to use escape sequences for colours.
     """
     stream = io.StringIO()
     console = Console(
@@ -67,15 +67,15 @@ def draw(answer: Answer, width: int, *, color: bool) -> str:
 
 
 def _line(console: Console, line: str, style: str, *, deeper: int = 0) -> None:
-    """Print a line; what does not fit goes on below, set in as far as it began.
+    """Print a line; wrap a long line with the indentation of its text.
 
-    What a trace tells begins behind its time and its mark.
+    The text of a trace line begins after the time and the mark.
 
     Args:
-        console: where it is printed.
+        console: the console to print to.
         line: the line.
-        style: its style.
-        deeper: how many columns further below are set in besides.
+        style: the style of the line.
+        deeper: the extra indentation of further lines, in characters.
     """
     text = visible_lines(line)
     if len(text) <= console.width:
@@ -90,14 +90,14 @@ def _line(console: Console, line: str, style: str, *, deeper: int = 0) -> None:
 
 
 def _folded(console: Console, text: str, width: int, deeper: int) -> list[str]:
-    """Return a text as lines between words, of less width after the first."""
+    """Return a text as wrapped lines; further lines are narrower by `deeper`."""
     first = Text(text).wrap(console, max(width, 1))[0].plain.rstrip()
     rest = Text(text[len(first) :].lstrip()).wrap(console, max(width - deeper, 1))
     return [first, *(part.plain for part in rest if part.plain)]
 
 
 def _print_table(console: Console, table: Table) -> None:
-    """Print a table without its empty columns; where it is too wide, row by row."""
+    """Print a table without empty columns; if it is too wide, as blocks."""
     shows = [
         at
         for at in range(len(table.columns))
@@ -134,19 +134,19 @@ def _print_table(console: Console, table: Table) -> None:
 
 
 def _left(console: Console, shows: Sequence[int], gap: int) -> int:
-    """Return the width that the columns of a table share."""
+    """Return the total width of the columns, without gaps."""
     return console.width - gap * (len(shows) - 1)
 
 
 def _least_width(cell: str, *, first: bool) -> int:
-    """Return how wide a column must be so that no name of a cell is broken."""
+    """Return the least width of a column that breaks no word of a cell."""
     words = cell.split()
     indent = _indent(cell) + (_HANG if first and len(words) > 1 else 0)
     return indent + min(max(map(cell_len, words), default=0), _LONGEST)
 
 
 def _shared(least: Sequence[int], wanted: Sequence[int], left: int) -> list[int]:
-    """Return widths of columns that fit: those that want most give way first."""
+    """Return widths of columns that fit; the widest columns shrink first."""
     cap = min(max(wanted, default=0), left)
     while True:
         widths = [max(low, min(w, cap)) for low, w in zip(least, wanted, strict=True)]
@@ -160,7 +160,7 @@ def _indent(text: str) -> int:
 
 
 def _wrapped(console: Console, cell: str, width: int, *, first: bool) -> Text:
-    """Return a cell in lines of a width; those after the first begin deeper."""
+    """Return a cell wrapped to a width; lines after the first are indented."""
     if cell_len(cell) <= width:
         return Text(cell)
     indent = min(_indent(cell), width - 1)
@@ -173,7 +173,7 @@ def _wrapped(console: Console, cell: str, width: int, *, first: bool) -> Text:
 def _print_rows(
     console: Console, names: Sequence[str], cells: Sequence[Sequence[str]]
 ) -> None:
-    """Print each row as a record: its first cells, and below them what else it has."""
+    """Print each row as a block: first cells, then one line a cell."""
     for at, row in enumerate(cells):
         if at and len(names) > 2:
             console.print()

@@ -1,4 +1,4 @@
-"""RAP text and commands cut into tokens, for colours; and how deep a line is set in."""
+"""Tokens of RAP text and commands for colours, and indentation of lines."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ _TOKEN = re.compile(
 
 
 def tokens(text: str, known: Collection[str] = ()) -> Iterator[tuple[str, str]]:
-    """Cut a text into tokens, each with its kind; together they are the whole text.
+    """Yield the tokens of a text, each with its kind; no character is lost.
 
     Args:
         text: RAP text, or a command.
-        known: the words of the language; names among them are of the kind `word`.
+        known: the words of the language; matching names have the kind `word`.
     """
     for found in _TOKEN.finditer(text):
         kind = found.lastgroup or "rest"
@@ -39,7 +39,7 @@ def tokens(text: str, known: Collection[str] = ()) -> Iterator[tuple[str, str]]:
 
 
 def indentation(text: str) -> int:
-    """Return how many spaces the next line of an unfinished list begins with."""
+    """Return the indentation of the next line of an unfinished list, in spaces."""
     open_at: list[int] = []
     column = 0
     for kind, said in tokens(text):

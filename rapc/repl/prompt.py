@@ -1,6 +1,7 @@
-"""The prompt: input on a terminal, completed and coloured; answers below it.
+"""The prompt: input on a terminal with completion and colours, and output.
 
-All that is known of terminals stands here; what an input means is for the shell.
+All code that depends on terminals is in this module. Not here: the meaning of an input
+(`rapc.repl.shell`).
 """
 
 from __future__ import annotations
@@ -69,7 +70,7 @@ GREETING = "`:help` lists the commands, Tab completes, Ctrl-D leaves"
 
 
 class _Completer(Completer):
-    """Completes by what the shell knows."""
+    """A completer that uses the completions of the shell."""
 
     def __init__(self, shell: Shell) -> None:
         self._shell = shell
@@ -77,7 +78,7 @@ class _Completer(Completer):
     def get_completions(
         self, document: Document, complete_event: CompleteEvent
     ) -> Iterable[Completion]:
-        """Iterate over what fits at the cursor."""
+        """Yield the completions at the cursor."""
         for one in candidates(self._shell, document.text_before_cursor):
             yield Completion(
                 one.text,
@@ -87,10 +88,10 @@ class _Completer(Completer):
 
 
 class _Lexer(Lexer):
-    """Colours RAP text."""
+    """A lexer that colours RAP text."""
 
     def lex_document(self, document: Document) -> Callable[[int], StyleAndTextTuples]:
-        """Return what gives the coloured parts of a line by its number."""
+        """Return a function from a line number to the coloured parts of the line."""
         lines: list[StyleAndTextTuples] = [[]]
         for kind, said in tokens(document.text, _KNOWN):
             for at, part in enumerate(said.split("\n")):
@@ -106,7 +107,7 @@ _KNOWN = frozenset(
 
 
 def _keys() -> KeyBindings:
-    """Enter sends what is whole and else begins a new line, set in as it should be."""
+    """Return the key bindings: Enter sends a complete input or starts a new line."""
     keys = KeyBindings()
 
     @keys.add("enter")
@@ -123,12 +124,12 @@ def _keys() -> KeyBindings:
 
 
 class Prompt:
-    """Reads inputs from a terminal and writes answers to it.
+    """A prompt that reads inputs from a terminal and writes answers.
 
     Args:
-        shell: answers them.
+        shell: the shell that answers inputs.
         color: whether answers are coloured.
-        history: the file of earlier inputs; None to keep none.
+        history: the file of earlier inputs; None to save no inputs.
     """
 
     def __init__(self, shell: Shell, *, color: bool, history: Path | None) -> None:
@@ -212,15 +213,15 @@ class Prompt:
 
 @contextmanager
 def _pausing(shell: Shell) -> Iterator[Callable[[], None]]:
-    """Let Ctrl-C pause the run, and twice break off what is being carried out.
+    """Handle Ctrl-C: the first pauses the run, the second interrupts the command.
 
-    While an input is typed, Ctrl-C clears it. The terminal then hands it over as a key;
-    as a signal it comes from elsewhere, or while the prompt begins or ends. The handler
-    that the prompt would install takes no signal once the input is sent: it fails.
+    While the user types an input, Ctrl-C clears the input. The terminal then reports
+    Ctrl-C as a key. Ctrl-C arrives as a signal if another process sends the signal, or
+    while the prompt starts or ends. The default handler of the prompt is not used,
+    because that handler fails after the input is sent.
 
     Yields:
-        what to call when an input is about to be typed: earlier Ctrl-Cs do not count
-        for it.
+        a function to call before each input; the function resets the count of Ctrl-C.
     """
     times = 0
 
@@ -257,12 +258,12 @@ def _pausing(shell: Shell) -> Iterator[Callable[[], None]]:
 
 
 def _is_typed(prompt: Application[str]) -> bool:
-    """Return whether the input of a prompt is still being typed: it is not sent."""
+    """Return whether the input of a prompt is not yet sent."""
     return prompt.future is not None and not prompt.future.done()
 
 
 def history_file() -> Path:
-    """Return where inputs are kept from one session to the next."""
+    """Return the path of the file that keeps inputs between sessions."""
     state = os.environ.get("XDG_STATE_HOME") or "~/.local/state"
     return Path(state).expanduser() / "rapc" / "history"
 
@@ -274,5 +275,5 @@ def _history(path: Path | None) -> History:
         path.parent.mkdir(parents=True, exist_ok=True)
         with path.open("a", encoding="utf-8"):
             return FileHistory(str(path))
-    except OSError:  # a home that cannot be written to: nothing is kept
+    except OSError:  # the folder is not writable: save no inputs
         return InMemoryHistory()

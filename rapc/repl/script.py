@@ -1,4 +1,4 @@
-"""Script mode: inputs one after the other, each answered, without a terminal."""
+"""Script mode: answer a series of inputs without a terminal."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rapc.repl.shell import Shell
 
 
 def inputs(lines: Iterable[str]) -> Iterator[str]:
-    """Iterate over the inputs in some lines: a list may go over several of them."""
+    """Yield the inputs in lines of text; a list may span several lines."""
     gathered = ""
     for line in lines:
         gathered = f"{gathered}\n{line.rstrip()}" if gathered else line.strip()
@@ -34,18 +34,18 @@ def run_script(
     color: bool = False,
     as_json: bool = False,
 ) -> bool:
-    """Carry out inputs one after the other, and write what each has to say.
+    """Answer inputs in order and write the answers.
 
     Args:
-        shell: answers them.
+        shell: the shell that answers inputs.
         texts: the inputs.
-        stream: where the answers go.
-        width: how many columns an answer may take.
+        stream: the output stream.
+        width: the width of an answer in characters.
         color: whether answers are coloured.
-        as_json: whether each answer is written as a line of JSON instead.
+        as_json: whether to write each answer as a line of JSON.
 
     Returns:
-        Whether all of them could be carried out.
+        Whether every input succeeded.
     """
     well = True
     for text in texts:

@@ -1,7 +1,8 @@
-"""The shell: one input after the other, each answered; no terminal is needed.
+"""The shell: answers inputs in order, independent of a terminal.
 
-An input that begins with a colon is a command. Any other is RAP text: a definition is
-checked and joins the library, a goal is submitted, a formula is asked of memory.
+An input that begins with a colon is a command. Any other input is RAP text. The shell
+checks a definition and adds it to the library, submits a goal as a task, and evaluates
+a formula over memory.
 """
 
 from __future__ import annotations
@@ -31,23 +32,23 @@ from rapc.runtime.task_request import read_task_request
 from rapc.world import innermost
 
 _WATCHED = 3
-"""How many answers to a query that is watched are shown."""
+"""The number of solutions shown for a watched query."""
 
 MOST = 50
-"""How many solutions of a query are shown at once."""
+"""The number of solutions of a query shown at once."""
 
 
 _OF_REQUESTS = (PrimitiveRequested, PrimitiveEnded)
 
 
 class Shell:
-    """Answers what is typed about a run.
+    """A shell that answers the inputs of a user about a run.
 
     Args:
-        history: the run that is debugged, or only looked at.
-        commands: what there is to be typed.
-        paths: the files and folders that the library was read from.
-        recording: how far the recording of the run goes, if there is one, in words.
+        history: the history of the run.
+        commands: the available commands.
+        paths: the files and folders of the library.
+        recording: the extent of the recording as text; empty without a recording.
     """
 
     def __init__(
@@ -57,23 +58,23 @@ class Shell:
         paths: Sequence[str] = (),
         recording: str = "",
     ) -> None:
-        #: What is debugged, or a recorded run that is only looked at.
+        #: The history of the run to debug, or of a playback.
         self.history = history
         self.paths = tuple(paths)
         self.recording = recording
         self.commands = {command.name: command for command in commands}
-        #: The last answers to queries, the newest first: `*1`, `*2`, `*3`.
+        #: The solutions of the last queries, newest first: `*1`, `*2`, `*3`.
         self.answers: list[list[dict[str, Value]]] = []
         self._names: tuple[str, ...] = ()
         self._left: list[dict[str, Value]] = []
-        #: What was typed into the library, by the definitions in it.
+        #: The typed texts, by the kinds and names of their definitions.
         self.typed: dict[frozenset[tuple[str, str]], str] = {}
-        #: What is shown of the events after a step: `all`, `requests` or `none`.
+        #: The events shown after a step: `all`, `requests` or `none`.
         self.shows = "all"
-        #: Whether the user wants to leave.
+        #: Whether the user has left the shell.
         self.left = False
         self._breakpoints = Breakpoints(history)
-        #: The queries whose answers are shown after every stop, by their texts.
+        #: The texts of the queries evaluated after every stop.
         self.watches: list[str] = []
         self._seen: dict[str, str] = {}
         self._told_of = 0
@@ -83,7 +84,7 @@ class Shell:
         """Check that a command may write a file of some kind.
 
         Raises:
-            WriteError: as `rapc.base.outputs.check_output`, also for a file of the
+            WriteError: as `rapc.base.outputs.check_output`, and for a file of the
                 library or of the world.
         """
         run = self.history.run
@@ -94,12 +95,12 @@ class Shell:
 
     @property
     def breakpoints(self) -> Breakpoints:
-        """The breakpoints of the run. Raises StateError as `History.run`."""
+        """The breakpoints of the run; raises StateError as `History.run`."""
         self.history.check_is_run()
         return self._breakpoints
 
     def answer(self, text: str) -> Answer:
-        """Carry out an input and return what there is to say."""
+        """Return the answer to an input."""
         text = text.strip()
         if not text or text.startswith(";"):
             return Answer()
@@ -119,10 +120,10 @@ class Shell:
             return failure(f"there is no command `:{name}`; {said}")
         return command(self.history if command.asks else self, rest)
 
-    # --- what commands share ---------------------------------------------------------
+    # --- methods for commands --------------------------------------------------------
 
     def happened(self, since: int) -> list[str]:
-        """Return what has happened since a serial number, as far as it is shown."""
+        """Return the shown events from a serial number on, as lines of a trace."""
         if self.shows == "none":
             return []
         told = self.history.log.since(since)
@@ -140,23 +141,23 @@ class Shell:
         return text.splitlines()
 
     def forget_trace(self) -> None:
-        """Begin a new trace: the run stands at another time."""
+        """Begin a new trace, because the time of the run has changed."""
         self._breakpoints.look_again()
         self._written = StringIO()
         self._trace = TextTrace(self._written)
 
     def watch(self, text: str) -> None:
-        """Show the answers to a query after every stop from now on.
+        """Show the solutions of a query after every further stop.
 
         Raises:
-            ValueError: if `text` is no formula that can be asked.
+            ValueError: if `text` is not a valid formula.
         """
-        self.history.question(text)  # looks at the names
+        self.history.question(text)  # validates the names
         if text not in self.watches:
             self.watches.append(text)
 
     def watched(self) -> list[str]:
-        """Return what is to be shown after every stop: notes, logs, watches."""
+        """Return the lines to show after a stop: notes, logs and watches."""
         lines = [text for note in self.history.notes if (text := note())]
         lines += self._breakpoints.logged[self._told_of :]
         self._told_of = len(self._breakpoints.logged)
@@ -170,7 +171,7 @@ class Shell:
     def _watched_answers(self, text: str) -> str:
         try:
             found = self.history.question(text).all()
-        except ValueError as error:  # its declaration has gone with a text
+        except ValueError as error:  # a reload has removed a declaration
             return str(error)
         said = "; ".join(in_pairs(one) or "yes" for one in found[:_WATCHED]) or "no"
         more = len(found) - _WATCHED
@@ -195,7 +196,7 @@ class Shell:
         return self.submit(text) if self._is_goal(head, text) else self.ask(text)
 
     def _define(self, text: str) -> Answer:
-        """Check a definition, and let it join the library or replace the one there."""
+        """Check a definition, then add it to the library or replace the old text."""
         names = names_of(text)
         kept = {old: said for old, said in self.typed.items() if old.isdisjoint(names)}
         typed = {**kept, names: text}
@@ -206,7 +207,7 @@ class Shell:
         return answer
 
     def renew(self, renewed: Renewed, file: str = "") -> Answer:
-        """Go on with another text of the library; say what was found in `file`."""
+        """Reload the library; return the answer with the findings in `file`."""
         if not changed(
             self.history.run.library.library, renewed.library.program.library
         ):
@@ -217,18 +218,18 @@ class Shell:
         return say(*found, *self.branched(branch), f"done: {act}")
 
     def branched(self, before: Branch) -> list[str]:
-        """Return what is said where an act has begun a new branch."""
+        """Return a line if an act has begun a new branch, or no line."""
         now = self.history.branch
         return [] if now is before else [f"on {now.name}: the other future stays"]
 
     def _is_goal(self, head: str, text: str) -> bool:
-        """Whether a list is a goal; what may be both is a query if it has variables."""
+        """Return whether a list is a goal; with variables, a query has precedence."""
         program = self.history.library.program
         asks = head in program.signatures.predicates or head in (*ALONE, *QUERIES)
         return head in program.library.raps and not (asks and "?" in text)
 
     def submit(self, text: str) -> Answer:
-        """Give the robot a task."""
+        """Submit a task."""
         request = read_task_request(text)
         self.history.act(SubmitTask(request))
         later = request.at is not None and request.at > self.history.now
@@ -236,7 +237,7 @@ class Shell:
         return say(f"submitted for later: {text}" if later else f"[{number}] {text}")
 
     def ask(self, text: str) -> Answer:
-        """Ask memory, and show all solutions."""
+        """Evaluate a query over memory and return the answer with its solutions."""
         forms = split(text)
         if len(forms) != 1:
             raise TextError("one formula is wanted, not more")
@@ -259,7 +260,7 @@ class Shell:
         return self.more()
 
     def more(self) -> Answer:
-        """Show the next solutions of the query that was answered last."""
+        """Return the next solutions of the last query."""
         names, solutions = self._names, self._left
         rows = [[found.get(name) for name in names] for found in solutions[:MOST]]
         self._left = solutions[MOST:]
@@ -269,11 +270,11 @@ class Shell:
 
 
 def _refusal(error: Error | ValueError) -> Sequence[str]:
-    """Return the lines that say what an input got wrong."""
+    """Return the lines of the error in an input."""
     if isinstance(error, RefusedError):
         return error.reasons
     if isinstance(error, CheckError):
         return tuple(concise(error.report))
     if isinstance(error, Error):
         return (error.message, error.help) if error.help else (error.message,)
-    return (str(error),)  # a question that names what there is not
+    return (str(error),)  # a query with an unknown name

@@ -1,1 +1,1 @@
-"""The commands of the debugger, a module for each kind, and a table of all."""
+"""Commands of the debugger, one module for each kind, and a table of all."""

@@ -1,4 +1,4 @@
-"""Commands that do something to the run."""
+"""Commands that change the run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The command that writes what just happened as a test."""
+"""The command that exports the run as a test."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def _export_test(shell: Shell, args: Arguments) -> Answer:
 
     begun = told[0]
     world = begun.spec.world_class if isinstance(begun, RunStarted) else ""
-    modules = [world.partition(":")[0]] if world else []  # imported for this run
+    modules = [world.partition(":")[0]] if world else []  # imported by the run
 
     def run(node: DefineTest) -> Outcome:
         return run_case(Case(node, program), modules=modules)
@@ -76,7 +76,7 @@ def _export_test(shell: Shell, args: Arguments) -> Answer:
 
 
 def _acts(shell: Shell, told: Sequence[Event]) -> Iterator[tuple[Time, str]]:
-    """Yield the tasks that were given and cancelled by hand, as actions of an `at`."""
+    """Yield the tasks that the user submitted or cancelled, as `at` actions."""
     history = shell.history
     for cycle, act in history.branch.acts[: history.moment.acts]:
         time = max((one.time for one in told if one.cycle <= cycle), default=0)
@@ -87,16 +87,16 @@ def _acts(shell: Shell, told: Sequence[Event]) -> Iterator[tuple[Time, str]]:
 
 
 def _requires(paths: Sequence[str], test: Path) -> str:
-    """Return what the file of the test has to require."""
+    """Return the `require` forms of the test file."""
     names = [Path(os.path.relpath(path, test.parent)).as_posix() for path in paths]
     return "\n".join(f'(require "{name.removesuffix(".rap")}")' for name in names)
 
 
 def _agree(outcome: Outcome) -> None:
-    """See that a script has brought the same as the world.
+    """Validate that the script has reproduced the results of the world.
 
     Raises:
-        StateError: if it has not, or if no test can name the world.
+        StateError: if the results differ, or if a test cannot name the world.
     """
     if outcome.status is not Status.PASSED:
         why = outcome.failures[0].happened[0]
@@ -110,9 +110,9 @@ def _write(path: Path, text: str, modules: Collection[str], *, wanted: bool) -> 
     """Write a file and run the test in it; return whether the test passes.
 
     Raises:
-        LoadError: if the file cannot be written, or is there already.
-        StateError: if the files of the library do not bring what the run brought; then
-            no file is left.
+        LoadError: if the file cannot be written or already exists.
+        StateError: if the files of the library do not reproduce the run; no file is
+            then left.
     """
     try:
         with path.open("x", encoding="utf-8") as stream:

@@ -1,4 +1,4 @@
-"""`:help` and `:quit`."""
+"""The commands `:help` and `:quit`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Commands that let the run go on, or stop it, or take it back."""
+"""Commands that run cycles and show their events."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from rapc.repl.shell import Shell
 
 _SHOWN = 40
 
-"""How many lines of what has happened are shown at once."""
+"""The number of lines of events shown at once."""
 
 
 def _went(shell: Shell, go: Callable[[], Stop]) -> Answer:
-    """Let the run go on, and tell what has happened and where it stands."""
+    """Run until `go` returns; return the events, the stop and the moment."""
     before = shell.history.serial
     stop = go()
     lines = shell.happened(before)

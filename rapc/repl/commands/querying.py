@@ -1,4 +1,4 @@
-"""Commands that show memory: facts, and the answers to a query."""
+"""Commands that show memory: facts and solutions of queries."""
 
 from __future__ import annotations
 

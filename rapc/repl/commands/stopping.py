@@ -1,4 +1,4 @@
-"""Commands about breakpoints and watches, and searching through time."""
+"""Commands for breakpoints and watches."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ def _break(shell: Shell, args: Arguments) -> Answer:
 
 
 def _several(shell: Shell, point: Breakpoint) -> list[str]:
-    """Return what to say where several RAPs have the method of a breakpoint."""
+    """Return a note if several RAPs have the method of a breakpoint."""
     raps = shell.breakpoints.raps_with(point.what.lower())
     if point.kind != "method" or len(raps) < 2:
         return []

@@ -1,4 +1,4 @@
-"""All commands, in the order of `:help`: those of each group by module."""
+"""Table of all commands, in the order of `:help`, by group and module."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _GROUPS: Mapping[str, Sequence[ModuleType]] = {
 
 
 def commands() -> tuple[Command, ...]:
-    """Return all commands, each with the group that it belongs to."""
+    """Return all commands, each with its group."""
     return tuple(
         replace(one, group=group)
         for group, modules in _GROUPS.items()

@@ -1,4 +1,4 @@
-"""Commands that go to other moments and branches, and search through time."""
+"""Commands that go to other moments and branches, and search for events."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from rapc.repl.shell import Shell
 
 
 def _moved(shell: Shell, move: Callable[[History], Stop]) -> Answer:
-    """Go somewhere else in time, without telling what happens on the way."""
+    """Go to another moment without output of events on the way."""
     stop = move(shell.history)
     shell.forget_trace()
     failed = stop.kind == "broken"
@@ -32,7 +32,7 @@ def _back(shell: Shell, args: Arguments) -> Answer:
     branch.
     """
     cycles = args.count("how many cycles", 1)
-    cycles -= shell.history.over  # the end of the run is a step of its own
+    cycles -= shell.history.over  # the end of the run counts as a step
     return _moved(shell, lambda history: history.goto(history.cycle - cycles))
 
 
