@@ -1,8 +1,8 @@
-"""A runtime for networks of skills, for worlds that have continuous processes [S 2].
+"""A runtime for networks of skills, for worlds with continuous processes [S 2].
 
-A skill declares what it reads and writes; a network is wired from the declarations of
-the skills that are active at a moment, so no skill knows another. `declarations` is
-what the author of a skill writes, `catalogue` checks a set of skills once, `network`
-wires the active ones and draws them, `runtime` switches them on and off and steps them.
-Nothing here knows the interpreter, or any particular world.
+A skill declares its inputs and outputs. The runtime wires a network from the
+declarations of the active skills, so no skill depends on another. An author writes
+classes of `declarations`; `catalogue` checks a set of skills once; `network` wires the
+active skills and draws them; `runtime` switches skills on and off and steps them. The
+package depends neither on the interpreter nor on a particular world.
 """

@@ -1,7 +1,7 @@
-"""The skills and events that activations are made of, and which of them can come on.
+"""The skills and events of activations, and the check of a new activation.
 
-An activation must be complete by itself: each input that is not optional is written by
-a sensor or by a skill of the same activation. So one that ends never leaves another
+An activation must be complete by itself: a sensor or a skill of the same activation
+writes each required input. So the end of an activation never leaves another activation
 with an input that nothing writes.
 """
 
@@ -19,11 +19,11 @@ from rapc.worlds.skills.network import Member, WiringError, wire
 
 
 class ActiveSkills(msgspec.Struct, frozen=True):
-    """Skills that came on together."""
+    """Skills that were switched on together."""
 
     ticket: int
     skills: tuple[SkillRequest, ...]
-    #: The events that are told for it.
+    #: The events reported to the activation.
     events: tuple[str, ...]
 
 
@@ -35,9 +35,9 @@ def members_of(
     """Return the skills and events of activations by key, each once.
 
     Args:
-        catalogue: what the robot can do.
-        activations: what came on, in this order.
-        old: those that are on already, by key; they go on with their state.
+        catalogue: the robot's skills.
+        activations: the activations, oldest first.
+        old: the active skills and events by key; their state is kept.
     """
     members: dict[str, Member] = {}
     for activation in activations:
@@ -53,7 +53,7 @@ def members_of(
 def _wanted(
     catalogue: Catalogue, activation: ActiveSkills
 ) -> Iterator[tuple[str, type[NetworkNode], Mapping[str, Atom], str | None]]:
-    """Yield key, class, arguments and host of what an activation is made of."""
+    """Yield key, class, arguments and host of the parts of an activation."""
     for request in activation.skills:
         names = [one.name for one in catalogue.entries[request.skill].parameters]
         given = dict(zip(names, request.arguments, strict=True))
@@ -69,12 +69,12 @@ def _wanted(
 def refusal(
     catalogue: Catalogue, under_way: Iterable[ActiveSkills], new: ActiveSkills
 ) -> Refused | None:
-    """Return why an activation cannot come on; None if it can.
+    """Return the reason why an activation is refused; None if it is valid.
 
     Args:
-        catalogue: what the robot can do.
-        under_way: the activations that are on, in the order they came on.
-        new: the one that is to come on.
+        catalogue: the robot's skills.
+        under_way: the active activations, oldest first.
+        new: the new activation.
     """
     may: set[str] = set()
     for request in new.skills:
@@ -98,7 +98,7 @@ def refusal(
 
 
 def written(value: Atom) -> str:
-    """Return an argument of a skill as it stands in keys and drawings."""
+    """Return the text of an argument for keys and drawings."""
     if isinstance(value, Text):
         return f'"{value.value}"'
     return value if isinstance(value, str) else str(number(value))

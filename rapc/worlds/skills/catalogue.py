@@ -1,8 +1,8 @@
-"""The skills of a world as one set, checked before any of them runs.
+"""The skills of a world as a set, checked before any skill runs.
 
-A catalogue finds what no network made of it could mend: names that stand twice, an
-input that nothing writes, two opinions on what a channel holds, a compound that lacks a
-parameter of its parts. What depends on which skills are active is left to `network`.
+A catalogue finds the faults that occur in every network made of it: duplicate names, an
+input that nothing writes, different types of one channel, a compound without a
+parameter of its parts. Faults that depend on the active skills are left to `network`.
 """
 
 from __future__ import annotations
@@ -35,18 +35,18 @@ from rapc.worlds.skills.network import Member, Periphery, WiringError, wire
 
 
 class SkillRequest(msgspec.Struct, frozen=True):
-    """A skill that is to run, with the values of its parameters in their order."""
+    """A skill to run, with the values of its parameters in their order."""
 
     skill: str
     arguments: tuple[Atom, ...] = ()
 
 
 class DescribedSkill(msgspec.Struct, frozen=True):
-    """What a library has to know of a skill that it may enable."""
+    """The declaration of a skill for libraries that enable the skill."""
 
     name: str
     parameters: tuple[Parameter, ...]
-    #: Names of the events that the skill may tell.
+    #: Names of the events that the skill may report.
     events: tuple[str, ...]
     uses: tuple[str, ...]
     doc: str
@@ -54,6 +54,15 @@ class DescribedSkill(msgspec.Struct, frozen=True):
 
 class Catalogue(Periphery):
     """All skills of a world, by name.
+
+    Args:
+        skills: single skills and compounds, in the order of documentation.
+        sensors: channels that the world writes.
+        actuators: channels that the world reads.
+        arbiters: arbiters of channels that several skills may write.
+
+    Raises:
+        CatalogueError: if the declarations contradict each other.
 
     Args:
         skills: single skills and compounds, in the order of documentation.
@@ -82,7 +91,7 @@ class Catalogue(Periphery):
                     f"the class {type(arbiter).__name__} has no `channel`"
                 )
             self.arbiters[channel] = arbiter
-        #: What a library may enable, by name.
+        #: The skills that a library may enable, by name.
         self.entries: dict[str, type[Skill] | Compound] = {}
         for entry in check_list("skills", skills, object, "skills"):
             check_entry(entry)
@@ -90,14 +99,14 @@ class Catalogue(Periphery):
                 raise CatalogueError(f"two skills are named `{entry.name}`")
             self.entries[entry.name] = entry
         parts = [part for name in self.entries for part in self.parts(name)]
-        #: Every single skill, those that only compounds have among them, by name.
+        #: Every single skill by name, including the parts of compounds.
         self._singles: dict[str, type[Skill]] = {}
         for skill in parts:
             other = self._singles.setdefault(skill.name, skill)
             if other is not skill:
                 both = f"{label_of(other)} and {label_of(skill)}"
                 raise CatalogueError(f"{both} have one name")
-        #: Every event that some skill may tell, by name.
+        #: Every event that a skill may report, by name.
         self.events: dict[str, type[Event]] = {}
         for skill in self._singles.values():
             self._check_parameters(label_of(skill), skill.parameters)
@@ -116,16 +125,16 @@ class Catalogue(Periphery):
             self._check_wiring(self.parts(entry.name))
 
     def parts(self, name: str) -> tuple[type[Skill], ...]:
-        """Return the single skills that `name` stands for.
+        """Return the single skills of `name`.
 
         Raises:
-            KeyError: if there is no such skill.
+            KeyError: for an unknown skill.
         """
         entry = self.entries[name]
         return entry.parts if isinstance(entry, Compound) else (entry,)
 
     def describe(self, name: str) -> DescribedSkill:
-        """Return the declaration of a skill, a compound's made of its parts'."""
+        """Return the declaration of a skill; for a compound, made of its parts."""
         entry = self.entries[name]
         parts = self.parts(name)
         doc = entry.doc if isinstance(entry, Compound) else first_line(entry.__doc__)
@@ -134,7 +143,7 @@ class Catalogue(Periphery):
         return DescribedSkill(name, entry.parameters, tuple(events), tuple(uses), doc)
 
     def fault(self, request: SkillRequest) -> str | None:
-        """Return what is wrong with a request by itself, or None."""
+        """Return the fault of a request by itself, or None."""
         entry = self.entries.get(request.skill)
         if entry is None:
             return f"there is no skill `{request.skill}`"
@@ -158,7 +167,7 @@ class Catalogue(Periphery):
             raise CatalogueError(f"{name} has two parameters of one name")
 
     def _check_channels(self) -> None:
-        """Every input has a possible writer, and a name stands for one channel."""
+        """Check that each input has a possible writer and each name one channel."""
         written = set(self.sensors)
         channels = {channel.name: channel for channel in self.sensors}
         reads: list[tuple[str, Channel[Any], set[Channel[Any]]]] = []
@@ -213,14 +222,14 @@ class Catalogue(Periphery):
                     )
 
     def _check_wiring(self, parts: Sequence[type[Skill]]) -> None:
-        """Wire a skill, or the parts of one, with those that alone write what it reads.
+        """Wire a skill, or a compound's parts, with the only writers of its inputs.
 
         Raises:
-            CatalogueError: if they cannot be wired, whatever else comes on.
+            CatalogueError: if the skills cannot be wired, whatever else is active.
         """
         on = dict.fromkeys(parts)
         queue = list(parts)
-        for skill in queue:  # it grows meanwhile
+        for skill in queue:  # the loop extends the queue
             for read in map(as_input, skill.inputs):
                 channel, needed = read.channel, not (read.optional or read.delayed)
                 if needed and not channel.own and channel not in self.sensors:

@@ -1,7 +1,7 @@
-"""What is wrong with the classes of skills by themselves, before any is wired.
+"""Checks of single classes of skills, before any class is wired.
 
-A catalogue asks this first. So an author who forgets a comma, a name or a method is
-told the class and what it lacks.
+A catalogue runs these checks first. So an author who forgets a comma, a name or a
+method gets a message with the class and the missing part.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _TUPLES: Mapping[str, tuple[tuple[type, ...], str]] = {
     "uses": ((str,), "names"),
     "events": ((Event,), "classes of events"),
 }
-"""What the tuples of a class hold, by their names: types, and the word for them."""
+"""Types in the tuples of a class by attribute, with the word for messages."""
 
 
 class CatalogueError(ValueError):
@@ -44,16 +44,16 @@ class CatalogueError(ValueError):
 def check_list(
     what: str, given: Iterable[T], types: type[Any], word: str
 ) -> tuple[T, ...]:
-    """Return a list that a catalogue is made of, when all in it is as it should be.
+    """Return a list given to a catalogue as a tuple, after a check of its types.
 
     Args:
-        what: what the parameter is called.
+        what: the name of the parameter.
         given: the list.
-        types: the class of what stands in it.
-        word: what that is called.
+        types: the allowed class of its entries.
+        word: the name of the entries in messages.
 
     Raises:
-        CatalogueError: if it is no list, or holds something else.
+        CatalogueError: if the value is not a list, or has entries of another type.
     """
     owner = f"`{what}` of a catalogue"
     if not isinstance(given, Iterable) or isinstance(given, str | type):
@@ -69,10 +69,10 @@ def check_list(
 
 
 def check_entry(entry: object) -> None:
-    """See that what an author puts into a catalogue is a skill, and all it should be.
+    """Validate an entry of a catalogue as a skill.
 
     Raises:
-        CatalogueError: with the class and what is wrong with it.
+        CatalogueError: with the class and its fault.
     """
     if isinstance(entry, Compound):
         _check_name(f"the compound `{entry.name}`", entry.name)

@@ -1,4 +1,4 @@
-"""What the author of a skill declares: channels, parameters, skills, events.
+"""Declarations by the author of a skill: channels, parameters, skills, events.
 
     OBSTACLES = Channel("obstacles", Obstacles, "m", "what is near, by direction")
 
@@ -37,7 +37,7 @@ class SkillError(Exception):
 class Channel(Generic[T_co]):
     """A named stream of values between skills, sensors and actuators.
 
-    A channel holds the value of the present tick, or nothing.
+    A channel holds the value of the present tick, or no value.
     """
 
     __slots__ = ("doc", "name", "own", "type", "types", "unit")
@@ -52,19 +52,19 @@ class Channel(Generic[T_co]):
         own: bool = False,
     ) -> None:
         self.name = name
-        #: What a value is; also what a saved value is read back as.
+        #: The type of a value; a saved value is read back as this type.
         self.type = type
         self.unit = unit
         self.doc = doc
-        #: Whether each skill that writes the channel has one for itself, which only
-        #: its own events read.
+        #: Whether each skill that writes the channel has its own slot, which only the
+        #: skill's own events read.
         self.own = own
-        #: The classes of which a value is, as far as that is quickly seen.
+        #: The classes of the channel's values, for a fast check.
         self.types = _classes(type)
 
     @property
     def kind(self) -> str:
-        """Return how messages name type and unit: `float in m`."""
+        """Name of type and unit for messages: `float in m`."""
         plain = isinstance(self.type, type) and get_origin(self.type) is None
         kind = self.type.__name__ if plain else str(self.type)
         return f"{kind} in {self.unit}" if self.unit else kind
@@ -74,7 +74,7 @@ class Channel(Generic[T_co]):
 
 
 def _classes(type_: Any) -> tuple[type, ...]:
-    """Return the classes that values of a type have; `object` where any may do."""
+    """Return the classes of a type's values; `object` if every class is possible."""
     origin = get_origin(type_)
     if origin in (Union, UnionType):
         return tuple(one for part in get_args(type_) for one in _classes(part))
@@ -83,7 +83,7 @@ def _classes(type_: Any) -> tuple[type, ...]:
         return (object,)
     try:
         isinstance(None, found)
-    except TypeError:  # a protocol, a typed dict: it cannot be asked
+    except TypeError:  # a protocol or a typed dict has no instance check
         return (object,)
     return (float, int) if found is float else (found,)
 
@@ -92,10 +92,10 @@ class Input(msgspec.Struct, frozen=True, eq=False):
     """A channel that a skill reads."""
 
     channel: Channel[Any]
-    #: Whether the skill also works while nothing is written to the channel.
+    #: Whether the skill also works without a value on the channel.
     optional: bool = False
-    #: Whether the skill reads the value of the tick before: what a circle of skills
-    #: needs in one place.
+    #: Whether the skill reads the value of the preceding tick. A circle of skills
+    #: needs a delayed input in one place.
     delayed: bool = False
 
 
@@ -103,19 +103,19 @@ Reads = Channel[Any] | Input
 
 
 class Parameter(msgspec.Struct, frozen=True):
-    """A value that the RAP system hands to a skill, or an event hands to it."""
+    """A value that the RAP system passes to a skill, or an event to the RAP system."""
 
     name: str
-    #: One of `KINDS`.
+    #: A kind of `KINDS`.
     kind: str
     unit: str = ""
     doc: str = ""
-    #: Bounds of a number, both allowed themselves.
+    #: Bounds of a number, inclusive.
     low: float | None = None
     high: float | None = None
 
     def fault(self, value: object) -> str | None:
-        """Return what is wrong with `value`, or None if it fits."""
+        """Return the fault of `value`, or None if it is valid."""
         fits = {
             "number": is_number(value),
             "symbol": isinstance(value, str),
@@ -134,11 +134,11 @@ class Parameter(msgspec.Struct, frozen=True):
 class Ports:
     """The channels of one active skill or event, read and written by channel.
 
-    What was not declared cannot be reached.
+    Undeclared channels cannot be used.
 
     Args:
-        node: how messages name the skill or event.
-        values: what the channels hold, by slot.
+        node: the name of the skill or event in messages.
+        values: the values of the channels, by slot.
         reads: the slot of each channel that can be read.
         writes: the slot of each channel that can be written.
     """
@@ -158,7 +158,7 @@ class Ports:
         self._writes = writes
 
     def __getitem__(self, channel: Channel[T]) -> T:
-        """Return what `channel` holds. Raises SkillError if it holds nothing."""
+        """Return the value of `channel`. Raises SkillError if there is no value."""
         try:
             value: T = self._values[self._reads[channel]]
         except KeyError:
@@ -171,7 +171,7 @@ class Ports:
         return value
 
     def get(self, channel: Channel[T]) -> T | None:
-        """Return what `channel` holds, or None."""
+        """Return the value of `channel`, or None."""
         try:
             value: T | None = self._values.get(self._reads[channel])
         except KeyError:
@@ -182,7 +182,7 @@ class Ports:
         """Write `value` to `channel` for the rest of the tick.
 
         Raises:
-            SkillError: if it is not of the channel's type.
+            SkillError: if `value` is not of the channel's type.
         """
         if not isinstance(value, channel.types):
             raise SkillError(
@@ -201,67 +201,68 @@ class Ports:
 
 
 class Stateless(msgspec.Struct):
-    """The state of a skill that has none."""
+    """The state of a skill without state."""
 
 
 class NetworkNode:
-    """What skills and events have in common: inputs, arguments, a state."""
+    """The common part of skills and events: inputs, arguments, a state."""
 
     name: ClassVar[str]
     inputs: ClassVar[tuple[Reads, ...]] = ()
-    #: The type of `state`: a msgspec struct, which is saved and restored.
+    #: The type of `state`: a msgspec struct; the runtime saves and restores it.
     State: ClassVar[type[msgspec.Struct]] = Stateless
 
     def __init__(self, arguments: Mapping[str, Any]) -> None:
-        """Make the skill as it is when it comes on.
+        """Make the skill in its initial state.
 
         Args:
-            arguments: the values of the parameters by name; an event has those of
+            arguments: the values of the parameters by name; an event has the arguments
+            of
                 its skill.
         """
         self.arguments = arguments
-        #: All that the skill remembers from one tick to the next.
+        #: The state that the skill keeps from tick to tick.
         self.state: Any = self.State()
 
 
 def label_of(node: type[NetworkNode]) -> str:
-    """Return how messages name a class of skills or events: by name and class."""
+    """Return the name of a class of skills or events for messages: name and class."""
     return f"`{node.name}` ({node.__name__})"
 
 
 class Event(NetworkNode):
-    """A test on channels that tells the RAP system when it comes out true [S 2].
+    """A test on channels, reported to the RAP system when the test passes [S 2].
 
-    An event is told to an activation once, at the edge; it can be told again after
-    the test has failed once.
+    The runtime reports an event to an activation once, at the first passing test. It
+    can report the event again after the test has failed once.
     """
 
-    #: What the event says besides its name.
+    #: The arguments of the event.
     carries: ClassVar[tuple[Parameter, ...]] = ()
-    #: Seconds after which an event whose test still holds is told again; None: never.
+    #: Seconds after which a passing event is reported again; None: never.
     again: ClassVar[float | None] = None
 
     def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
-        """Return what the event carries if its test holds in this tick, else None.
+        """Return the event's arguments if its test passes in this tick, else None.
 
         Args:
             now: the time in seconds.
-            ports: the channels; those of the event's own skill come first.
+            ports: the channels; the channels of the event's own skill come first.
         """
         raise NotImplementedError
 
 
 class Skill(NetworkNode):
-    """A continuous process: every tick it reads its inputs and writes its outputs.
+    """A continuous process: each tick it reads its inputs and writes its outputs.
 
-    The docstring's first line of a skill's class is what `describe` says of it.
+    The first line of the class's docstring is the description in `describe`.
     """
 
     outputs: ClassVar[tuple[Channel[Any], ...]] = ()
     parameters: ClassVar[tuple[Parameter, ...]] = ()
-    #: The events that the skill may tell.
+    #: The events that the skill may report.
     events: ClassVar[tuple[type[Event], ...]] = ()
-    #: Things that only one skill at a time can use, `wheels` for example.
+    #: Things that only one skill at a time can use, for example `wheels`.
     uses: ClassVar[tuple[str, ...]] = ()
 
     def step(self, now: float, ports: Ports) -> None:
@@ -275,7 +276,7 @@ class Skill(NetworkNode):
 
 
 class Compound(msgspec.Struct, frozen=True):
-    """A skill made of smaller ones that are switched on and off together [S 2.1].
+    """A skill made of smaller skills that are switched on and off together [S 2.1].
 
     A part takes its arguments from the parameters of the same names.
     """
@@ -287,7 +288,7 @@ class Compound(msgspec.Struct, frozen=True):
 
 
 class Arbiter:
-    """What decides when several active skills write one channel.
+    """The decision between several active skills that write one channel.
 
     Without a declared arbiter two writers are a conflict.
     """
@@ -295,11 +296,12 @@ class Arbiter:
     channel: ClassVar[Channel[Any]]
 
     def decide(self, values: list[Any]) -> Any:
-        """Return the one value that the readers get.
+        """Return the value for the readers.
 
         Args:
-            values: what was written in this tick, in the order in which the skills
-                came on; never empty.
+            values: the values written in this tick, in the order in which the skills
+            were
+                switched on; never empty.
         """
         raise NotImplementedError
 

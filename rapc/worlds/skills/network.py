@@ -1,17 +1,17 @@
-"""The wiring of the skills that are active at a moment.
+"""The wiring of the active skills.
 
-`wire` connects every input to what writes its channel: a sensor, the one active skill
-that has it as output, or the arbiter between several. Skills run in an order in which
-each comes after those it reads; a delayed input asks for no order, since it reads what
-was written a tick ago.
+`wire` connects every input to the writer of its channel: a sensor, the only active
+skill with this output, or the arbiter of several skills. Each skill runs after the
+skills that it reads. A delayed input requires no order, because it reads the value of
+the preceding tick.
 
     sonar (sensor) -> detect-obstacles -> follow-trajectory -> drive (actuator)
                    -> track-hallway    ->
 
-The order is that of activation wherever wiring leaves it open, so that two runs with
-the same activations step their skills alike.
+Where the wiring leaves the order open, skills run in the order of activation. So two
+runs with the same activations step their skills in the same order.
 
-A catalogue wires its classes on trial, so nothing else checks a wiring.
+A catalogue wires its classes on trial, so no other code checks a wiring.
 """
 
 from __future__ import annotations
@@ -36,18 +36,18 @@ class WiringError(ValueError):
 
     def __init__(self, reason: str, skills: Sequence[str] = ()) -> None:
         super().__init__(reason)
-        #: Keys of the skills that stand in each other's way, if that is the reason.
+        #: Keys of the skills in conflict, if a conflict is the reason.
         self.skills = tuple(skills)
 
 
 class Periphery:
-    """What a network of skills is wired to."""
+    """The surroundings of a network of skills."""
 
     #: Channels that the world writes.
     sensors: Sequence[Channel[Any]]
     #: Channels that the world reads.
     actuators: Sequence[Channel[Any]]
-    #: Who decides on a channel that several skills may write.
+    #: Arbiters of channels that several skills may write.
     arbiters: Mapping[Channel[Any], Arbiter]
 
 
@@ -55,29 +55,29 @@ class Periphery:
 class Member:
     """A skill or an event in a network; on trial a class of skills."""
 
-    #: Name and arguments: equal for what runs once.
+    #: Name and arguments; members with equal keys run once.
     key: str
     node: Any
     #: The key of an event's skill; None for a skill.
     host: str | None = None
-    #: The activations that have the skill, or are told the event, oldest first.
+    #: The activations with the skill, or with the event, oldest first.
     tickets: list[int] = field(default_factory=list)
     ports: Ports = field(init=False)
 
     @property
     def label(self) -> str:
-        """Return how messages name the skill or the event."""
+        """Name of the skill or the event for messages."""
         return label_of(self.node) if isinstance(self.node, type) else f"`{self.key}`"
 
     @property
     def outputs(self) -> Sequence[Channel[Any]]:
-        """Return the channels that a skill writes; an event writes none."""
+        """Output channels of a skill; an event has no outputs."""
         return getattr(self.node, "outputs", ())
 
 
 @dataclass(slots=True)
 class Arbitration:
-    """The work of an arbiter in a network: many slots into one."""
+    """An arbiter in a network: it merges several slots into one slot."""
 
     arbiter: Arbiter
     slots: tuple[str, ...]
@@ -85,26 +85,27 @@ class Arbitration:
 
 @dataclass(slots=True)
 class Network:
-    """Members that have been wired, in the order in which they run.
+    """Wired members, in the order in which they run.
 
-    `values` is what the channels hold: the world puts in what its sensors say.
+    `values` has the values of the channels: the world enters the readings of its
+    sensors.
     """
 
-    #: What the channels hold in this tick, by slot.
+    #: The values of the channels in this tick, by slot.
     values: dict[str, Any] = field(default_factory=dict)
     #: Skills, events and arbiters by key, in the order in which they run.
     order: dict[str, Member | Arbitration] = field(default_factory=dict)
     edges: list[Edge] = field(default_factory=list)
-    #: The sensors that anything reads.
+    #: The sensors that a member reads.
     sensors: list[Channel[Any]] = field(default_factory=list)
     #: Channels whose value is kept for the next tick.
     delayed: list[Channel[Any]] = field(default_factory=list)
 
     def graph(self) -> Graph:
-        """Return the network to be drawn, from sensors to actuators and events.
+        """Return the network as a graph, from sensors to actuators and events.
 
         A vertex is of the kind `sensor`, `skill`, `event`, `arbiter` or `actuator`; an
-        edge is labelled with its channel. Where nothing is active there are neither.
+        edge is labelled with its channel. Without active skills the graph is empty.
         """
         kinds = {channel.name: "sensor" for channel in self.sensors}
         for key, member in self.order.items():
@@ -126,23 +127,23 @@ def _label(key: str, kind: str) -> str:
 
 
 def late(channel: Channel[Any]) -> str:
-    """Return the slot that holds a channel's value of the tick before."""
+    """Return the slot of a channel's value in the preceding tick."""
     return f"{channel.name} before"
 
 
 def wire(
     around: Periphery, members: Sequence[Member], *, trial: bool = False
 ) -> Network:
-    """Return the network of `members`; their ports lead into it from now on.
+    """Return the network of `members`; wiring also sets their ports.
 
     Args:
         around: the sensors, actuators and arbiters.
         members: the skills and events.
-        trial: whether other skills may still come on and write what is read.
+        trial: whether further skills may be switched on and write missing inputs.
 
     Raises:
-        WiringError: if an input has no writer, a channel several without an arbiter,
-            or skills read each other in a circle without a delay.
+        WiringError: if an input has no writer, a channel has several writers without an
+            arbiter, or skills form a circle without a delay.
     """
     wiring = _Wiring(around, members, trial)
     for member in members:
@@ -152,7 +153,7 @@ def wire(
 
 
 class _Wiring:
-    """One call of `wire`."""
+    """A call of `wire`."""
 
     def __init__(
         self, around: Periphery, members: Sequence[Member], trial: bool
@@ -163,11 +164,11 @@ class _Wiring:
         self.sensors = {channel.name for channel in around.sensors}
         self.members: dict[str, Member | Arbitration] = {m.key: m for m in members}
         self.writers = self._find_writers(members)
-        #: What each member has to come after.
+        #: The writers that each member must follow in the order.
         self.before: dict[str, list[str]] = {member.key: [] for member in members}
 
     def _find_writers(self, members: Sequence[Member]) -> dict[Channel[Any], list[str]]:
-        """Return the keys of the skills that write each shared channel, if allowed."""
+        """Return the writers of each shared channel, after a check for arbiters."""
         writers: dict[Channel[Any], list[str]] = {}
         for member in members:
             for channel in member.outputs:
@@ -182,12 +183,12 @@ class _Wiring:
         return writers
 
     def _named(self, key: str) -> str:
-        """Return how messages name a member or an arbiter."""
+        """Return the name of a member or an arbiter for messages."""
         member = self.members[key]
         return member.label if isinstance(member, Member) else f"`{key}`"
 
     def connect(self, member: Member) -> None:
-        """Give `member` its ports, and note its edges."""
+        """Set the ports of `member`, and note its edges."""
         network, reads = self.network, {}
         for wanted in map(as_input, member.node.inputs):
             channel = wanted.channel
@@ -211,13 +212,13 @@ class _Wiring:
         member.ports = Ports(node, network.values, reads, writes)
 
     def _slot(self, member: Member, channel: Channel[Any]) -> str:
-        """Return where a skill writes one of its outputs."""
+        """Return the slot of a skill's output."""
         if channel.own or channel in self.around.arbiters:
             return f"{channel.name} of {member.key}"
         return channel.name
 
     def _source(self, member: Member, channel: Channel[Any]) -> tuple[str, str | None]:
-        """Return the slot that a member reads for a channel, and who writes it."""
+        """Return the slot that a member reads for a channel, and the writer."""
         if channel.own:
             return f"{channel.name} of {member.host}", member.host
         if channel.name in self.sensors:
@@ -227,14 +228,14 @@ class _Wiring:
         return channel.name, self._writer(channel)
 
     def _writer(self, channel: Channel[Any]) -> str | None:
-        """Return the key of the skill, or the arbiter, that writes a channel."""
+        """Return the key of the skill or arbiter that writes a channel."""
         keys = self.writers.get(channel)
         if keys and channel in self.around.arbiters:
             return f"arbiter of {channel.name}"
         return keys[0] if keys else None
 
     def finish(self) -> None:
-        """Put arbiters in, order everything, and connect the actuators."""
+        """Add arbiters, sort all members, and connect the actuators."""
         network = self.network
         for channel, arbiter in self.around.arbiters.items():
             if keys := self.writers.get(channel):
@@ -250,7 +251,7 @@ class _Wiring:
                 network.edges.append(Edge(writer, end, channel.name))
 
     def _ordered(self) -> Iterator[str]:
-        """Yield the keys, each after those it comes after; else in their own order."""
+        """Yield the keys, each after its predecessors, else in their own order."""
         left = dict(self.before)
         while left:
             ready = next((k for k, b in left.items() if left.keys().isdisjoint(b)), "")
@@ -263,7 +264,7 @@ class _Wiring:
 
 
 def _circle(before: Mapping[str, Sequence[str]]) -> list[str]:
-    """One circle among keys of which each has to come after another one here."""
+    """Return a circle among keys that all have a predecessor here."""
     walk = [next(iter(before))]
     while True:
         following = next(key for key in before[walk[-1]] if key in before)

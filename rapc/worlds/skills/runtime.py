@@ -1,10 +1,11 @@
-"""Switching skills on and off, and stepping the active ones at a fixed rate.
+"""Switching skills on and off, and stepping the active skills at a fixed rate.
 
-An activation is a set of skills that came on together and the events that are to be
-told for it [S 3]. A skill that several activations have with the same arguments runs
-once, until the last of them has ended; what its events tell belongs to each of them.
+An activation is a set of skills that were switched on together, and the events to
+report to the activation [S 3]. A skill with equal arguments in several activations runs
+once, until the last of the activations has ended; its events belong to all of them.
 
-What skills an activation is, and whether it can come on, is in `activations`.
+Not here: the members of an activation and the check of a new activation, see
+`activations`.
 """
 
 from __future__ import annotations
@@ -34,15 +35,15 @@ from rapc.worlds.states import reading_state
 T = TypeVar("T")
 
 Sensors = Mapping[str, Callable[[], Any]]
-"""How to read each sensor, by the name of its channel."""
+"""The reader of each sensor, by the name of its channel."""
 
 
 class EventTold(msgspec.Struct, frozen=True):
-    """An event that came out true in a tick."""
+    """An event whose test passed in a tick."""
 
     event: str
     arguments: tuple[Atom, ...]
-    #: The activations under which the event arose, in the order they came on.
+    #: The activations of the event, oldest first.
     tickets: tuple[int, ...]
 
 
@@ -50,19 +51,19 @@ class _Saved(msgspec.Struct):
     activations: list[ActiveSkills]
     #: The state of each skill and event, by key.
     states: dict[str, Any]
-    #: When each event was last told to an activation, by key and ticket; only those
-    #: whose test has held since.
+    #: The time of the last report of each event, by key and ticket; only for events
+    #: whose test has passed since.
     told: dict[str, dict[int, float]]
-    #: What the delayed channels held, by slot.
+    #: The values of the delayed channels, by slot.
     before: dict[str, Any]
 
 
 class SkillRuntime:
-    """The skills of a robot: which are on, what they are at, what they tell."""
+    """The skills of a robot: the active skills, their states and their events."""
 
     def __init__(self, catalogue: Catalogue) -> None:
         self.catalogue = catalogue
-        #: What is under way, in the order it came on.
+        #: The active activations, oldest first.
         self.activations: dict[int, ActiveSkills] = {}
         self._members: dict[str, Member] = {}
         self._told: dict[str, dict[int, float]] = {}
@@ -75,15 +76,16 @@ class SkillRuntime:
         """Switch `skills` on; they run from the next tick.
 
         Args:
-            ticket: the number under which the activation is known from now on.
-            skills: what is to run.
-            events: the names of the events to be told.
+            ticket: the number of the activation.
+            skills: the skills to run.
+            events: the names of the events to report.
 
         Returns:
-            None, or why nothing was switched on; without `conflicts` it never can be.
+            None, or the reason for a refusal; without `conflicts` the refusal is
+            permanent.
 
         Raises:
-            ValueError: if `ticket` is under way already.
+            ValueError: if `ticket` is active already.
         """
         if ticket in self.activations:
             raise ValueError(f"the activation {ticket} is under way already")
@@ -95,16 +97,16 @@ class SkillRuntime:
         return refused
 
     def deactivate(self, ticket: int) -> None:
-        """Switch off what only the activation `ticket` has; unknown ones are none."""
+        """Switch off skills that only `ticket` has; ignore unknown tickets."""
         if self.activations.pop(ticket, None) is not None:
             self._rebuild()
 
     def tick(self, now: float, sensors: Sensors) -> list[EventTold]:
-        """Step every active skill once, and return the events that came out true.
+        """Step every active skill once, and return the events whose test passed.
 
         Args:
             now: the time in seconds.
-            sensors: how to read each sensor; only those in use are read.
+            sensors: the readers of the sensors; only sensors in use are read.
         """
         network, told = self.network, []
         values = network.values
@@ -127,12 +129,12 @@ class SkillRuntime:
         return told
 
     def value(self, channel: Channel[T]) -> T | None:
-        """Return what was written to a channel in the last tick, or None."""
+        """Return the value of a channel in the last tick, or None."""
         value: T | None = self.network.values.get(channel.name)
         return value
 
     def active(self) -> tuple[str, ...]:
-        """Return the keys of the skills that are on, in the order they came on."""
+        """Return the keys of the active skills, in the order of activation."""
         return tuple(key for key, m in self._members.items() if m.host is None)
 
     def save(self) -> bytes:
@@ -146,10 +148,11 @@ class SkillRuntime:
         return msgspec.json.encode(saved)
 
     def restore(self, saved: bytes) -> None:
-        """Take up a state that `save` returned, in place of the present one.
+        """Restore a state that `save` returned.
 
         Raises:
-            ValueError: if it is none, or one of other skills; nothing has changed.
+            ValueError: if the state is invalid or has other skills; the runtime is
+                unchanged then.
         """
         other = SkillRuntime(self.catalogue)
         with reading_state("these skills"):
@@ -172,7 +175,7 @@ class SkillRuntime:
                 self._before[late(channel)] = msgspec.convert(value, channel.type)
 
     def _rebuild(self) -> None:
-        """Wire what is under way now; skills that stay keep their state."""
+        """Wire the active skills and events; remaining skills keep their state."""
         under_way, old = self.activations.values(), self._members
         self._members = members_of(self.catalogue, under_way, old)
         self._told = {
@@ -196,7 +199,7 @@ class SkillRuntime:
             values[channel.name] = value
 
     def _listen(self, now: float, member: Member, event: Event) -> list[EventTold]:
-        """Test an event, and tell it to the activations that have not heard it."""
+        """Test an event, and report it to the activations that have no report yet."""
         said, told = event.test(now, member.ports), self._told[member.key]
         if said is None:
             told.clear()
@@ -213,7 +216,7 @@ class SkillRuntime:
 
 
 def _sensed(channel: Channel[Any], sensors: Sensors) -> Any:
-    """Return what a sensor says. Raises SkillError for what its channel is not for."""
+    """Return the reading of a sensor; raise SkillError if the type is wrong."""
     read = sensors.get(channel.name)
     if not callable(read):
         told = "is given no function that reads it"
@@ -230,7 +233,7 @@ def _sensed(channel: Channel[Any], sensors: Sensors) -> Any:
 
 
 def _check_carried(event: Event, said: object) -> None:
-    """See that an event carries what it declares. Raises PortError."""
+    """Validate the arguments of an event; raise PortError."""
     wanted = len(event.carries)
     fault: str | None = None
     if not isinstance(said, tuple):

@@ -1,4 +1,4 @@
-"""A world that is all skills: the port on one side, a runtime of skills on the other.
+"""A world of skills only: an adapter between the port and a runtime of skills.
 
 An author writes a catalogue, and `tick`: what a tick of time does.
 
@@ -46,11 +46,11 @@ class _Rest(msgspec.Struct):
 
 
 def offer(skills: Catalogue, events: Mapping[str, int] | None = None) -> Offer:
-    """Return what a world offers to libraries, names with their colons.
+    """Return the offer of a world to libraries; names have their colons.
 
     Args:
         skills: the skills with their events.
-        events: more events, which belong to no skill, with the number of arguments.
+        events: further events without a skill, with the number of arguments.
     """
     told = {f":{name}": len(event.carries) for name, event in skills.events.items()}
     return Offer(
@@ -60,17 +60,18 @@ def offer(skills: Catalogue, events: Mapping[str, int] | None = None) -> Offer:
 
 
 class SkillWorld(World):
-    """A world with skills and no primitives, which lives in ticks of equal length.
+    """A world with skills and without primitives, which advances in equal ticks.
 
-    Everything that is asked of it is an activation, everything it says is a signal. It
-    cannot say when the next signal comes; `advance` stops at the first.
+    Each activation comes from the interpreter, and each message of the world is a
+    signal. The time of the next signal is not known; `advance` stops at the first
+    signal.
 
     Args:
         runtime: the skills.
-        state: all else that changes, a msgspec struct: it is saved with the skills.
+        state: the other changing state, a msgspec struct, saved with the skills.
     """
 
-    #: How many ticks a time unit has.
+    #: The number of ticks in a time unit.
     ticks_a_unit: ClassVar[int] = 10
 
     def __init__(
@@ -78,13 +79,13 @@ class SkillWorld(World):
     ) -> None:
         self.runtime = runtime
         self.state: Any = state
-        #: How many ticks have passed, the one that passes now among them.
+        #: The number of ticks, the present tick included.
         self.ticks = 0
         self._now: Number = 0
         self._sent: list[EventTold] = []
 
     def __getattr__(self, name: str) -> NoReturn:
-        """Say what a world lacks that was not made by `SkillWorld.__init__`."""
+        """Raise a PortError if `SkillWorld.__init__` was not called."""
         kind = type(self)
         if name in {"runtime", "state", "ticks", "_now", "_sent"}:
             raise PortError(
@@ -95,16 +96,16 @@ class SkillWorld(World):
 
     @abstractmethod
     def tick(self) -> Iterable[EventTold]:
-        """Let a tick pass: read sensors, step the skills, do what actuators are told.
+        """Advance by a tick: read sensors, step the skills, apply the actuators.
 
         Returns:
-            What is told, in order: what `runtime.tick` returns, and whatever arises
-            under no activation.
+            The events in order: the result of `runtime.tick`, and events without an
+            activation.
         """
 
     @property
     def time(self) -> float:
-        """The time at the end of the tick that passes."""
+        """The time in seconds at the end of the present tick."""
         return self.ticks / self.ticks_a_unit
 
     def now(self) -> Time:
@@ -112,7 +113,7 @@ class SkillWorld(World):
         return self._now
 
     def perform(self, ticket: int, request: Fact) -> NoReturn:
-        """Refuse: there are no primitives here.
+        """Refuse the request: the world has no primitives.
 
         Raises:
             ValueError: always.
@@ -125,13 +126,13 @@ class SkillWorld(World):
         """Switch skills on; they run from the next tick.
 
         Args:
-            ticket: the number of the activation from now on.
-            skills: what is to run: names with their colons, then arguments.
-            events: names of the events to be told, with their colons.
+            ticket: the number of the activation.
+            skills: the skills to run: names with their colons, then arguments.
+            events: names of the events to report, with their colons.
 
         Returns:
-            None, or why not: what it would be in conflict with, by ticket, if that is
-            the reason.
+            None, or the reason for a refusal: conflicting tickets, if a conflict is the
+            reason.
         """
         wanted = [
             SkillRequest(str(s[0]).removeprefix(":"), tuple(s[1:])) for s in skills
@@ -140,19 +141,19 @@ class SkillWorld(World):
         return self.runtime.activate(ticket, wanted, names)
 
     def deactivate(self, ticket: int) -> None:
-        """Switch off what only this activation has."""
+        """Switch off the skills that only this activation has."""
         self.runtime.deactivate(ticket)
 
     def cancel(self, ticket: int) -> None:
-        """Give up an activation: the same as to deactivate it."""
+        """Cancel an activation: the same as `deactivate`."""
         self.deactivate(ticket)
 
     def next_time(self) -> Time:
-        """Return the present if something has been sent; else it is not known."""
+        """Return the present if signals wait to be sent, else `NOT_KNOWN`."""
         return self._now if self._sent else NOT_KNOWN
 
     def advance(self, to: Time) -> None:
-        """Let time pass up to `to`, or to the first thing there is to send."""
+        """Advance the clock to `to`, or to the first signal."""
         while not self._sent and self.ticks + 1 <= to * self.ticks_a_unit + 1e-6:
             self.ticks += 1
             self._sent += self._told()
@@ -161,7 +162,7 @@ class SkillWorld(World):
             self._now = max(self._now, to)
 
     def _told(self) -> Iterable[EventTold]:
-        """Let a tick pass, and see that it returns what it should."""
+        """Advance by a tick; validate and return its events."""
         told = tuple(given) if isinstance(given := self.tick(), Iterable) else (given,)
         for one in told:
             if not isinstance(one, EventTold):
@@ -172,7 +173,7 @@ class SkillWorld(World):
         return told
 
     def messages(self) -> Sequence[Signal]:
-        """Return the signals since the last call, in the order they arose."""
+        """Return the signals since the preceding call, in order of time."""
         sent, self._sent = self._sent, []
         return [
             Signal((f":{told.event}", *map(_plain, told.arguments)), told.tickets)
@@ -180,7 +181,7 @@ class SkillWorld(World):
         ]
 
     def network(self) -> Graph:
-        """Return the network of skills that is active now, to be drawn."""
+        """Return the network of the active skills as a graph."""
         return self.runtime.network.graph()
 
     def save(self) -> bytes:
@@ -190,10 +191,10 @@ class SkillWorld(World):
         return msgspec.json.encode(_Saved(self._now, self.ticks, sent, rest))
 
     def restore(self, state: bytes) -> None:
-        """Take up a saved state, in place.
+        """Restore a saved state.
 
         Raises:
-            ValueError: if it is none, or one of a world with other options.
+            ValueError: if the state is invalid or from a world with other options.
         """
         with reading_state(f"the world `{self.name}`"):
             saved = msgspec.json.decode(state, type=_Saved)
@@ -204,12 +205,12 @@ class SkillWorld(World):
         self._sent = [EventTold(*told) for told in saved.sent]
 
     def save_rest(self) -> bytes:
-        """Return the skills and all else but the clock, as JSON.
+        """Return the skills and the other state without the clock, as JSON.
 
-        Who overrides this overrides `restore_rest`.
+        A subclass that overrides this method must override `restore_rest`.
         """
         skills = msgspec.Raw(self.runtime.save())
-        # Read back once: what is taken up is saved alike, a whole number as a float.
+        # Decode once: whole numbers become floats here as after a restore.
         read = msgspec.json.decode(
             msgspec.json.encode(self.state), type=type(self.state)
         )
@@ -217,10 +218,10 @@ class SkillWorld(World):
         return msgspec.json.encode(_Rest(skills, state))
 
     def restore_rest(self, rest: bytes) -> None:
-        """Take up what `save_rest` returned; if it raises nothing has changed.
+        """Restore data of `save_rest`; after an error the world is unchanged.
 
         Raises:
-            ValueError: if it is none of this world.
+            ValueError: if the data are not from this world.
         """
         with reading_state(f"the world `{self.name}`"):
             saved = msgspec.json.decode(rest, type=_Rest)
