@@ -1,11 +1,11 @@
-"""The port between interpreter and world: all that authors of worlds import.
+"""The port between interpreter and world, with all names that authors of worlds import.
 
-A `World` has a clock, takes requests, returns results and sensor data, may send more
-unasked, and may end the run. Its `Kit` says what libraries find there: primitives and
-data, options, and the Python code that belongs to the world, such as the handlers that
-turn results and data into changes of memory through `HandlerMemory` [T 3.3]. What only
-some worlds can do stands in protocols of its own, `OPTIONAL`. The interpreter cannot
-see into a world, nor a world into the interpreter.
+A `World` has a clock, takes requests, and returns results and sensor data. A world may
+also send messages without a request, and end the run. Its `Kit` has the parts for
+libraries: primitives, data, options and Python code. This code includes the handlers,
+which turn results and data into changes of memory through `HandlerMemory` [T 3.3].
+Features of some worlds only are separate protocols, `OPTIONAL`. Interpreter and world
+have no access to each other's state.
 """
 
 from __future__ import annotations
@@ -92,42 +92,42 @@ KINDS = ("number", "integer", "flag", "symbol", "text")
 
 
 class Option(msgspec.Struct, frozen=True):
-    """One option of a world: what `rapc worlds NAME` lists and `--set` changes."""
+    """An option of a world, listed by `rapc worlds NAME` and set by `--set`."""
 
     name: str
-    #: One of `number`, `integer`, `flag`, `symbol`, `text`.
+    #: A kind: `number`, `integer`, `flag`, `symbol` or `text`.
     kind: str
-    #: The value if nobody sets another; of kind `text` a `str` or a `rapc.world.Text`.
+    #: The default value; for the kind `text` a `str` or a `rapc.world.Text`.
     default: Atom | bool
     unit: str
     doc: str
 
 
 Callables = Mapping[str, Callable[..., object]]
-"""Python callables by the name under which libraries know them."""
+"""Python callables by their name in libraries."""
 
 
 class Kit(msgspec.Struct, frozen=True):
-    """What a world brings along for libraries; nothing in it changes during a run."""
+    """The parts of a world for libraries; constant during a run."""
 
     #: The primitives, data, skills and signals of the world.
     offer: Offer = Offer()
-    #: What turns results and data into changes of memory.
+    #: The handlers that turn results and data into changes of memory.
     handlers: Handlers = Handlers()
     #: The options with their defaults.
     options: tuple[Option, ...] = ()
-    #: Functions `(memory, arg...)` and default functions `(memory, index)`, by name;
-    #: an index is the tuple of the property's name and its arguments but the value.
+    #: Functions `(memory, arg...)` and default functions `(memory, index)`, by name.
+    #: An index is a tuple: the property's name and its arguments without the value.
     functions: Callables = {}
-    #: Problem solvers `(goal, memory)` by the name of the RAP they help [T 7.4.1]; they
-    #: return methods (see `rapc.methods`).
+    #: Problem solvers `(goal, memory)` by the name of the RAP they solve [T 7.4.1];
+    #: they return methods (see `rapc.methods`).
     solvers: Callables = {}
     #: Comparators `(one, other)` of descriptions, by name [T A.5]: each returns a
     #: number, 0 or less if the two cannot be the same item.
     comparators: Callables = {}
 
     def __post_init__(self) -> None:
-        """See that the parts are what they should be; raises TypeError."""
+        """Validate the fields; raise TypeError."""
         if not isinstance(self.offer, Offer):
             raise TypeError(f"`offer` of a Kit is an Offer, not {self.offer!a:.60}")
         if not isinstance(self.handlers, Handlers):
@@ -144,25 +144,25 @@ class Kit(msgspec.Struct, frozen=True):
 
 
 class World(ABC):
-    """A world as the interpreter sees it. One instance serves one run.
+    """A world as the interpreter uses it. An instance serves one run.
 
-    A world that is opened by name is made with its own random stream, which comes from
-    the seed of the run, and with a value for each option: `(rng, options)`. The value
-    of an option of kind `symbol` or `text` is a `str`. It raises
-    ValueError for values that make no sense together.
+    A world opened by name is made with `(rng, options)`: its own random stream, which
+    comes from the seed of the run, and a value for each option. The value of an option
+    of kind `symbol` or `text` is a `str`. The constructor raises ValueError for
+    inconsistent values.
     """
 
-    #: What the world is called: by `--set`, in traces and in messages.
+    #: The name of the world for `--set`, traces and messages.
     name: str
-    #: What the world brings along for libraries. A world that is opened by name has one
-    #: in its class; the constructor may put another in its place.
+    #: The parts of the world for libraries. A world opened by name has a kit in its
+    #: class; the constructor may replace it.
     kit: Kit
-    #: The values of all options, if the world was opened by name: a saved run goes on
-    #: only in a world that was opened with the same.
+    #: The values of all options, if the world was opened by name. A saved run can only
+    #: continue in a world opened with the same values.
     made_with: Mapping[str, Atom | bool] = MappingProxyType({})
 
     def facts(self) -> Iterable[Fact]:
-        """Return what the robot knows before it has sensed anything: a map, say."""
+        """Return the initial facts of the robot, for example a map."""
         return ()
 
     @abstractmethod
@@ -173,48 +173,48 @@ class World(ABC):
     def perform(self, ticket: int, request: Fact) -> Reply | Refused | None:
         """Carry out a request (items by sensor name).
 
-        An atomic primitive moves the clock on by what it takes and returns its
-        reply; None means that the end comes later as a `Finished` with `ticket`.
+        An atomic primitive advances the clock by its duration and returns its reply.
+        None means that the end comes later as a `Finished` with `ticket`.
         """
 
-    def cancel(self, ticket: int) -> None:  # noqa: B027  # most worlds may leave it
-        """Stop what was asked under `ticket` and has not ended: nobody wants it now.
+    def cancel(self, ticket: int) -> None:  # noqa: B027  # most worlds need no cancel
+        """Stop the request under `ticket`, which is no longer needed.
 
-        It may be answered once more, with what was done by then, or not at all; no
-        time passes. A world that does nothing here goes on until it has ended. A
-        ticket that was answered already means nothing.
+        The world may answer the request once more, with the partial result, or not at
+        all; no time passes. A world without this method carries the request to its end.
+        A ticket that was already answered is ignored.
         """
 
     @abstractmethod
     def next_time(self) -> Time | None:
-        """Return when the world will next send something if nothing is asked of it.
+        """Return the time of the next message if no further request comes.
 
-        None: never. `NOT_KNOWN`: it cannot be said, as in a world whose time is
-        continuous; `advance` then stops at the first thing there is to send.
+        None: never. `NOT_KNOWN`: the time is not known, as in a world with continuous
+        time; `advance` then stops at the first message.
         """
 
     @abstractmethod
     def advance(self, to: Time) -> None:
-        """Move the clock on to `to`, never backwards; the world lives meanwhile.
+        """Advance the clock to `to`, never backwards, with the events of the world.
 
-        A world whose next time is `NOT_KNOWN` stops as soon as it has something to
-        send; the rest of the way it is told again.
+        A world whose next time is `NOT_KNOWN` stops at its first message; the
+        interpreter calls `advance` again for the rest.
         """
 
     @abstractmethod
     def messages(self) -> Sequence[Message]:
-        """Return what the world has sent since this was last asked, in order."""
+        """Return the messages sent since the preceding call, in order."""
 
     def ended(self) -> str | None:
         """Return the reason why the world has ended the run, or None.
 
-        A world whose class does not define it never ends a run.
+        A world whose class does not define this method never ends a run.
         """
         return None
 
 
 class _SavedSimple(msgspec.Struct):
-    """What `SimpleWorld.save` writes."""
+    """The data that `SimpleWorld.save` writes."""
 
     made_with: Mapping[str, Any]
     time: Time
@@ -224,10 +224,10 @@ class _SavedSimple(msgspec.Struct):
 
 
 class SimpleWorld(World):
-    """A world of which only `perform` has to be written.
+    """A world that requires only the method `perform`.
 
-    `advance` moves its clock, `send` sends a message now or later. What changes in it
-    is in `state`, and all chance comes from `rng`: both are saved.
+    `advance` advances the clock, `send` sends a message at once or later. `state` has
+    the changing state, and `rng` is the source of all chance: both are saved.
 
     Args:
         rng: the random stream.
@@ -239,7 +239,7 @@ class SimpleWorld(World):
     name = "simple"
     #: The time of the clock.
     time: Time = 0
-    #: What changes: a dict of plain data, a dataclass or a msgspec struct.
+    #: The changing state: a dict of plain data, a dataclass or a msgspec struct.
     state: Any
 
     def __init__(
@@ -253,7 +253,7 @@ class SimpleWorld(World):
         self.rng = rng or Random(0)
         self.options = options
         self.state = {}
-        #: What is still to be fetched, each message with its time, soonest first.
+        #: The messages still to be fetched, each with its time, soonest first.
         self.outbox: list[tuple[Time, Message]] = []
         if kit is not None or not hasattr(self, "kit"):
             self.kit = kit or Kit()
@@ -263,11 +263,11 @@ class SimpleWorld(World):
             raise TypeError("a SimpleWorld requires `perform`")
 
     def perform(self, ticket: int, request: Fact) -> Reply | Refused | None:
-        """Carry out a request; a class defines this, or the constructor is given it."""
+        """Carry out a request; defined by a subclass or passed to the constructor."""
         raise NotImplementedError
 
     def send(self, message: Message, after: Time = 0) -> None:
-        """Send a datum, a signal or the end of a request, `after` so much time."""
+        """Send a datum, a signal or the end of a request, after the time `after`."""
         self.outbox.append((self.time + after, message))
         self.outbox.sort(key=lambda sent: sent[0])
 
@@ -276,15 +276,15 @@ class SimpleWorld(World):
         return self.time
 
     def advance(self, to: Time) -> None:
-        """Move the clock on."""
+        """Advance the clock."""
         self.time = max(self.time, to)
 
     def next_time(self) -> Time | None:
-        """Return when the next message comes, or None."""
+        """Return the time of the next message, or None."""
         return max(self.time, self.outbox[0][0]) if self.outbox else None
 
     def messages(self) -> Sequence[Message]:
-        """Return the messages whose time has come."""
+        """Return the messages that are due."""
         due = [message for time, message in self.outbox if time <= self.time]
         del self.outbox[: len(due)]
         return due
@@ -298,7 +298,7 @@ class SimpleWorld(World):
         ]
 
     def save(self) -> bytes:
-        """Return the complete state, as JSON. Raises TypeError for no plain data."""
+        """Return the complete state, as JSON. Raises TypeError if not plain data."""
         state, rng = msgspec.json.encode(self.state), stream_state(self.rng)
         if msgspec.json.decode(state, type=type(self.state)) != self.state:
             raise TypeError(f"`state` of the world `{self.name}` is no plain data")
@@ -308,10 +308,10 @@ class SimpleWorld(World):
         )
 
     def restore(self, state: bytes) -> None:
-        """Take up a saved state.
+        """Restore a saved state.
 
         Raises:
-            ValueError: if it is none of this world, or of one with other options.
+            ValueError: if `state` was saved by another world or with other options.
         """
         saved = msgspec.json.decode(state, type=_SavedSimple)
         if saved.made_with != dict(self.made_with):
@@ -325,10 +325,9 @@ class SimpleWorld(World):
 class Skilled(Protocol):
     """A world with skills that are switched on and off [S 3].
 
-    What an activation asks for is a set of skills that are to run together from now
-    on, and the events that are to be told for it. A skill that several activations
-    have with the same arguments runs once, until the last of them is switched off; a
-    `Signal` carries the tickets of all those under which it arose.
+    An activation is a set of skills that run together, and the events to report to the
+    activation. A skill with equal arguments in several activations runs once, until the
+    last of them is switched off. A `Signal` carries the tickets of all its activations.
     """
 
     def activate(
@@ -337,30 +336,30 @@ class Skilled(Protocol):
         """Switch skills on, all at once; no time passes.
 
         Args:
-            ticket: the number of the activation from now on.
-            skills: what is to run, `(:name argument...)`, items by sensor name.
-            events: the names of the events to be told, with their colons.
+            ticket: the number of the activation.
+            skills: the skills to run, `(:name argument...)`, items by sensor name.
+            events: the names of the events to report, with their colons.
 
         Returns:
-            None, or why nothing was switched on.
+            None, or the reason for a refusal.
         """
 
     def deactivate(self, ticket: int) -> None:
-        """Switch off what only this activation has; no time passes.
+        """Switch off the skills that only this activation has; no time passes.
 
-        What it has not told by now it never tells.
+        Events that are not reported yet are dropped.
         """
 
 
 @runtime_checkable
 class Timed(Protocol):
-    """A world that can say beforehand how long requests take."""
+    """A world that can predict the duration of requests."""
 
     def usual_time(self, request: Fact) -> Time:
-        """Return how long a request usually holds the robot, in time units.
+        """Return the usual time for which a request holds the robot, in time units.
 
-        A request that is made to fail (`--fault`) takes as long, and no time at all in
-        a world that is not `Timed`.
+        A request that is made to fail (`--fault`) takes this time; in a world that is
+        not `Timed` it takes no time.
         """
 
 
@@ -369,20 +368,20 @@ class Drawable(Protocol):
     """A world that `rapc run --show` can draw."""
 
     def picture(self) -> Picture:
-        """Return the truth as it is now; nothing changes by that."""
+        """Return the present truth as a picture, without side effects."""
 
 
 @runtime_checkable
 class Truthful(Protocol):
-    """A world that can say what was true, for experiments and tests.
+    """A world with ground-truth figures, for experiments and tests.
 
-    The robot never hears of it.
+    The figures are hidden from the robot.
     """
 
     def figures(self) -> Mapping[str, Atom] | msgspec.Struct:
-        """Return what was true so far; of what is numbers experiments tell.
+        """Return ground-truth figures; experiments report the numbers.
 
-        Which figures there are never changes. Nothing changes by asking.
+        The names of the figures are constant. The call has no side effects.
         """
 
 
@@ -391,34 +390,31 @@ class Savable(Protocol):
     """A simulator whose state can be saved."""
 
     def save(self) -> bytes:
-        """Return the world's complete state, its random streams included.
-
-        Nothing in the world changes.
-        """
+        """Return the complete state with its random streams, without side effects."""
 
     def restore(self, state: bytes) -> None:
-        """Go back to a state that `save` returned, in place.
+        """Restore a state that `save` returned.
 
         Raises:
-            ValueError: if `state` is none of this world, or of one otherwise made.
+            ValueError: if `state` was saved by another world or with other options.
         """
 
 
 @runtime_checkable
 class Adjustable(Protocol):
-    """A simulator some of whose options can be changed while a run goes on.
+    """A simulator with options that can change during a run.
 
-    Their values are part of the state that `save` returns and `restore` goes back to.
+    The values of these options are part of the state that `save` returns.
     """
 
     def adjustable(self) -> Mapping[str, Atom | bool]:
-        """Return the options that can be changed, with the values they have now."""
+        """Return the options that can change during a run, with present values."""
 
     def adjust(self, name: str, value: Atom | bool) -> None:
-        """Give an option another value from now on.
+        """Set an option to a new value.
 
         Raises:
-            ValueError: for a value that it cannot have.
+            ValueError: for an invalid value.
         """
 
 
@@ -430,7 +426,7 @@ OPTIONAL: tuple[type, ...] = (
     Savable,
     Adjustable,
 )
-"""The protocols that a world may have or not."""
+"""The optional protocols of worlds."""
 
 
 def methods_of(protocol: type) -> list[str]:
@@ -443,24 +439,24 @@ def methods_of(protocol: type) -> list[str]:
 
 
 class Wrapper(World):
-    """A world round another one; every call goes on to the world behind.
+    """A wrapper of a world; every call is passed to the wrapped world.
 
-    The optional protocols are there if the world behind has them. A subclass changes a
+    The wrapper has the optional protocols of the wrapped world. A subclass changes a
     method of `World` by a method of the same name. It changes a method of an optional
     protocol, such as `save`, by a method with an underscore before the name: `_save`.
 
     Args:
-        world: the world behind.
+        world: the wrapped world.
     """
 
     def __init__(self, world: World) -> None:
         self.enclose(world)
 
     def enclose(self, world: World) -> None:
-        """Put another world behind this one."""
+        """Replace the wrapped world."""
         self.name = world.name
         self.kit, self.made_with = world.kit, world.made_with
-        #: The world behind; in `behind` of any type, for it has what it has.
+        #: The wrapped world; `behind` has the type `Any`, because its methods vary.
         self.__wrapped__ = world
         self.behind: Any = world
         for protocol in OPTIONAL:
@@ -469,7 +465,7 @@ class Wrapper(World):
                 setattr(self, name, passed_on)
 
     def facts(self) -> Iterable[Fact]:
-        """Return what the robot knows at first."""
+        """Return the initial facts of the robot."""
         return self.__wrapped__.facts()
 
     def now(self) -> Time:
@@ -481,28 +477,28 @@ class Wrapper(World):
         return self.__wrapped__.perform(ticket, request)
 
     def cancel(self, ticket: int) -> None:
-        """Stop what was asked under `ticket`."""
+        """Stop the request under `ticket`."""
         self.__wrapped__.cancel(ticket)
 
     def next_time(self) -> Time | None:
-        """Return when the world will next send something."""
+        """Return the time of the next message."""
         return self.__wrapped__.next_time()
 
     def advance(self, to: Time) -> None:
-        """Move the clock on."""
+        """Advance the clock."""
         self.__wrapped__.advance(to)
 
     def messages(self) -> Sequence[Message]:
-        """Return what the world has sent."""
+        """Return the messages sent since the preceding call."""
         return self.__wrapped__.messages()
 
     def ended(self) -> str | None:
-        """Return why the world has ended the run, or None."""
+        """Return the reason why the world has ended the run, or None."""
         return self.__wrapped__.ended()
 
 
 def innermost(world: World) -> World:
-    """Return the world behind all those that wrap it."""
+    """Return the innermost wrapped world."""
     while (behind := getattr(world, "__wrapped__", None)) is not None:
         world = behind
     return world

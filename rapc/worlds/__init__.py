@@ -1,1 +1,1 @@
-"""Simulated worlds and their handlers; none of them knows the interpreter."""
+"""Simulated worlds and their handlers, independent of the interpreter."""

@@ -1,12 +1,12 @@
-"""Faults put into any world: chosen requests fail, chosen signals go astray.
+"""Faults for any world: chosen requests fail, chosen signals are lost or changed.
 
-A faulted request never reaches the world. It takes the time that the world says such
-requests usually take (`Timed.usual_time`) and holds the robot meanwhile; then its
-result, and the handler for it, are what the fault says. No data come with it.
+A faulted request does not reach the world. The request holds the robot for the usual
+duration (`Timed.usual_time`). Then the interpreter gets the result of the fault, and
+calls the handler of this result. The result comes without data.
 
-A late signal comes some time after it was sent, if an activation under which it arose
-is still on by then; a spurious one that time after an activation came on for which
-it might be told, though nothing has told it.
+A late signal comes some time after its sending, if one of its activations is still
+active. A spurious signal comes that time after the start of an activation for which
+the signal might be reported, although no skill has reported it.
 """
 
 from __future__ import annotations
@@ -42,32 +42,32 @@ DOUBLED = "doubled"
 SPURIOUS = "spurious"
 
 HOW = (LOST, LATE, DOUBLED, SPURIOUS)
-"""What can happen to a signal."""
+"""The faults of a signal."""
 
 
 class InjectedFault(msgspec.Struct, frozen=True):
-    """Requests that are to fail, or signals that are to go astray, and how."""
+    """Requests to fail, or signals to change, with the kind of fault."""
 
     #: A pattern over the requests, or the signals, with items by sensor name.
     request: Fact
-    #: The result of a request that fails; of a signal what happens to it: `HOW`.
+    #: The result of a failing request; for a signal, its fault: `HOW`.
     result: str
-    #: The chance that one fails.
+    #: The probability of the fault.
     p: float = 1
-    #: The first and the last time at which requests may fail.
+    #: The first and the last time of the fault.
     start: Time = 0
     stop: Time | None = None
-    #: How long after it was sent a late signal comes, or, after an activation for which
-    #: it might be told came on, a spurious one.
+    #: The delay of a late signal after its sending, or of a spurious signal after the
+    #: start of an activation for which the signal might be reported.
     by: Time = 1
 
     @property
     def of_signal(self) -> bool:
-        """Whether signals are meant, not requests."""
+        """Return whether the fault concerns signals, not requests."""
         return str(self.request[0]).startswith(":")
 
     def concerns(self, request: Fact, now: Time) -> bool:
-        """Whether a request made, or a signal sent, now may be hit."""
+        """Return whether the fault may affect a request or a signal at this time."""
         on_time = self.start <= now and (self.stop is None or now <= self.stop)
         return on_time and match_pattern(self.request, request) is not None
 
@@ -75,12 +75,12 @@ class InjectedFault(msgspec.Struct, frozen=True):
 def problem(
     fault: InjectedFault, signatures: Signatures, told: Container[str] | None = None
 ) -> str | None:
-    """Return why a fault can hit nothing in a world, or None.
+    """Return the reason why a fault can affect nothing in a world, or None.
 
     Args:
         fault: the fault.
-        signatures: what the world offers.
-        told: the events that may be told for skills, if that is known.
+        signatures: the offer of the world.
+        told: the events that may be reported for skills, if known.
     """
     name, count = str(fault.request[0]), len(fault.request) - 1
     if not fault.of_signal:
@@ -100,14 +100,14 @@ def problem(
 
 
 class SubstituteWorld(Wrapper):
-    """A world round another one, which answers some requests in its place.
+    """A wrapper of a world that answers some requests itself.
 
-    A subclass says in `own` and `read` what it saves beside the world behind.
+    A subclass defines in `own` and `read` its own part of the saved state.
     """
 
-    #: What `save` writes: a struct whose first field is the state of the world behind.
+    #: The struct that `save` writes; its first field is the state of the wrapped world.
     Saved: ClassVar[type[Any]]
-    #: What the world has, as messages say it.
+    #: The name of the substitute's state in messages.
     has: ClassVar[str]
 
     @abstractmethod
@@ -116,13 +116,13 @@ class SubstituteWorld(Wrapper):
 
     @abstractmethod
     def read(self, saved: Any) -> Mapping[str, Any]:
-        """Return the attributes that a saved state stands for. Raises ValueError."""
+        """Return the attributes from a saved state. Raises ValueError."""
 
     def answer(self, request: Fact, result: str) -> Reply:
-        """Let a request end with a result, after the time that it usually takes.
+        """End a request with a result after its usual duration.
 
         Raises:
-            PortError: if the world behind says what is no time.
+            PortError: if the wrapped world returns an invalid time.
         """
         takes: Time = 0
         if isinstance(self.behind, Timed):
@@ -138,7 +138,7 @@ class SubstituteWorld(Wrapper):
     def _save(self) -> bytes:
         state: bytes = self.behind.save()
         if not isinstance(state, bytes):
-            return state  # the interpreter says so
+            return state  # the interpreter reports the error
         return msgspec.json.encode(self.Saved(state, *self.own()))
 
     def _restore(self, state: bytes) -> None:
@@ -150,11 +150,11 @@ class SubstituteWorld(Wrapper):
 
 
 class HeldSignal(msgspec.Struct, frozen=True):
-    """A signal that is still to come, and when."""
+    """A signal that is still to come, with its time."""
 
     time: Time
     content: Fact
-    #: The activations that it belongs to, if it belongs to any.
+    #: The activations of the signal, if any.
     tickets: tuple[int, ...] = ()
 
 
@@ -165,13 +165,13 @@ class _Saved(msgspec.Struct, frozen=True):
 
 
 class FaultyWorld(SubstituteWorld):
-    """A world some of whose requests fail.
+    """A wrapper of a world that makes some requests fail and changes some signals.
 
     Args:
-        world: the world behind.
-        faults: tried in this order for each request; the first that hits counts.
-        seed: the run's seed; faults have a random stream of their own, drawn from
-            once for each fault of a chance below 1 that concerns a request.
+        world: the wrapped world.
+        faults: tried in this order for each request; the first matching fault applies.
+        seed: the run's seed. Faults have their own random stream, with a draw for each
+            matching fault of a probability below 1.
     """
 
     Saved = _Saved
@@ -187,7 +187,7 @@ class FaultyWorld(SubstituteWorld):
         self._held: list[HeldSignal] = []
 
     def perform(self, ticket: int, request: Fact) -> Reply | Refused | None:
-        """Fail as a fault says, or hand the request on."""
+        """Fail as a fault requires, or pass the request on."""
         fault = self._hit(request, [f for f in self._faults if not f.of_signal])
         if fault is not None:
             return self.answer(request, fault.result)
@@ -196,7 +196,7 @@ class FaultyWorld(SubstituteWorld):
     def _hit(
         self, request: Fact, faults: Sequence[InjectedFault]
     ) -> InjectedFault | None:
-        """Return the first fault that hits a request, or a signal, now."""
+        """Return the first fault that affects a request, or a signal, at this time."""
         now = self.now()
         for fault in faults:
             if fault.concerns(request, now) and self._hits(fault):
@@ -207,14 +207,14 @@ class FaultyWorld(SubstituteWorld):
         return fault.p >= 1 or self._rng.random() < fault.p
 
     def next_time(self) -> Time | None:
-        """Return when the world behind, or a signal held back, will send something."""
+        """Return the time of the wrapped world's next message, or of a held signal."""
         times = (super().next_time(), self._held[0].time if self._held else None)
         return min((time for time in times if time is not None), default=None)
 
     def messages(self) -> Sequence[Message]:
-        """Return the messages of the world behind, as faults of signals change them.
+        """Return the messages of the wrapped world, with faults applied to signals.
 
-        Then come the signals that were held back until now.
+        The held signals that are due follow these messages.
         """
         sent = super().messages()
         if not (sent or self._held) or not isinstance(sent, tuple | list):
@@ -238,7 +238,7 @@ class FaultyWorld(SubstituteWorld):
     def _hold(
         self, fault: InjectedFault, content: Fact, tickets: tuple[int, ...]
     ) -> None:
-        """Let a signal come as much later as a fault says."""
+        """Hold a signal for the delay of a fault."""
         time = number(self.now() + fault.by)
         self._held.append(HeldSignal(time, content, tickets))
         self._held.sort(key=lambda held: held.time)
@@ -246,7 +246,7 @@ class FaultyWorld(SubstituteWorld):
     def _activate(
         self, ticket: int, skills: Sequence[Fact], events: Sequence[str]
     ) -> Refused | None:
-        """Have the world behind switch skills on; draw what will be told falsely."""
+        """Switch skills on in the wrapped world; draw the spurious signals."""
         refused: Refused | None = self.behind.activate(ticket, skills, events)
         now = self.now()
         for fault in self._faults if refused is None else ():
@@ -256,7 +256,7 @@ class FaultyWorld(SubstituteWorld):
         return refused
 
     def _deactivate(self, ticket: int) -> None:
-        """Switch off in the world behind, and forget what would come for it alone."""
+        """Switch skills off; drop held signals that belong only to this activation."""
         self.behind.deactivate(ticket)
         kept = []
         for held in self._held:
@@ -266,9 +266,9 @@ class FaultyWorld(SubstituteWorld):
         self._held = kept
 
     def own(self) -> tuple[Stream, tuple[HeldSignal, ...]]:
-        """Return the random stream and the signals to come."""
+        """Return the random stream and the held signals."""
         return stream_state(self._rng), tuple(self._held)
 
     def read(self, saved: _Saved) -> Mapping[str, Any]:
-        """Return the random stream and the signals to come."""
+        """Return the random stream and the held signals of a saved state."""
         return {"_rng": stream_in(saved.rng), "_held": list(saved.held)}

@@ -1,10 +1,10 @@
-"""The maps that come with worlds, and the exception for maps that cannot be used.
+"""The maps that come with worlds, and the exception for invalid maps.
 
-The default map of the truck is that of T 6.1, as near as its text describes it:
-quarries to the right, factories to the left, six zones between them; the warehouse
-above, the depot below. A road takes about 32 time units and 0.6 of fuel: a journey from
-a quarry to its factory and back, six roads, some 200 units and 3.8 of fuel. In the
-zones lies nothing at first: others disperse what the quarries make (T 6.1.2).
+The default map of the truck follows the text of T 6.1: quarries to the right, factories
+to the left, six zones between them; the warehouse above, the depot below. A road takes
+about 32 time units and 0.6 of fuel. A journey from a quarry to its factory and back is
+six roads: about 200 units and 3.8 of fuel. The zones are empty at the start: other
+agents disperse the products of the quarries (T 6.1.2).
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from pathlib import Path
 
 
 class MapError(ValueError):
-    """A text that is no map, or a map that contradicts itself; one line."""
+    """An error for a text that is not a map or contradicts itself, in one line."""
 
 
 def map_names(world: str) -> list[str]:
@@ -30,7 +30,7 @@ def shipped_map(world: str, name: str) -> str:
     """Return the text of a map that comes with a world.
 
     Raises:
-        MapError: if none has that name.
+        MapError: for an unknown name.
     """
     found = _maps(world).get(name)
     if found is not None:

@@ -1,10 +1,10 @@
-"""Worlds by name, their option values from text, and worlds made from both.
+"""Worlds by name, their option values from text, and the making of worlds.
 
-rapc has worlds of its own. A package offers another by an entry point of the group
-`rapc.worlds`, or it is named `module:Class`. Nothing is imported before a world is
-asked for, and packages are not searched for one of rapc's own: that takes longer than
-to read a library. What the user got wrong is a `WorldError`; how it is shown is for the
-front ends.
+rapc has its own worlds. A package offers a world by an entry point of the group
+`rapc.worlds`; a world can also be named `module:Class`. A world is imported only when
+it is requested, and packages are not searched for one of rapc's own worlds: the search
+takes longer than reading a library. Errors of the user are `WorldError`s, which the
+front ends show.
 """
 
 from __future__ import annotations
@@ -46,14 +46,14 @@ _SYMBOL = re.compile(r"[^\s()\";?]+")
 
 
 def available() -> tuple[str, ...]:
-    """The names of all installed worlds, sorted."""
+    """Return the names of all installed worlds, sorted."""
     return tuple(sorted({*OWN, *_entry_points().names}))
 
 
 def meant(refused: RefusedError) -> list[str]:
-    """Return which installed worlds offer what a world lacks, a line for each, sorted.
+    """Return a line for each installed world that offers all missing names, sorted.
 
-    A world that cannot be loaded is not among them.
+    Worlds that cannot be loaded are left out.
     """
     found = []
     for name in available() if refused.lacking else ():
@@ -68,10 +68,10 @@ def meant(refused: RefusedError) -> list[str]:
 
 
 def find_permitted(name: str, modules: Collection[str]) -> type[World]:
-    """Return the world that a file names, which may have come from anywhere.
+    """Return the world named by a file from any source.
 
-    A file may name any installed world, for the user has installed it, but
-    `module:Class` only of `modules`: to import a module is to run what it says.
+    A file may name any installed world, because the user installed it. A file may name
+    `module:Class` only of `modules`, because importing a module runs its code.
 
     Raises:
         WorldError: as `find_world`, and for a module that is not permitted.
@@ -89,10 +89,10 @@ def find_permitted(name: str, modules: Collection[str]) -> type[World]:
 def find_world(name: str) -> type[World]:
     """Return the world of an installed name, or of `module:Class`.
 
-    A module is looked for in the working directory too.
+    Modules are also searched in the working directory.
 
     Raises:
-        WorldError: if there is none, or it is no world.
+        WorldError: if the name is unknown or not a world.
     """
     if not isinstance(name, str):
         raise ArgumentError("the name of a world is a text")
@@ -110,10 +110,10 @@ def find_world(name: str) -> type[World]:
 
 
 def refuse_incomplete(world: type[World], place: str) -> None:
-    """Refuse a class of worlds that lacks what each has to define.
+    """Refuse a class of worlds without the required names.
 
     Raises:
-        WorldError: with the names; `place` is what the class is called.
+        WorldError: with the missing names; `place` is the name of the class.
     """
     missing = sorted(getattr(world, "__abstractmethods__", ()))
     if not isinstance(getattr(world, "name", None), str):
@@ -128,13 +128,13 @@ def refuse_incomplete(world: type[World], place: str) -> None:
 
 
 def _entry_points() -> metadata.EntryPoints:
-    from importlib import metadata  # noqa: PLC0415  # few runs need it
+    from importlib import metadata  # noqa: PLC0415  # few runs use the module
 
     return metadata.entry_points(group=GROUP)
 
 
 def _installed(name: str) -> str:
-    """Return which `module:Class` a package offers by a name."""
+    """Return the `module:Class` that a package offers by a name."""
     places = {point.value for point in _entry_points().select(name=name)}
     if len(places) == 1:
         return places.pop()
@@ -147,7 +147,7 @@ def _installed(name: str) -> str:
 
 
 def _load(name: str, place: str) -> object:
-    """Return what is found at a place, `module:Class`; `name` is what it is called."""
+    """Return the object at `module:Class`; `name` is its name in messages."""
     module, _, path = place.partition("[")[0].partition(":")
     try:
         with _working_directory_on_path():
@@ -156,7 +156,7 @@ def _load(name: str, place: str) -> object:
                 found = getattr(found, part)
     except KeyboardInterrupt:
         raise
-    except BaseException as error:  # whatever code from elsewhere may raise on import
+    except BaseException as error:  # imported code may raise any exception
         said = f"{place_of_error(error)}: {said_by(error)}"
         meant = _in_capitals(module.strip(), path.strip())
         if isinstance(error, ImportError):
@@ -166,7 +166,7 @@ def _load(name: str, place: str) -> object:
 
 
 def _in_capitals(module: str, wanted: str) -> str:
-    """Return what to do if a module was imported and has a name but for capitals."""
+    """Return a hint if the module has the name with other capital letters."""
     for name in vars(sys.modules.get(module, object)):
         if name != wanted and name.lower() == wanted.lower():
             return (
@@ -190,14 +190,14 @@ def _working_directory_on_path() -> Iterator[None]:
 
 
 OWN_SETTINGS = "rapc"
-"""The owner of the settings of the interpreter, beside the world."""
+"""The owner of the interpreter's settings; the other owner is the world."""
 
 
 def split_setting(text: str) -> tuple[str, str]:
     """Return the key and the value of `owner.name=value`.
 
     Raises:
-        WorldError: if it is not of that form.
+        WorldError: if the text has a different form.
     """
     key, equals, value = text.partition("=")
     owner, dot, name = key.strip().partition(".")
@@ -216,7 +216,7 @@ def read_values(
         texts: the values by `owner.name`; the owner is the world or `rapc`.
 
     Raises:
-        WorldError: for another owner, an unknown option or a value of another kind.
+        WorldError: for an unknown owner or option, or a value of the wrong kind.
     """
     own: dict[str, str] = {}
     theirs: dict[str, str] = {}
@@ -232,19 +232,19 @@ def read_values(
 
 
 def plain_values(options: Mapping[str, Atom | bool]) -> dict[str, Plain]:
-    """Return values of options as plain data: of a text the `str`."""
+    """Return values of options as plain data: a `Text` becomes a `str`."""
     return {n: v.value if isinstance(v, Text) else v for n, v in options.items()}
 
 
 def read_options(
     world: type[World], texts: Mapping[str, str]
 ) -> dict[str, Atom | bool]:
-    """Option values from text, each of the kind its option has.
+    """Return option values from text, each of its option's kind.
 
-    The value of an option of kind `text` may be `@FILE`, for what that file holds.
+    The value of an option of kind `text` may be `@FILE`, for the content of that file.
 
     Raises:
-        WorldError: for an unknown option or a value of another kind.
+        WorldError: for an unknown option or a value of the wrong kind.
     """
     options = {option.name: option for option in world.kit.options}
     return {
@@ -291,12 +291,12 @@ def _file(path: str) -> str:
 def build_world(
     world: type[World], seed: int, options: Mapping[str, Atom | bool]
 ) -> World:
-    """A world for one run, with the random stream `world` of a seed.
+    """Return a world for a run, with the random stream `world` of a seed.
 
-    It gets the value of an option of kind `text` as a `str`.
+    The world gets the value of an option of kind `text` as a `str`.
 
     Raises:
-        WorldError: for option values that the world refuses, and if it breaks.
+        WorldError: if the world refuses option values, or raises another exception.
     """
     make: Callable[..., World] = world
     defaults = {option.name: option.default for option in world.kit.options}
@@ -310,14 +310,14 @@ def build_world(
         raise WorldError(f"the world `{world.name}` refuses: {said}") from error
     except KeyboardInterrupt:
         raise
-    except BaseException as error:  # whatever code from elsewhere may raise
+    except BaseException as error:  # foreign code may raise any exception
         place = place_of_error(error)
         said = f"the world `{world.name}` cannot be built{place}: {said_by(error)}"
         raise WorldError(said) from error
 
 
 def world_of(spec: RunSpec) -> World:
-    """Return the world of a run, made with its seed and options, without its faults.
+    """Return the world of a run, made with its seed and options, without faults.
 
     Raises:
         WorldError: as `find_world`, `check_options` and `build_world`.
@@ -327,11 +327,11 @@ def world_of(spec: RunSpec) -> World:
 
 
 def open_world(name: str, seed: int = 0, **options: Atom | bool) -> World:
-    """A world by its name, for programs; `fuel_capacity=20` sets `fuel-capacity`.
+    """Return a world by its name; `fuel_capacity=20` sets `fuel-capacity`.
 
     Raises:
-        ArgumentError: if the seed is no whole number.
-        WorldError: if there is no such world or option, or the world refuses a value.
+        ArgumentError: if the seed is not a whole number.
+        WorldError: for an unknown world or option, or if the world refuses a value.
     """
     if type(seed) is not int:
         raise ArgumentError("`seed` is not a whole number")
@@ -346,16 +346,16 @@ TYPES: Mapping[str, tuple[type, ...]] = {
     "symbol": (str,),
     "text": (Text, str),
 }
-"""The types of the values of options, by kind."""
+"""Types of option values, by kind."""
 
 
 def check_options(
     world: type[World], options: Mapping[str, Atom | bool]
 ) -> dict[str, Atom | bool]:
-    """Return option values as a world takes them, by their names with hyphens.
+    """Return option values for a world, by their names with hyphens.
 
     Raises:
-        WorldError: for an unknown option or a value of another kind.
+        WorldError: for an unknown option or a value of the wrong kind.
     """
     known = {option.name: option for option in world.kit.options}
     found: dict[str, Atom | bool] = {}

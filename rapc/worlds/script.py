@@ -1,8 +1,8 @@
-"""The rows of a script, how they match requests, and what is wrong with them.
+"""The rows of a script, their match with requests, and the checks of a script.
 
-Rows are tried in order for each request; the first whose pattern matches and that is
-not used up answers it, and its variables serve its effects. Symbols that begin with
-`?` are variables, `?` alone matches anything.
+Rows are tried in order for each request. The first row that matches and is not used up
+answers the request; its variables fill its effects. Symbols that begin with `?` are
+variables; `?` alone matches any value.
 """
 
 from __future__ import annotations
@@ -19,31 +19,30 @@ from rapc.library.signatures import Fault, Signatures, Use
 from rapc.world import OKAY, HandlerMemory, Offer, Time
 
 _EFFECTS = ("asserts", "erases", "moves", "loses", "data", "signals")
-"""What of a row may have its variables."""
+"""The fields of a row that may use its variables."""
 
 
 class Row(msgspec.Struct, frozen=True):
-    """One row of a script: the requests it answers, and what comes of them.
+    """A row of a script: matching requests and their effects.
 
     Args:
-        pattern: the request, with variables.
-        result: its result.
-        times: how often the row may be used; None: always.
-        takes: how long the primitive holds the robot, in time units.
-        after: given, the primitive is not atomic: its end, with all that comes with
-            it, is that many time units after `takes`.
+        pattern: the request, with variables. result: its result. times: the number of
+        uses of the row; None: no limit. takes: the time for which the primitive holds
+        the robot. after: if set, the primitive is not atomic: its end, with all
+        effects, comes this
+            many time units after `takes`.
         asserts: facts asserted with the result.
-        erases: prefixes erased with the result, before that.
-        moves: items that then are at other places, each with its place.
-        loses: items that then are not where they were.
+        erases: prefixes erased with the result, before `asserts`.
+        moves: items moved with the result, each with its new place.
+        loses: items that lose their place with the result.
         data: sensor data sent with the result.
         signals: signals sent with the result.
-        refused: whether instead the request is refused, as in conflict with all that
-            are under way.
-        kind: whether it is a request, or a skill that goes on (`enable`) or off.
-        pauses: how long each of the signals of a skill waits for the one before it;
-            none: they come at once.
-        every: how long after its signals a skill tells them again; None: never.
+        refused: whether the request is refused instead, as in conflict with all active
+            requests and activations.
+        kind: a request, or switching a skill on (`enable`) or off.
+        pauses: the wait before each signal of a skill after the preceding signal; if
+            empty, all signals come at once.
+        every: the time after which a skill repeats its signals; None: never.
     """
 
     pattern: Fact
@@ -66,14 +65,14 @@ class Row(msgspec.Struct, frozen=True):
         return f"row {format_list(self.pattern)}"
 
     def pause(self, at: int) -> Time:
-        """Return how long the signal `at` waits for the one before it."""
+        """Return the wait before the signal `at` after the preceding signal."""
         return self.pauses[at] if self.pauses else 0
 
 
 class At(msgspec.Struct, frozen=True):
-    """What happens at a time without a request: changes of memory, then signals.
+    """Changes at a time, without a request: changes of memory, then signals.
 
-    In the course of an atomic primitive it happens at its end, before its result.
+    During an atomic primitive the changes happen at its end, before its result.
     """
 
     time: Time
@@ -88,20 +87,20 @@ class At(msgspec.Struct, frozen=True):
 
 
 def fillers(row: Row) -> tuple[str, ...]:
-    """Return the names of a row's effects that there are: those that `fill` fills."""
+    """Return the names of a row's non-empty effects, for `fill`."""
     return tuple([name for name in _EFFECTS if getattr(row, name)])
 
 
 def fill(
     row: Row, effects: Iterable[str], bound: Mapping[Any, Any], pattern: Fact
 ) -> Row:
-    """Return a row with its variables put into its effects.
+    """Return a row with its variables replaced in its effects.
 
     Args:
         row: the row.
-        effects: what `fillers` says of the row.
+        effects: the result of `fillers` for the row.
         bound: the values of its variables.
-        pattern: the pattern of the row to be returned.
+        pattern: the pattern of the new row.
     """
     filled: dict[str, Any] = {}
     if bound:
@@ -113,7 +112,7 @@ def fill(
 
 
 def _put(bound: Mapping[Any, Any], part: Atom | Fact) -> Any:
-    """Return an atom, or a fact, with the values of its variables."""
+    """Return an atom or a fact with its variables replaced by their values."""
     if type(part) is tuple:
         return tuple([bound.get(one, one) for one in part])
     return bound.get(part, part)
@@ -122,15 +121,15 @@ def _put(bound: Mapping[Any, Any], part: Atom | Fact) -> Any:
 def change(
     memory: HandlerMemory, effects: Row | At, names: Mapping[Atom, Atom] | None = None
 ) -> None:
-    """Do to memory what a row or an entry says: erase, assert, move and lose.
+    """Apply a row's or an entry's effects to memory: erase, assert, move and lose.
 
     Args:
-        memory: where it is done.
-        effects: what says it, filled in.
+        memory: the memory.
+        effects: the row or entry, filled in.
         names: memory's names of items, by the sensor names in `effects`.
 
     Raises:
-        FactError: for an item that no handler has introduced, naming the row.
+        FactError: for an item that no handler has introduced, with the row's name.
     """
     names = names or {}
     for name, *args in effects.erases:
@@ -147,7 +146,7 @@ def change(
 
 
 def offer_of(declared: Library) -> Offer:
-    """Return all that a library declares."""
+    """Return the offer of all names that a library declares."""
     forms = declared.primitives
     return Offer(
         {name: (len(form.args), form.results) for name, form in forms.items()},
@@ -159,7 +158,7 @@ def offer_of(declared: Library) -> Offer:
 
 
 def mentioned(rows: Sequence[Row], at: Sequence[At]) -> Offer:
-    """Return all that a script mentions."""
+    """Return the offer of all names that a script mentions."""
     requests = [row for row in rows if row.kind == "request"]
     results: dict[str, dict[str, None]] = {}
     for row in requests:
@@ -179,16 +178,16 @@ def mentioned(rows: Sequence[Row], at: Sequence[At]) -> Offer:
 def check_script(
     rows: Sequence[Row], at: Sequence[At], offer: Offer, handled: Container[str]
 ) -> None:
-    """See that a script keeps to an offer.
+    """Validate a script against an offer.
 
     Args:
         rows: the rows of the script.
-        at: what happens without a request.
-        offer: what the world of the script offers.
-        handled: the sensor data that there are handlers for.
+        at: the entries without a request.
+        offer: the offer of the script's world.
+        handled: the sensor data with handlers.
 
     Raises:
-        ValueError: with the first row or entry that does not, and why.
+        ValueError: with the first invalid row or entry, and the reason.
     """
     signatures = Signatures.offered(offer)
     script: list[Row | At] = [*rows, *at]
@@ -200,7 +199,7 @@ def check_script(
 def _problems(
     one: Row | At, signatures: Signatures, handled: Container[str], offer: Offer
 ) -> Iterator[object]:
-    """Yield what is wrong with a row or an entry of a script."""
+    """Yield the faults of a row or an entry of a script."""
     facts = (*one.asserts, *one.erases, *one.moves, one.loses, *one.signals)
     if isinstance(one, At):
         yield from _unbound(facts, ())

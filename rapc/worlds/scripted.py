@@ -1,8 +1,8 @@
-"""A world that answers requests from a script: what tests of a library run against.
+"""A world that answers requests from a script, for tests of a library.
 
-Every symbol is its own sensor name. What a script does to memory its handlers do,
-with the result it belongs to. Skills tell while they are on what their rows say. What
-a row may say is in `rapc.worlds.script`.
+Every symbol is its own sensor name. The handlers of the world apply a script's changes
+of memory, each with its result. Active skills report the signals of their rows. The
+fields of a row are described in `rapc.worlds.script`.
 """
 
 from __future__ import annotations
@@ -40,17 +40,17 @@ from rapc.worlds.script import (
 from rapc.worlds.states import reading_state
 
 AT = "at"
-"""The datum by which an `At` reaches its handler; no library declares it."""
+"""The datum that passes an `At` to its handler; no library declares it."""
 
 _ENTRY = Datum((AT,))
 _NO_KIT = Kit()
 
 _FoundRow = tuple[int, Bindings]
-"""The number of a row that matches, and what it binds."""
+"""The number of a matching row, and its bindings."""
 
 
 class UnansweredRequest(Error):
-    """A request that no row of the script answers; `request` is it."""
+    """An error for a request without a matching row; `request` is the request."""
 
     def __init__(self, request: Fact) -> None:
         super().__init__(f"no row of the script answers {format_list(request)}")
@@ -58,32 +58,32 @@ class UnansweredRequest(Error):
 
 
 class Due(msgspec.Struct, frozen=True):
-    """Something to come: an entry of `at`, the end of a primitive, or of a skill."""
+    """A future event: an entry of `at`, the end of a primitive, or a skill's signal."""
 
     time: Time
     entry: At | None = None
-    #: The row of a primitive that ends, or of a skill that is on.
+    #: The row of a primitive that ends, or of an active skill.
     row: Row | None = None
     ticket: int = 0
-    #: The skill that has something to tell, and which of its signals it is.
+    #: The skill with a signal to report, and the number of the signal.
     skill: Fact | None = None
     signal: int = 0
 
 
 class SkillOn(msgspec.Struct):
-    """A skill that is on, and the activations that have it, the oldest first."""
+    """An active skill with its activations, oldest first."""
 
     skill: Fact
     tickets: list[int]
 
 
 class ScriptState(msgspec.Struct):
-    """All that changes in a scripted world."""
+    """The complete changing state of a scripted world."""
 
-    #: How often each row has been used.
+    #: The number of uses of each row.
     used: list[int]
     now: Time = 0
-    #: What is to come, soonest first.
+    #: Future events, soonest first.
     coming: list[Due] = []
     #: The messages not yet fetched.
     sent: list[Message] = []
@@ -91,45 +91,45 @@ class ScriptState(msgspec.Struct):
     entries: list[At] = []
     #: Rows whose end is among `sent`.
     ends: list[Row] = []
-    #: Rows whose end was fetched and whose handler has not run.
+    #: Rows with a fetched end whose handler has not run.
     told: list[Row] = []
-    #: The entries of `at` that fell into the primitive that `answered` answers.
+    #: The entries of `at` during the primitive that `answered` answers.
     before: list[At] = []
-    #: The row that has just answered, its handler not yet run.
+    #: The row of the last answer, before its handler has run.
     answered: Row | None = None
-    #: The skills that are on, in the order in which they came on.
+    #: The active skills, in the order of activation.
     on: list[SkillOn] = []
 
     def found(self, skill: Fact | None) -> SkillOn | None:
-        """Return the skill if it is on, else None."""
+        """Return the skill if it is active, else None."""
         return next((on for on in self.on if on.skill == skill), None)
 
     def expect(self, due: Due) -> None:
-        """Put something among what is to come."""
+        """Add a future event."""
         self.coming.append(due)
         self.coming.sort(key=lambda due: due.time)
 
     def change_memory(self, entry: At) -> None:
-        """Have the handler of entries do what an entry does to memory."""
+        """Pass an entry to the handler of entries, which changes memory."""
         self.entries.append(entry)
         self.sent.append(_ENTRY)
 
     def send(self, signals: Iterable[Fact], tickets: tuple[int, ...] = ()) -> None:
-        """Send signals that arose under activations or a request, `tickets`."""
+        """Send signals with the tickets of their activations or request."""
         self.sent += (Signal(content, tickets) for content in signals)
 
 
 class ScriptedWorld(World):
-    """A world whose answers are written down beforehand.
+    """A world with prepared answers.
 
     Args:
         rows: the script.
-        at: what happens without a request; at one time, in this order.
-        declared: the library that is to run; else all that is on offer is what the
-            script itself mentions.
-        kit: what the library finds besides the script: handlers of the rows' data,
-            functions, solvers and comparators, those of another world, say.
-        leaving: called whenever the clock is about to move on.
+        at: entries without a request; equal times keep this order.
+        declared: the library to run; if omitted, the offer consists of the names that
+            the script mentions.
+        kit: further parts for the library: handlers of the rows' data, functions,
+            solvers and comparators, for example of another world.
+        leaving: called before each move of the clock.
 
     Raises:
         ValueError: for a row with an unbound variable in its effects, an undeclared
@@ -166,10 +166,10 @@ class ScriptedWorld(World):
         return self._state.now
 
     def perform(self, ticket: int, request: Fact) -> Reply | Refused | None:
-        """Do what the first row says that matches and is not used up.
+        """Apply the first matching row that is not used up.
 
         Raises:
-            UnansweredRequest: if there is none.
+            UnansweredRequest: if no row matches.
         """
         state = self._state
         found = self._find("request", request)
@@ -194,7 +194,7 @@ class ScriptedWorld(World):
         return Reply(row.result, row.data)
 
     def cancel(self, ticket: int) -> None:
-        """Let what a row has not done for a request never be done."""
+        """Drop the effects of a row that are still to come for a request."""
         state = self._state
         state.coming = [
             due
@@ -205,7 +205,7 @@ class ScriptedWorld(World):
     # --- rows ---------------------------------------------------------------------
 
     def _find(self, kind: str, asked: Fact) -> _FoundRow | None:
-        """Return the first row of a kind that matches and is not used up."""
+        """Return the first matching row of a kind that is not used up."""
         used = self._state.used
         for index, row in enumerate(self._rows):
             if row.kind != kind or used[index] == row.times:
@@ -216,9 +216,9 @@ class ScriptedWorld(World):
         return None
 
     def _use(self, found: _FoundRow, asked: Fact | None = None) -> Row:
-        """Use a row that was found; return it filled in with what it binds.
+        """Use a found row; return it with its variables replaced.
 
-        The request that it answers, if there is one, is its pattern then.
+        The pattern of the returned row is the request, if there is one.
         """
         index, bound = found
         self._state.used[index] += 1
@@ -236,9 +236,9 @@ class ScriptedWorld(World):
     def activate(
         self, ticket: int, skills: Sequence[Fact], events: Sequence[str]
     ) -> Refused | None:
-        """Switch skills on; each does what the first row for it says that matches.
+        """Switch skills on; each skill applies its first matching row.
 
-        One that is on already goes on as it is. No row is needed.
+        A skill that is already active continues unchanged. A skill needs no row.
         """
         state = self._state
         coming = [skill for skill in skills if state.found(skill) is None]
@@ -274,7 +274,7 @@ class ScriptedWorld(World):
                 state.send(row.signals, (ticket,))
 
     def _tell(self, row: Row, on: SkillOn, signal: int) -> None:
-        """Send a signal of a skill, and plan the next one."""
+        """Send a signal of a skill, and plan the next signal."""
         if signal == 0:
             self._change_memory(row)
         self._state.send(row.signals[signal : signal + 1], tuple(on.tickets))
@@ -284,13 +284,13 @@ class ScriptedWorld(World):
             self._tell_later(row, on.skill, 0, row.every)
 
     def _tell_later(self, row: Row, skill: Fact, signal: int, wait: Time) -> None:
-        """Let a skill tell a signal of its row after a wait, and its pause."""
+        """Plan a signal of a skill's row after a wait and its pause."""
         pause = row.pause(signal) if row.signals else 0
         time = number(self._state.now + wait + pause)
         self._state.expect(Due(time, row=row, skill=skill, signal=signal))
 
     def _change_memory(self, row: Row) -> None:
-        """Have the handler of entries do what the row of a skill does to memory."""
+        """Pass the changes of a skill's row to the handler of entries."""
         changes = (row.asserts, row.erases, row.moves, row.loses)
         if any(changes):
             self._state.change_memory(At(self._state.now, *changes))
@@ -298,19 +298,19 @@ class ScriptedWorld(World):
     # --- time ---------------------------------------------------------------------
 
     def usual_time(self, request: Fact) -> Time:
-        """Return how long the row that would answer holds the robot; 0 without one."""
+        """Return the duration of the row that would answer; 0 without a row."""
         found = self._find("request", request)
         return 0 if found is None else self._rows[found[0]].takes
 
     def next_time(self) -> Time | None:
-        """Return when the next entry of `at` or the end of a primitive is due."""
+        """Return the time of the next future event, or None."""
         state = self._state
         if state.sent:
             return state.now
         return max(state.coming[0].time, state.now) if state.coming else None
 
     def advance(self, to: Time) -> None:
-        """Move the clock on, and send what falls due meanwhile."""
+        """Advance the clock, and send the messages that become due."""
         state = self._state
         if self._leaving is not None and to > state.now:
             self._leaving()
@@ -330,7 +330,7 @@ class ScriptedWorld(World):
         state.now = max(state.now, to)
 
     def messages(self) -> Sequence[Message]:
-        """Return what fell due since this was last asked, in the order of time."""
+        """Return the due messages since the preceding call, in order of time."""
         state = self._state
         if not state.sent and not state.ends:
             return ()
@@ -340,14 +340,14 @@ class ScriptedWorld(World):
         return found
 
     def save(self) -> bytes:
-        """Return how far the script has come, as JSON."""
+        """Return the state of the script, as JSON."""
         return msgspec.json.encode(self._state)
 
     def restore(self, state: bytes) -> None:
-        """Go back to a saved state of a world with the same script.
+        """Restore a saved state of a world with the same script.
 
         Raises:
-            ValueError: if `state` is none.
+            ValueError: if `state` is invalid.
         """
         with reading_state("a scripted world"):
             saved = msgspec.json.decode(state, type=ScriptState)
@@ -358,11 +358,11 @@ class ScriptedWorld(World):
     # --- handlers -----------------------------------------------------------------
 
     def _handle_result(self, memory: HandlerMemory, request: Fact, _: str) -> None:
-        """Handle the answer just given and what came before it, else the next end told.
+        """Handle the last answer and earlier entries, else the next reported end.
 
-        What the row says of items by the sensor names in the request that it answered
-        is done to them by the names in `request`, which are memory's. A result that
-        this world has not given changes nothing.
+        The row refers to items by the sensor names in its request. The changes apply to
+        the items by memory's names in `request`. A result that this world did not send
+        changes nothing.
         """
         state = self._state
         for entry in state.before:

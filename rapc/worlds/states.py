@@ -1,4 +1,4 @@
-"""Saved states of worlds, and what is raised for data that are none."""
+"""Saved states of worlds, and the error for invalid data."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from contextlib import contextmanager
 
 @contextmanager
 def reading_state(of: str) -> Iterator[None]:
-    """Raise a ValueError that names the world for what is wrong with saved data."""
+    """Raise a ValueError with the name of the world if saved data are invalid."""
     try:
         yield
     except (KeyError, ValueError) as error:

@@ -1,6 +1,6 @@
-"""Ways through a map as robots plan them: shortest paths, and methods that take them.
+"""Planned ways through a map: shortest paths, and the methods for them.
 
-Nothing here knows what a map is: who asks says what leads where, and what a step is.
+Independent of the kind of map: the caller supplies connections and steps.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ def shortest(
     goal: Place,
     steps_from: Callable[[Place], Iterable[tuple[Step, Place, Number]]],
 ) -> tuple[Step, ...]:
-    """Return the steps of the shortest way; none if there is no way.
+    """Return the steps of the shortest way; empty without a way.
 
-    Of ways equally short, the one found first, in the order of the steps.
+    Of equally short ways the first found is returned, in the order of the steps.
 
     Args:
-        start: where the way begins.
-        goal: where it ends.
-        steps_from: returns the steps from a place: each with its end and its length.
+        start: the start of the way.
+        goal: the end of the way.
+        steps_from: returns the steps from a place, each with its end and its length.
     """
     best: dict[Place, Number] = {start: 0}
     ways: dict[Place, tuple[Step, ...]] = {start: ()}
@@ -52,13 +52,13 @@ def in_turn(
     context: Sequence[nodes.Formula],
     goals: Sequence[tuple[nodes.Goal, nodes.Formula | None]],
 ) -> nodes.Method:
-    """Return a method whose steps are taken one after another.
+    """Return a method with a sequence of steps.
 
     Args:
-        name: of the method.
-        position: of the method.
-        context: what has to hold, all of it.
-        goals: the step's goal, and what it is to bring about for the next one.
+        name: the name of the method.
+        position: the position of the method.
+        context: the formulas that must all hold.
+        goals: the goal of each step, and the formula that the next step requires.
     """
     steps = []
     for number, (goal, result) in enumerate(goals, 1):
