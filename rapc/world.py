@@ -144,7 +144,7 @@ class Kit(msgspec.Struct, frozen=True):
 
 
 class World(ABC):
-    """A world as the interpreter uses it. An instance serves one run.
+    """A world, as used by the interpreter. An instance serves a single run.
 
     A world opened by name is made with `(rng, options)`: its own random stream, which
     comes from the seed of the run, and a value for each option. The value of an option

@@ -107,7 +107,7 @@ class SubstituteWorld(Wrapper):
 
     #: The struct that `save` writes; its first field is the state of the wrapped world.
     Saved: ClassVar[type[Any]]
-    #: The name of the substitute's state in messages.
+    #: The word for the substituted parts in messages.
     has: ClassVar[str]
 
     @abstractmethod

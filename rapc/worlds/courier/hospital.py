@@ -1,4 +1,4 @@
-"""The events in the courier's hospital: one robot, one corridor, people.
+"""The events in the courier's hospital: a robot, a corridor, people.
 
 Every action that takes time ends with a message. So the robot can do several actions at
 once, and drive off during each of them. Events without a request happen in `advance`,
@@ -140,7 +140,7 @@ class Hospital(World):
                 raise ValueError("something is overdue")
         self._state, self._rng = read.state, rng
 
-    # --- what the robot is asked for ------------------------------------------------
+    # --- requests to the robot ------------------------------------------------------
 
     def drive(self, ticket: int, room: str) -> Reply | Refused | None:
         """Start a drive to a room; a message reports its end."""
@@ -216,7 +216,7 @@ class Hospital(World):
         state.work.append(Work(ticket, ("help", ward), until, OKAY))
         return None
 
-    # --- what happens by itself -----------------------------------------------------
+    # --- events without a request ---------------------------------------------------
 
     def _due(
         self, state: HospitalState, nurses: Iterable[Nurse]

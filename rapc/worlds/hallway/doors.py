@@ -130,7 +130,7 @@ class Entrances:
             self.close(state)
 
     def move_lift(self, state: HallwayState, now: float, rng: Random) -> None:
-        """Move the lift: let it arrive, or send it to a caller.
+        """Let the lift arrive, or send the lift to a caller.
 
         Args:
             state: the state of the hallway; its lift is changed, and the floor of a

@@ -1,4 +1,4 @@
-"""People: they walk about and never collide with the robot by themselves."""
+"""People who walk about and never walk into the robot."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ class FloorPlan:
         self._squares: dict[tuple[int, int], Lists] = {}
 
     def close(self, doors: Sequence[Box]) -> None:
-        """Close exactly these doors, given as flat boxes; open all others."""
+        """Close the given doors (flat boxes) and open all other doors."""
         self._closed = list(doors)
         self._squares.clear()
 

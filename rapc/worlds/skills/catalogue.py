@@ -63,15 +63,6 @@ class Catalogue(Periphery):
 
     Raises:
         CatalogueError: if the declarations contradict each other.
-
-    Args:
-        skills: single skills and compounds, in the order of documentation.
-        sensors: channels that the world writes.
-        actuators: channels that the world reads.
-        arbiters: who decides on channels that several skills may write.
-
-    Raises:
-        CatalogueError: if the declarations contradict each other.
     """
 
     def __init__(
@@ -225,7 +216,7 @@ class Catalogue(Periphery):
         """Wire a skill, or a compound's parts, with the only writers of its inputs.
 
         Raises:
-            CatalogueError: if the skills cannot be wired, whatever else is active.
+            CatalogueError: if the skills cannot be wired in any network.
         """
         on = dict.fromkeys(parts)
         queue = list(parts)

@@ -77,7 +77,7 @@ class Member:
 
 @dataclass(slots=True)
 class Arbitration:
-    """An arbiter in a network: it merges several slots into one slot."""
+    """An arbiter in a network, which merges several slots."""
 
     arbiter: Arbiter
     slots: tuple[str, ...]

@@ -73,7 +73,7 @@ class SkillRuntime:
     def activate(
         self, ticket: int, skills: Sequence[SkillRequest], events: Iterable[str]
     ) -> Refused | None:
-        """Switch `skills` on; they run from the next tick.
+        """Switch `skills` on from the next tick.
 
         Args:
             ticket: the number of the activation.

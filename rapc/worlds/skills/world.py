@@ -1,6 +1,6 @@
 """A world of skills only: an adapter between the port and a runtime of skills.
 
-An author writes a catalogue, and `tick`: what a tick of time does.
+An author writes a catalogue, and the method `tick` for the effects of a tick.
 
     class Kettle(SkillWorld):
         name = "kettle"
@@ -123,7 +123,7 @@ class SkillWorld(World):
     def activate(
         self, ticket: int, skills: Sequence[Fact], events: Sequence[str]
     ) -> Refused | None:
-        """Switch skills on; they run from the next tick.
+        """Switch skills on from the next tick.
 
         Args:
             ticket: the number of the activation.

@@ -45,7 +45,7 @@ def _nest(memory: HandlerMemory, arm: Atom) -> tuple[Atom, ...]:
 
 
 def _not_there(memory: HandlerMemory, item: Atom, *places: Atom) -> None:
-    """Remove an item from memory if it was believed at a place where it is missing."""
+    """Remove an item from memory if its believed place is one of `places`."""
     believed = memory.value("location", item)
     if believed in [_true_place(memory, place) for place in places]:
         for arm in _ARMS:

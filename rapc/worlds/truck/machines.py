@@ -34,7 +34,7 @@ def switch(scene: Scene, item: TruckItem, machine: TruckMachine) -> None:
 
 
 def work(scene: Scene, demon: Demon) -> Number | None:
-    """Do one round of a machine's work; switch the machine off if it cannot go on."""
+    """Do a round of a machine's work; switch off a machine that cannot continue."""
     item = scene.state.items.get(demon.place)
     machine = scene.kind(item).machine if item is not None else None
     if item is None or machine is None:

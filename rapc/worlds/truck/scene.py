@@ -69,7 +69,7 @@ class Scene:
     # --- items -----------------------------------------------------------------
 
     def make(self, kind: str, place: str, color: str | None = None) -> TruckItem:
-        """Make an item, named after its kind, and full if the kind says so."""
+        """Make an item, named after its kind, with the kind's initial contents."""
         made = self.state.made
         made[kind] = made.get(kind, 0) + 1
         what = self.kinds[kind]
@@ -111,7 +111,7 @@ class Scene:
         return place
 
     def reaches(self, arm: Arm, item: TruckItem) -> bool:
-        """Return whether an arm is at an item, or at an item inside it."""
+        """Return whether an arm is at an item or at its contents."""
         items, name = self.state.items, arm.at
         while name is not None and name != item.name:
             inner = items.get(name)
@@ -179,7 +179,7 @@ class Scene:
         lying = sum(item.kind != ENEMY for item in self.items_at(place))
         return lying > self.settings.item_limit
 
-    # --- what a request means --------------------------------------------------
+    # --- arguments of a request ------------------------------------------------
 
     def arm(self, name: object) -> Arm | None:
         """Return the arm of this name, or None."""
@@ -263,7 +263,7 @@ def check_items(scene: Scene, state: TruckState) -> None:
         inside = {name}
         while item.place in items and item.place not in inside:
             inside.add(item.place)
-            item = items[item.place]  # noqa: PLW2901  # what it is in
+            item = items[item.place]  # noqa: PLW2901  # its container
         if item.place not in spots:
             raise ValueError(f"`{name}` is nowhere")
     held = {arm.at for arm in truck.arms.values()} - {None}

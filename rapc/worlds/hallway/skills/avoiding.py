@@ -70,7 +70,7 @@ NARROW = 0.03
 """The margin in a doorway, in metres."""
 
 WAITING = 0.4
-"""The rate at which patience in a doorway is used up, where others want to pass."""
+"""The factor on the time without progress in a doorway, where people want to pass."""
 
 BRAKING = 0.4
 """The planned deceleration, in metres a second, every second."""

@@ -13,7 +13,7 @@ edges lie half-way between the last open place and the first place with wall:
 At the end of a narrow hall no three echoes share a plane. After some looks, an echo on
 each side of the way, equally far ahead, marks the edges of the wall.
 
-A robot that was stopped in the doorway has no such wall ahead. If the robot stands
+A robot that was stopped in the doorway has no wall ahead. If the robot stands
 between two jambs (`jambs`), it goes on from there. The robot is through if a wall
 behind it begins on both sides of the way.
 """
@@ -248,7 +248,7 @@ class TrackDoorJambs(Skill):
             state.stage = "closed"
 
     def _look_aside(self, echoes: Sequence[Point], along: float, across: float) -> None:
-        """Note the jambs if both sides have one."""
+        """Note the jambs if both sides have a jamb."""
         found = between_jambs(echoes)
         if found is not None:
             ahead, aside, wide = found
@@ -314,7 +314,7 @@ def _edges(echoes: Sequence[Point]) -> float | None:
 
 
 def _is_before(wall: float | None) -> bool:
-    """Return whether the wall is so far ahead that the robot is not in a doorway."""
+    """Return whether the wall's distance shows that the robot is before a doorway."""
     return wall is not None and AHEAD[0] < wall < AHEAD[1]
 
 

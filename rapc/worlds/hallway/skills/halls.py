@@ -109,8 +109,8 @@ class Tracking(msgspec.Struct):
 class TrackHallway(Skill):
     """Keep an estimate of the hallway's direction and width, and stay in its middle.
 
-    Of the two directions of a hallway the one is taken in which the robot points when
-    the skill comes on.
+    The skill follows the direction of the hallway that the robot faces when the skill
+    is switched on.
     """
 
     name = "track-hallway"

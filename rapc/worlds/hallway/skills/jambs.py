@@ -1,4 +1,4 @@
-"""Recognising by one ring of sonars a robot between the jambs of a doorway.
+"""Recognising by sonar a position between the jambs of a doorway.
 
 A doorway is a gap in a wall. So a robot in a doorway has a near echo on both sides, and
 only there: beams that cross the line of a jamb a little before or behind the jamb go on

@@ -1,19 +1,20 @@
 """Landmarks by laser: watching for a landmark, and going to it.
 
-The laser gives the bearings of the two tags of a landmark, nothing else. With the angle
-between them, a rough knowledge of how far they are apart, and the way they are turned,
-their distance follows. Tags hang on walls, and the sonars tell how walls run: so they
-are turned in one of the two directions that are square to the walls and look towards
-the robot. Both are kept as guesses. Each gives a place for the landmark in every tick;
-of the right guess the places agree while the robot moves, of the wrong one they wander;
-and the sonars should find a wall where a guess has the tags hang.
+The laser gives only the bearings of a landmark's two tags. Their distance follows from
+the angle between the bearings, the rough distance between the tags, and the direction
+that the tags face. Tags hang on walls, and the sonars measure the direction of walls.
+So the tags face one of the two directions that are square to the walls and towards the
+robot. Both directions are kept as guesses. In every tick each guess gives a place for
+the landmark. While the robot moves, the places of the right guess agree, and the places
+of the wrong guess wander. The sonars should also find a wall where a guess has the
+tags.
 
 With the tags h to the left and the right of the middle, turned away from the line of
 sight by w and seen under the angle a, the distance d solves
 
     tan a = 2 h d cos w / (d^2 - h^2);
 
-a is more than a right angle where d is less than h.
+a is more than a right angle if d is less than h.
 """
 
 from __future__ import annotations
