@@ -1,1 +1,1 @@
-"""Tests of RAP libraries: `define-test` forms found, run, judged and told of."""
+"""Tests of RAP libraries: find, run, judge and report `define-test` forms."""

@@ -1,7 +1,7 @@
-"""What tests have exercised of libraries: methods, monitors, queries, agendas.
+"""Test coverage of libraries: methods, monitors, queries, agendas.
 
-A `Coverage` gathers over any number of runs and sets that against what the files of
-the libraries hold; `table` and `as_json` say what it comes to.
+A `Coverage` collects counts over any number of runs and compares the counts with the
+definitions in the files of the libraries. `table` and `as_json` return the results.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from rapc.world import OKAY
 
 
 class WaitCoverage(msgspec.Struct):
-    """A signal that a method, or a step of it, waits for, and how often it came."""
+    """A signal that a method or a step waits for, and the count of its arrivals."""
 
     signal: str
     row: int
@@ -31,22 +31,22 @@ class WaitCoverage(msgspec.Struct):
 
 
 class RuleCoverage(msgspec.Struct):
-    """A query of a rule over memory, and how often it has acted."""
+    """A query of a rule over memory, and the count of its firings."""
 
-    #: What the rule is for: a RAP, or a signal.
+    #: The RAP or signal that the rule belongs to.
     name: str
     row: int
     ran: int = 0
 
 
 class MethodCoverage(msgspec.Struct):
-    """What became of one method of a RAP."""
+    """Counts of one method of a RAP."""
 
     name: str
     row: int
     chosen: int = 0
     ended_badly: int = 0
-    #: How often its context held, and did not; None without a context.
+    #: How often its context held and did not hold; None without a context.
     context_true: int | None = None
     context_false: int | None = None
     #: How often its constraints ended it; None without constraints.
@@ -55,14 +55,14 @@ class MethodCoverage(msgspec.Struct):
 
 
 class MonitorCoverage(msgspec.Struct):
-    """How often a RAP's monitor blocked a task, and woke one."""
+    """Counts of the tasks that a RAP's monitor blocked and woke."""
 
     blocked: int = 0
     woken: int = 0
 
 
 class RapCoverage(msgspec.Struct):
-    """One RAP: its methods, its monitor if it has one, how its tasks ended.
+    """One RAP: its methods, its monitor if present, the ends of its tasks.
 
     `failed` counts its failures by reason.
     """
@@ -76,7 +76,7 @@ class RapCoverage(msgspec.Struct):
 
 
 class QueryCoverage(msgspec.Struct):
-    """A named query, and how often a clause was asked that names it."""
+    """A named query, and the count of evaluated clauses that name the query."""
 
     name: str
     row: int
@@ -84,7 +84,7 @@ class QueryCoverage(msgspec.Struct):
 
 
 class GivenCoverage(msgspec.Struct):
-    """A task of an agenda, and how often it was given."""
+    """A task of an agenda, and how often it was added to a run."""
 
     goal: str
     row: int
@@ -100,7 +100,7 @@ class AgendaCoverage(msgspec.Struct):
 
 
 class FileCoverage(msgspec.Struct):
-    """One file of the library, with what it defines in the order of the text."""
+    """One file of the library, with its definitions in the order of the text."""
 
     file: str
     raps: tuple[RapCoverage, ...]
@@ -114,10 +114,10 @@ Asker = tuple[str, str, str]
 
 
 class _Key(NamedTuple):
-    """What of a file is counted: a form or an alternative of a rule."""
+    """The key of a counted thing in a file: a form or an alternative of a rule."""
 
     kind: type[nodes.Node]
-    #: The file, by one name however it was reached.
+    #: The file, by the same name for each path to the file.
     file: str
     #: The name of the form, or the row of the alternative.
     name: str | int
@@ -133,25 +133,26 @@ class _Task(msgspec.Struct):
 
 
 class Coverage:
-    """Counts what happens in runs, by file and RAP.
+    """Counts of what happens in runs, by file and RAP.
 
-    It listens to events (`Interpreter.listen`) and contexts
+    A `Coverage` listens to events (`Interpreter.listen`) and contexts
     (`Interpreter.watch_contexts`). Test files themselves are left out.
     """
 
     def __init__(self) -> None:
-        #: What stands in the files of all libraries.
+        #: The definitions in the files of all libraries.
         self._known: dict[_Key, Any] = {}
-        #: How often each top-level task was given.
+        #: How often each top-level task was added.
         self._given: Counter[str] = Counter()
         # the run under way
         self._library: Library | None = None
         self._asked_with: Mapping[Asker, frozenset[str]] = {}
-        #: The methods that enable skills, as `Asker` has them.
+        #: The methods that enable skills, in the form of `Asker`.
         self._of_skills: frozenset[tuple[str, str]] = frozenset()
         self._tasks: dict[int, _Task] = {}
-        #: The signal that came last, if no task has been selected since: what wakes
-        #: then, ends a step or ends a primitive of skills is this signal.
+        #: The latest signal, if no task has been selected since: a task that wakes, a
+        #: step that ends or a primitive of skills that ends does so because of this
+        #: signal.
         self._signal: str | None = None
 
     def begin(self, library: Library) -> None:
@@ -172,7 +173,7 @@ class Coverage:
                     self._known.setdefault(key, record)
 
     def __call__(self, event: events.Event) -> None:  # noqa: PLR0912  # one a kind
-        """Take one event into account."""
+        """Count one event."""
         match event:
             case events.TaskCreated():
                 self._tasks[event.task] = _Task(event.goal.name, event.parent)
@@ -221,7 +222,7 @@ class Coverage:
                 _count(method, "constraints_broken")
 
     def _hear(self, number: int | None) -> None:
-        """Count that a signal, if one came last, has decided a wait in a method."""
+        """Count that the latest signal, if any, has decided a wait in a method."""
         if self._signal is not None and number is not None:
             task = self._tasks[number]
             method = self._method(task.rap, task.method)
@@ -230,20 +231,20 @@ class Coverage:
                     _count(wait, "heard")
 
     def context(self, rap: str, method: str, holds: bool) -> None:
-        """Count that the context of a method was asked."""
+        """Count an evaluation of the context of a method."""
         asked = "context_true" if holds else "context_false"
         _count(self._method(rap, method), asked)
         self._ask((rap, method, "context"))
 
     def _ask(self, asker: Asker) -> None:
-        """Count that a clause was asked, and the queries that it names."""
+        """Count an evaluation of a clause and of the queries that it names."""
         for name in self._asked_with.get(asker, ()):
             assert self._library is not None
             query = self._library.queries[name]
             _count(self._known.get(_key(query, query.name)), "asked")
 
     def _rap(self, name: str) -> RapCoverage | None:
-        """Return what is known of a RAP of the library that runs."""
+        """Return the record of a RAP of the library that runs."""
         form = self._library.raps.get(name) if self._library is not None else None
         return None if form is None else self._known.get(_key(form, form.name))
 
@@ -257,7 +258,7 @@ class Coverage:
         return None if found is None else found.monitor
 
     def files(self) -> tuple[FileCoverage, ...]:
-        """Return what was counted of all files of all libraries, by name."""
+        """Return the counts for all files of all libraries, by name."""
         found: dict[str, dict[type[nodes.Node], list[Any]]] = {}
         for key, record in sorted(self._known.items(), key=lambda item: item[1].row):
             of_file = found.setdefault(key.file, {kind: [] for kind in _KINDS})
@@ -276,14 +277,14 @@ class Coverage:
 
 
 def _count(record: msgspec.Struct | None, what: str) -> None:
-    """Add one to a count of a record; nothing where there is none to be counted."""
+    """Add one to a count of a record; do nothing if the record is None."""
     number = getattr(record, what, None)
     if number is not None:
         setattr(record, what, number + 1)
 
 
 def _is_monitor(event: events.TaskBlocked | events.TaskWoken) -> bool:
-    """Whether a task waits for its monitors, not for a signal or a thing."""
+    """Return whether a task waits for its monitors, not for a signal or a thing."""
     return event.holder is None and not event.on.startswith("(:")
 
 
@@ -303,7 +304,7 @@ def _key(node: nodes.Node, name: str | int) -> _Key:
 
 
 def _countable(library: Library) -> Iterator[tuple[_Key, Any]]:
-    """Yield a record for all that is counted of a library, with its key."""
+    """Yield a record for each counted thing of a library, with its key."""
     for rap in library.raps.values():
         yield _key(rap, rap.name), _rap_record(library, rap)
     for query in library.queries.values():
@@ -348,7 +349,7 @@ def _method_record(library: Library, method: nodes.Method) -> MethodCoverage:
 
 
 def _waits_of(method: nodes.Method) -> list[nodes.WaitFor]:
-    """Return what a method, or a step of it, waits for, in the order of the text."""
+    """Return the signals that a method or a step waits for, in text order."""
     if isinstance(method.body, nodes.Skills):
         return list(method.body.waits)
     steps = method.body.steps if isinstance(method.body, nodes.TaskNet) else ()
@@ -357,7 +358,7 @@ def _waits_of(method: nodes.Method) -> list[nodes.WaitFor]:
 
 
 def _rules(library: Library) -> Iterator[tuple[str, nodes.Rule]]:
-    """Yield each rule over memory with what it is for."""
+    """Yield each rule over memory with the RAP or signal that it belongs to."""
     for memory in library.memory_rules:
         for case in memory.cases:
             for rule in case.rules:
@@ -378,10 +379,10 @@ def traced_name(method: nodes.Method) -> str:
 
 
 def asked_with(library: Library) -> Mapping[Asker, frozenset[str]]:
-    """Return the queries that are asked when a clause is, by whose clause it is.
+    """Return the queries that are evaluated with a clause, by the clause's owner.
 
-    The clauses of a RAP are asked when its task is selected, a context when a method
-    is to be chosen, the others of a method once it has been.
+    The clauses of a RAP are evaluated when its task is selected, a context when a
+    method is chosen, the other clauses of a method after the choice.
     """
     found: dict[Asker, set[str]] = {}
     for rap in library.raps.values():
@@ -394,7 +395,7 @@ def asked_with(library: Library) -> Mapping[Asker, frozenset[str]]:
 
 
 def _within(library: Library, formula: nodes.Formula) -> Iterable[str]:
-    """Return the queries that a formula names, and those that these name."""
+    """Return the queries that a formula names, directly or through queries."""
     seen: dict[str, None] = {}
     stack = [formula]
     while stack:
@@ -439,17 +440,17 @@ _NOTHING = "the tests run no library outside of test files"
 
 
 class Share(msgspec.Struct, frozen=True):
-    """How many of how many things were exercised."""
+    """The number of exercised things, and the number of all things."""
 
     covered: int
     of: int
 
 
 def shares(files: Iterable[FileCoverage]) -> dict[str, Share]:
-    """Return what was exercised of some files, by column.
+    """Return the exercised share of some files, by column.
 
-    Methods chosen and methods that ended badly; contexts seen true and seen false;
-    RAPs with a monitor that has woken a task; RAPs of which a task has failed; queries,
+    The columns: methods chosen and methods that failed; contexts seen true and seen
+    false; RAPs with a monitor that has woken a task; RAPs with a failed task; queries,
     tasks of agendas, constraints of methods.
     """
     counts: dict[str, list[int]] = {column: [] for column in (*COLUMNS, *OTHERS)}
@@ -461,7 +462,7 @@ def shares(files: Iterable[FileCoverage]) -> dict[str, Share]:
 
 
 def _counts(file: FileCoverage) -> Iterator[tuple[str, int | None]]:
-    """Yield how often each thing in a file was exercised, with its column."""
+    """Yield the count of each thing in a file, with its column."""
     for rap in file.raps:
         yield "raps_failed", sum(rap.failed.values())
         yield "monitors_woken", rap.monitor.woken if rap.monitor is not None else None
@@ -483,22 +484,22 @@ def _counts(file: FileCoverage) -> Iterator[tuple[str, int | None]]:
 
 
 def share_in_all(files: Iterable[FileCoverage]) -> Share:
-    """Return how much was exercised of all that a test should show."""
+    """Return the exercised share of all things that a test should exercise."""
     found = shares(files)
     parts = [share for column, share in found.items() if column not in _NEED_NOT]
     return Share(sum(p.covered for p in parts), sum(p.of for p in parts))
 
 
 def per_cent(share: Share) -> str:
-    """Return a share in words: `87.5 % (35 of 40)`, rounded down."""
+    """Return a share as text: `87.5 % (35 of 40)`, rounded down."""
     tenths = 1000 * share.covered // share.of if share.of else 1000
     return f"{tenths / 10:g} % ({share.covered} of {share.of})"
 
 
 def verdict(files: Sequence[FileCoverage], least: float) -> tuple[bool, str]:
-    """Return whether less is covered than `least` per cent, and a line that says so.
+    """Return whether coverage is below `least` per cent, and a line about it.
 
-    Where the tests run no library, nothing meets a minimum.
+    If the tests run no library, no minimum is met.
     """
     share = share_in_all(files)
     short = share.covered * 100 < least * share.of or (least > 0 and not files)
@@ -507,7 +508,7 @@ def verdict(files: Sequence[FileCoverage], least: float) -> tuple[bool, str]:
 
 
 def as_json(files: Sequence[FileCoverage]) -> bytes:
-    """Everything that was counted, with what it comes to for each file and in all."""
+    """Return all counts, with the totals for each file and for all files."""
     listed = [
         {
             "file": one.file,
@@ -525,7 +526,7 @@ def as_json(files: Sequence[FileCoverage]) -> bytes:
 
 
 def table(files: Sequence[FileCoverage]) -> Iterator[str]:
-    """A line for each file, one for all, and what each RAP still lacks."""
+    """Return a line for each file, a total, and what each RAP still lacks."""
     if not files:
         yield f"coverage: {_NOTHING}"
         return
@@ -553,7 +554,7 @@ def table(files: Sequence[FileCoverage]) -> Iterator[str]:
 
 
 def _lacking_in(file: FileCoverage) -> Iterator[str]:
-    """Yield what no test has shown of what a file defines."""
+    """Yield the definitions of a file that no test has exercised."""
     for rap in file.raps:
         lacking = "; ".join(_lacking(rap))
         if lacking:
@@ -572,7 +573,7 @@ def _lacking_in(file: FileCoverage) -> Iterator[str]:
 
 
 def _line(name: str, cells: Iterable[str]) -> str:
-    """A name, cut at its front, and numbers below one another: 79 columns."""
+    """Return a name, cut at its front, and aligned numbers: 79 columns."""
     name = name if len(name) <= _NAME else "…" + name[1 - _NAME :]
     return f"{name:<{_NAME}}" + "".join(f"{cell:>9}" for cell in cells)
 
@@ -583,7 +584,7 @@ def _told(found: Mapping[str, Share]) -> list[str]:
 
 
 def _lacking(rap: RapCoverage) -> Iterator[str]:
-    """Yield what no test has shown of a RAP; that nothing failed is not among it."""
+    """Yield the parts of a RAP that no test has exercised, except failures."""
     lacks = (
         ("never chosen", [m.name for m in rap.methods if not m.chosen]),
         ("context never true", [m.name for m in rap.methods if m.context_true == 0]),

@@ -1,7 +1,7 @@
-"""Find tests, and link, check and compile the libraries they run.
+"""Find tests, and link, check and compile their libraries.
 
-The library of a test is its file with what that requires and what the test itself
-requires; tests that require the same share one.
+The library of a test is its file with all files that this file and the test require.
+Tests that require the same files share a library.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from rapc.testing.run import Case
 
 
 class FoundTests(msgspec.Struct, frozen=True):
-    """What was found: the tests, or the reports on libraries that have errors."""
+    """The tests found, or the reports on libraries with errors."""
 
     cases: tuple[Case, ...]
     reports: tuple[CheckReport, ...]
@@ -34,12 +34,12 @@ class FoundTests(msgspec.Struct, frozen=True):
 def find(
     paths: Iterable[str | Path], texts: Mapping[str, str] | None = None
 ) -> FoundTests:
-    """The tests in files (`-` is one), and in all `*.test.rap` files below folders.
+    """Return the tests in files (`-` is one), and in `*.test.rap` below folders.
 
-    Those in compiled libraries come first. `texts` stand for files of these names.
+    The tests of compiled libraries come first. `texts` has the texts of files by name.
 
     Raises:
-        LoadError: for what cannot be read.
+        LoadError: for a path that cannot be read.
         SavedError: for a compiled library that this rapc cannot run.
     """
     cases: list[Case] = []
@@ -60,10 +60,10 @@ def find(
 
 
 def _find_in(source: SourceFile, reports: list[CheckReport]) -> list[Case]:
-    """The tests of a file; those that require the same are checked together.
+    """Return the tests of a file; check tests with equal requirements together.
 
-    What is wrong with a test keeps that test alone from being run; what is wrong with
-    a library is added to `reports`, once.
+    An error in a test prevents only the run of this test. An error in a library is
+    added to `reports` once.
     """
     file = load_tests([source])
     own = file.tests
@@ -86,7 +86,7 @@ def _find_in(source: SourceFile, reports: list[CheckReport]) -> list[Case]:
 def _tell(
     report: CheckReport, errors: Iterable[Finding], reports: list[CheckReport]
 ) -> None:
-    """Add a report on those errors of a library that no report has yet."""
+    """Add a report on the errors of a library that no report contains yet."""
     told = [f for earlier in reports for f in earlier.findings]
     new = tuple([finding for finding in errors if finding not in told])
     reports.append(msgspec.structs.replace(report, findings=new))
@@ -95,7 +95,7 @@ def _tell(
 def _by_test(
     found: Iterable[Finding], tests: Iterable[DefineTest]
 ) -> dict[Span, list[Finding]]:
-    """The findings whose place is in a test, by the place of the test."""
+    """Return the findings whose position is in a test, by position of the test."""
     spans = sorted((t.span for t in tests), key=lambda span: (span.file, span.start))
     faults: dict[Span, list[Finding]] = {span: [] for span in spans}
     for finding in found:

@@ -1,7 +1,8 @@
-"""A run as a test: a script that answers as the world did, and what came of the run.
+"""Export of a run as a test: a script of the world's replies, and expectations.
 
-What handlers of the world did to memory is said by the rows of the script, one for each
-request. Not every run can be told so: whoever makes a test must run the test.
+The rows of the script, one for each request, contain the changes that the handlers of
+the world made to memory. Not every run can be exported like this, so a caller must run
+the exported test.
 """
 
 from __future__ import annotations
@@ -51,11 +52,11 @@ _OF_ITEMS = ("class", "location")
 
 
 class MemoryChange(NamedTuple):
-    """Something that happens to memory."""
+    """A change of memory."""
 
     #: `erases`, `asserts`, `moves` or `loses`.
     does: str
-    #: What is erased or asserted, an item with its place, or an item alone.
+    #: A fact that is erased or asserted, an item with its place, or an item alone.
     fact: Fact
 
     def __str__(self) -> str:
@@ -67,7 +68,7 @@ class MemoryChange(NamedTuple):
 
 
 class TestPart(msgspec.Struct):
-    """Something that a test says: how it is written without and with its changes."""
+    """A part of a test, with its text before and after its changes of memory."""
 
     #: `facts`, `row` or `at`.
     kind: str
@@ -75,7 +76,7 @@ class TestPart(msgspec.Struct):
     head: str = ""
     #: Options of a row, other actions of an `at`.
     more: str = ""
-    #: What happens to memory.
+    #: The changes of memory.
     changes: tuple[MemoryChange, ...] = ()
 
     def __str__(self) -> str:
@@ -102,18 +103,18 @@ class Exported(msgspec.Struct):
     parts: list[TestPart]
     #: The goal of the task that the test is about.
     goal: str
-    #: What came of the task and was requested, as text.
+    #: The result of the task and the requests, as text.
     expectations: tuple[str, ...]
 
     def want(self) -> None:
-        """Expect that the task succeeds, in place of what happened."""
+        """Expect success of the task, in place of the recorded result."""
         self.expectations = (f"(succeeds {self.goal})",)
 
     def node(self) -> DefineTest:
-        """Return the test as it stands.
+        """Return the present test.
 
         Raises:
-            StateError: if something of the run cannot be written.
+            StateError: if a part of the run cannot be written.
         """
         rows = " ".join(str(part) for part in self.parts if part.kind == "row")
         others = " ".join(str(part) for part in self.parts if part.kind != "row")
@@ -131,12 +132,12 @@ class Exported(msgspec.Struct):
         return laid_out(self.node()) + "\n"
 
     def shorten(self, holds: Callable[[DefineTest], bool]) -> None:
-        """Leave out changes of memory without which the test still holds.
+        """Remove changes of memory that the test passes without.
 
         Times lose the noise of floats, too.
 
         Args:
-            holds: says whether a test comes to the same as the run.
+            holds: returns whether a test has the same result as the run.
         """
         self._round_times(holds)
         size = max(self._size() // 2, 1)
@@ -153,7 +154,7 @@ class Exported(msgspec.Struct):
             size = max(size // 2, 1)
 
     def _round_times(self, holds: Callable[[DefineTest], bool]) -> None:
-        """Write times without the noise of sums, unless one of them counts."""
+        """Write times without the noise of sums, unless the result depends on it."""
         exact = self.parts
         self.parts = [
             msgspec.structs.replace(part, head=readable(float(part.head)))
@@ -168,7 +169,7 @@ class Exported(msgspec.Struct):
         return sum(len(part.changes) for part in self.parts)
 
     def _without(self, first: int, count: int) -> list[TestPart]:
-        """Return the parts without some of their changes, counted through all parts."""
+        """Return the parts without some changes, numbered through all parts."""
         found, at = [], 0
         for part in self.parts:
             kept = [
@@ -182,7 +183,7 @@ class Exported(msgspec.Struct):
 
 
 class _Reading:
-    """Makes the parts of a test of the events of a run.
+    """A builder of the parts of a test from the events of a run.
 
     Args:
         not_atomic: the names of the primitives that are not atomic.
@@ -192,16 +193,16 @@ class _Reading:
         self._not_atomic = not_atomic
         self._under_way: list[tuple[events.PrimitiveRequested, TestPart]] = []
         self._changes: list[MemoryChange] = []
-        #: The sensor names of the items that are known.
+        #: The sensor names of the known items.
         self._sensors: dict[Atom, Atom] = {}
-        #: What the data of rows so far speak of: the items that a script introduces.
+        #: The items in the data of preceding rows: the script introduces these items.
         self._introduced: set[Atom] = set()
         self.parts = [TestPart("facts")]
-        #: The requests and skills, as an expectation names them.
+        #: The requests and skills, in the form of an expectation.
         self.asked: list[str] = []
 
     def take(self, event: events.Event) -> None:
-        """Take one event in."""
+        """Process one event."""
         match event:
             case events.FactAsserted() | events.FactErased():
                 if event.by != "notation":
@@ -237,12 +238,12 @@ class _Reading:
                 self.parts.append(TestPart("at", format_atom(event.time), signal))
 
     def _as_asked(self, event: events.ItemEvent) -> Atom:
-        """Return the name by which a handler spoke of an item that has a new one."""
+        """Return the name that a handler used for an item that has a new name."""
         asked = [word for request, _ in self._under_way for word in request.request]
         return event.with_ if event.with_ in asked else event.item
 
     def _flush(self, time: Time, cycle: int) -> None:
-        """Let changes that belong to no request happen by themselves."""
+        """Write changes that belong to no request as actions of an `at`."""
         changes = self._taken()
         if cycle == 0:
             self.parts[0].changes += changes
@@ -250,20 +251,21 @@ class _Reading:
             self.parts.append(TestPart("at", format_atom(time), "", changes))
 
     def _taken(self) -> tuple[MemoryChange, ...]:
-        """Take the changes so far; places of items are left to those who see them."""
+        """Return the changes so far; handlers of data set the places of items."""
         changes, self._changes = self._changes, []
         return tuple(change for change in _net(changes) if self._can_be_told(change))
 
     def _can_be_told(self, change: MemoryChange) -> bool:
-        """Whether a script knows the item of a change by then, or may set the fact."""
+        """Return whether a script knows the item of a change, or may set the fact."""
         if change.does in _OF_PLACES:
             return change.fact[0] in self._introduced
         return change.fact[0] not in _OF_ITEMS or change.fact[1] not in self._sensors
 
     def _introduce(self, part: TestPart, data: Iterable[Fact]) -> None:
-        """Let a row bring the data that came with its result.
+        """Add to a row the data that came with its result.
 
-        Their handlers introduce items again, and let names lapse where they did.
+        The handlers of the data introduce items again, and remove names in the same way
+        as in the run.
         """
         data = list(data)
         self._introduced.update(
@@ -276,7 +278,7 @@ class _Reading:
             part.more += f" :data {format_list(told)}"
 
     def _end(self, ended: events.PrimitiveEnded) -> None:
-        """Note what became of a request."""
+        """Record the end of a request."""
         for at, (request, part) in enumerate(self._under_way):
             if (request.task, request.request) == (ended.task, ended.request):
                 del self._under_way[at]
@@ -292,7 +294,7 @@ class _Reading:
         result: str,
         ended: Time,
     ) -> None:
-        """Let a row say how a request ended, and when."""
+        """Write the result and the time of a request into a row."""
         took = round(ended - request.time, 9)
         option = ":after" if str(request.request[0]) in self._not_atomic else ":takes"
         part.head += f" {result} :times 1"
@@ -300,7 +302,7 @@ class _Reading:
             part.more = f" {option} {format_atom(took)}"
 
     def finish(self, now: Time, cycle: int) -> None:
-        """Note what is left when the run is told to its end."""
+        """Record the rest after the last event of the run."""
         self._flush(now, cycle)
         for request, part in self._under_way:
             self._say(part, request, "okay", request.time + LATEST)
@@ -328,17 +330,18 @@ def exported(
     acts: Iterable[tuple[Time, str]] = (),
     not_atomic: Collection[str] = (),
 ) -> Exported:
-    """Return a run as a test of what became of a task.
+    """Return a run as a test of the result of a task.
 
     Args:
-        name: what the test is called.
+        name: the name of the test.
         told: all events of the run.
         task: the number of the task.
-        acts: tasks given and cancelled meanwhile: the time, and an action of an `at`.
+        acts: tasks added and cancelled during the run: the time, and an action of an
+            `at`.
         not_atomic: the names of the primitives that are not atomic.
 
     Raises:
-        StateError: if there was no such task.
+        StateError: if the task does not exist.
     """
     begun, last = told[0], told[-1]
     if not isinstance(begun, events.RunStarted):
@@ -357,7 +360,7 @@ def exported(
 
 
 def _begun(spec: RunSpec) -> str:
-    """Return the clauses that say what a run is begun with."""
+    """Return the clauses for the start of a run."""
     clauses = [f"(world {_world(spec)})"] if spec.world != "scripted" else []
     if spec.options:
         pairs = [f"({name} {_option(value)})" for name, value in spec.options.items()]
@@ -368,13 +371,13 @@ def _begun(spec: RunSpec) -> str:
 
 
 def _world(spec: RunSpec) -> str:
-    """Return the name of a world; that of a class in quotes, which keep capitals."""
+    """Return the name of a world; a class is in quotes, which keep capitals."""
     named = spec.world_class
     return format_atom(Text(named)) if named else spec.world
 
 
 def _given(task: str) -> str:
-    """Return the clause that gives a task; one of a later time comes by an `at`."""
+    """Return the clause that adds a task; an `at` for a task of a later time."""
     goal, end, options = task.rpartition(")")
     later = _LATER.search(options)
     if later is None:
@@ -392,7 +395,7 @@ def _option(value: object) -> str:
 
 
 def _outcome(told: Iterable[events.Event], task: int) -> tuple[str, str]:
-    """Return the goal of a task, and the expectation that says what became of it."""
+    """Return the goal of a task, and the expectation of its result."""
     goal, how, reason = None, "active", ""
     for event in told:
         match event:

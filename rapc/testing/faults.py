@@ -1,6 +1,6 @@
-"""Faults as they are written on the command line: `--fault`.
+"""Syntax of faults on the command line: `--fault`.
 
-What they do to a world is in `rapc.worlds.faults`.
+The effect of a fault on a world is in `rapc.worlds.faults`.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ _OPTIONS = {"p": "p", "from": "start", "until": "stop", "by": "by"}
 
 
 def told_for_skills(library: Library) -> frozenset[str]:
-    """Return the events that may be told for skills: declared of them, or awaited.
+    """Return the events that skills may emit: declared for the skills, or awaited.
 
-    A spurious signal is another of these that none of the skills has told.
+    A spurious signal is one of these events that none of the skills has emitted.
     """
     told = {event for form in library.skills.values() for event in form.events or ()}
     bodies = (m.body for rap in library.raps.values() for m in rap.methods)
@@ -36,10 +36,11 @@ def told_for_skills(library: Library) -> frozenset[str]:
 def read_fault(text: str) -> InjectedFault:
     """Return a fault from `(request) result p=0.3 from=100 until=200`.
 
-    Of a signal, `(:signal) lost`, `late by=5`, `doubled` or `spurious by=5`.
+    Return a fault of a signal from `(:signal) lost`, `late by=5`, `doubled` or
+    `spurious by=5`.
 
     Raises:
-        TextError: with one line that says what is wrong.
+        TextError: if the text is invalid; the message has one line.
     """
     end = end_of_list(text)
     of_signal = text.lstrip().startswith("(:")

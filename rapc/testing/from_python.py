@@ -24,18 +24,18 @@ TEXT = "<text>"
 class TestResult(msgspec.Struct, frozen=True):
     """The result of one `define-test` under one seed."""
 
-    #: pytest is not to take the class for a test.
+    #: Keeps pytest from collecting the class as a test.
     __test__: ClassVar[bool] = False
 
     name: str
-    #: The file and row where the test stands.
+    #: The file and row of the test.
     file: str
     row: int
-    #: The seed of the run: that of the test, if it has one.
+    #: The seed of the run: the seed of the test, if it has one.
     seed: int
-    #: `passed`, `failed`, or `error` if something is wrong with the test.
+    #: `passed`, `failed`, or `error` if the test itself has an error.
     outcome: str
-    #: Why it did not pass, each line with its file, row and column.
+    #: The reasons why the test did not pass, each line with its file, row and column.
     reasons: tuple[str, ...] = ()
     #: The last lines of the trace of a run that did not pass.
     trace: tuple[str, ...] = ()
@@ -55,9 +55,9 @@ def test(
     """Run the tests of some files, folders, compiled libraries or texts.
 
     Args:
-        sources: paths, as `rapc test` takes them, or a text with tests: a `str` that
-            begins with `(` or `;`.
-        seed: the seed of each test that has none of its own.
+        sources: paths, as for `rapc test`, or a text with tests: a `str` that begins
+            with `(` or `;`.
+        seed: the seed of each test without its own seed.
         listener: called with every event of every run.
         modules: the modules of which tests may name worlds, as `module:Class`.
 
@@ -65,8 +65,9 @@ def test(
         A result for each test, in the order of the text.
 
     Raises:
-        ArgumentError: for no source, a source of another type, and no test in any.
-        LoadError: for what cannot be read.
+        ArgumentError: for no source, a source of another type, and no test in any
+            source.
+        LoadError: for a path that cannot be read.
         SavedError: for a compiled library that this rapc cannot run.
         CheckError: for errors in a library that tests run.
     """
@@ -91,7 +92,7 @@ test.__test__ = False  # type: ignore[attr-defined]  # pytest is not to collect 
 
 
 def _named(sources: tuple[object, ...]) -> tuple[list[str], dict[str, str]]:
-    """Return sources by name, in their order, and the texts among them."""
+    """Return the names of sources, in order, and the texts among the sources."""
     names: list[str] = []
     texts: dict[str, str] = {}
     for source in sources:

@@ -1,7 +1,7 @@
-"""Whether the expectations of a test hold, and what happened where they do not.
+"""Evaluate a test's expectations and explain failures.
 
-One function per expectation; each returns None, or lines that say what happened. They
-read a record and ask memory, and change nothing.
+Each expectation has one function, which returns None or lines that explain the failure.
+The functions read a record and query memory, without side effects.
 """
 
 from __future__ import annotations
@@ -26,19 +26,19 @@ Happened = tuple[str, ...]
 
 
 class Evidence(msgspec.Struct, frozen=True):
-    """What an expectation is judged by: the record, and memory to be asked."""
+    """The evidence for an expectation: the record of the run, and memory."""
 
     record: Record
     holds: Callable[[nodes.Formula], bool]
 
 
 def judge(expectation: nodes.Expectation, scene: Evidence) -> Happened | None:
-    """None if an expectation holds now, else what happened instead."""
+    """Return None if an expectation holds now, else the explanation."""
     return _JUDGES[type(expectation)](expectation, scene)
 
 
 def _some(lines: Sequence[str]) -> Happened:
-    """The first of many lines, and how many more there are."""
+    """Return the first of many lines, and the number of the remaining lines."""
     if len(lines) <= _MANY + 1:
         return tuple(lines)
     return (*lines[:_MANY], f"and {len(lines) - _MANY} more")
@@ -48,7 +48,7 @@ def _some(lines: Sequence[str]) -> Happened:
 
 
 def _tasks(goal: nodes.Goal, scene: Evidence, found: Sequence[TaskStory]) -> Happened:
-    """Return what became of the tasks a goal means, or else of those of its RAP."""
+    """Return the ends of the tasks that match a goal, or else of its RAP's tasks."""
     lines = [f"{task.text} [{task.number}] {task.state()}" for task in found]
     if lines:
         return _why(found[0]) if len(lines) == 1 else _some(lines)
@@ -61,7 +61,7 @@ def _tasks(goal: nodes.Goal, scene: Evidence, found: Sequence[TaskStory]) -> Hap
 
 
 def _why(task: TaskStory) -> Happened:
-    """Return what became of one task and, if it failed, why, to the first cause."""
+    """Return the end of a task and, after a failure, the causes to the first one."""
     told = f"{task.text} [{task.number}] {task.state()}"
     return (told, *_some([f"  {line}" for line in cause_lines(task.because)]))
 
@@ -162,7 +162,7 @@ def _listed(requests: Sequence[Fact]) -> Happened:
 
 
 def _written(asked: Fact) -> str:
-    """Return a request, or a skill that is enabled, as tests write it."""
+    """Return a request, or a skill that is enabled, in the syntax of tests."""
     text = format_list(asked)
     return f"(enable {text})" if str(asked[0]).startswith(":") else text
 
@@ -247,7 +247,7 @@ def _trace(node: nodes.TraceHas, scene: Evidence) -> Happened | None:
 
 
 def _told(event: events.Event) -> str:
-    """Return an event written like a pattern, without its cause, which is long."""
+    """Return an event in the syntax of a pattern, without its long cause."""
     keys = record(event)
     hidden = ("event", "n", "cycle", "time", "because")
     shown = {k: v for k, v in keys.items() if k not in hidden}

@@ -1,9 +1,10 @@
-"""How patterns of a test match events.
+"""Match the patterns of a test with events.
 
-Events hold values, but for what is words to people: a monitor's formula (`on`), tasks
-and faults as they were given. Patterns match those as terms, too, so words are read.
+Events hold values, except for texts for people: a monitor's formula (`on`), tasks and
+faults as the user wrote them. Patterns match these texts as terms, too, so the texts
+are parsed.
 
-What an event means to an expectation is for `rapc.testing.judge`.
+The meaning of an event for an expectation is in `rapc.testing.judge`.
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ _ESCAPE = re.compile(r"\\(.)", re.DOTALL)
 
 
 def read_value(text: str) -> Value:
-    """A term from the text of a trace; what is not one term is a string."""
+    """Return a term from the text of a trace; a string if the text is not a term."""
     stack: list[list[Value]] = [[]]
     for word in _WORD.findall(text):
         if word == "(":
@@ -48,7 +49,7 @@ def read_value(text: str) -> Value:
 
 
 def end_of_list(text: str) -> int:
-    """The offset behind the first list of a text; the whole length if none ends."""
+    """Return the offset after the first list of a text, or the whole length."""
     depth = 0
     for word in _WORD.finditer(text):
         depth += {"(": 1, ")": -1}.get(word[0], 0)
@@ -66,18 +67,18 @@ def _atom(word: str) -> Atom:
 
 
 def flat(node: nodes.Pattern | nodes.Goal) -> Fact:
-    """Return a goal or request as a flat pattern: variables by their names."""
+    """Return a goal or request as a flat pattern, with variables by name."""
     return (node.name, *[atom(arg) for arg in node.args])
 
 
 def atom(term: nodes.Term) -> Atom:
-    """A constant's value, or a variable's name; computed terms stand in no pattern."""
+    """Return a constant's value or a variable's name; computed terms do not occur."""
     assert not isinstance(term, nodes.Call)
     return term.value if isinstance(term, nodes.Const) else term.name
 
 
 def goal_matches(goal: nodes.Goal, inputs: Fact) -> bool:
-    """Whether the RAP and its inputs match; variables match anything."""
+    """Return whether the RAP and its inputs match; variables match any value."""
     return values.match_pattern(flat(goal), inputs) is not None
 
 
@@ -85,7 +86,7 @@ def goal_matches(goal: nodes.Goal, inputs: Fact) -> bool:
 
 
 def event_matches(pattern: nodes.EventPattern, event: events.Event) -> bool:
-    """Whether an event fits a pattern, whose keys are those of the trace."""
+    """Return whether an event matches a pattern, whose keys are those of the trace."""
     kind = type(event)
     if kind.__struct_config__.tag != pattern.event:
         return False
@@ -112,12 +113,12 @@ def _names_outputs(pattern: nodes.TracePattern) -> bool:
 
 
 def _text(event: events.Event, key: str) -> str:
-    """Return what a trace has under a key."""
+    """Return the text of a trace under a key."""
     return str(record(event)[key])
 
 
 def _term(value: object, outputs: bool = True) -> Value:
-    """A value of an event as a term: objects as lists of pairs, words read as RAP."""
+    """Return a value of an event as a term: objects as lists of pairs, text parsed."""
     match value:
         case events.Goal():
             return value.parts if outputs else (value.name, *value.inputs)
@@ -136,7 +137,7 @@ def _term(value: object, outputs: bool = True) -> Value:
 
 
 def _unify(pattern: nodes.TracePattern, value: Value, bound: dict[str, Value]) -> bool:
-    """Whether a value fits; data are nested at most as deep as the reader allows."""
+    """Return whether a value matches; data are nested within the reader's limit."""
     if isinstance(pattern, nodes.Var):
         return pattern.anonymous or bound.setdefault(pattern.name, value) == value
     if isinstance(pattern, nodes.Const):

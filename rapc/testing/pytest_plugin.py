@@ -1,7 +1,7 @@
 """The pytest plug-in: collects `*.test.rap`, one item for each `define-test`.
 
-pytest loads this module in every run, so nothing of rapc is imported before a file is
-found. The items are in `rapc.console.testing.under_pytest`.
+pytest loads this module in every run, so the module imports the rest of rapc only when
+a file is found. The items are in `rapc.console.testing.under_pytest`.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_collect_file(
     file_path: Path, parent: pytest.Collector
 ) -> pytest.Collector | None:
-    """A collector for a file of tests; None for any other file."""
+    """Return a collector for a file of tests; None for any other file."""
     if not file_path.name.endswith(SUFFIX):
         return None
     made = import_module(_ITEMS).RapFile.from_parent(parent, path=file_path)
@@ -43,7 +43,7 @@ def pytest_collect_file(
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Have coverage gathered and told, where one of the options asks for it."""
+    """Collect and report coverage if one of the options requests it."""
     options = (config.option.rap_coverage, config.option.rap_coverage_min)
     if options != (None, None):
         import_module(_ITEMS).gather_coverage(config)

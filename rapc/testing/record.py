@@ -1,6 +1,6 @@
-"""What happened in a run, kept so that expectations can be judged by it.
+"""Record of a run, for the evaluation of expectations.
 
-A record listens to the events of one run. It knows nothing of what is expected.
+A record listens to the events of one run. It does not depend on expectations.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ Asked = events.PrimitiveRequested | events.SkillEnabled
 
 
 class TaskStory:
-    """What is known of a task: its goal as last told, and what has become of it.
+    """State of a task: its goal in the latest event, and its end.
 
-    `selected` is the serial number of its first selection; `ended` how it ended:
-    `succeeded`, `failed` or `removed`, None while it is live; `result` what its parent
-    sees of a failure, `reason` why it failed or was removed, `because` more of why it
-    failed; `time` is that of its end.
+    `selected` is the serial number of its first selection. `ended` is `succeeded`,
+    `failed` or `removed`, or None while the task is live. `result` is the failure as
+    the parent sees it, `reason` why the task failed or was removed, `because` the
+    detailed cause of the failure; `time` is the time of the end.
     """
 
     def __init__(self, number: int, goal: events.Goal) -> None:
@@ -48,11 +48,11 @@ class TaskStory:
         self.outputs: Fact = goal.outputs
 
     def end(self, how: str, event: events.Event, reason: str = "") -> None:
-        """Note how the task ended, at the time of `event`, and why."""
+        """Record how the task ended, at the time of `event`, and why."""
         self.ended, self.time, self.reason = how, event.time, reason
 
     def state(self) -> str:
-        """Return what has become of the task, in words."""
+        """Return the state of the task as text."""
         at = f" at time {readable(self.time)}"
         if self.ended == "failed":
             return f"failed{at} ({self.reason}) - {self.result}"
@@ -64,17 +64,17 @@ class TaskStory:
 
 
 class Record:
-    """The events of a run and what follows from them: tasks, requests, facts."""
+    """The events of a run, with the tasks, requests and facts in these events."""
 
     def __init__(self) -> None:
         self.events: list[events.Event] = []
         self.tasks: dict[int, TaskStory] = {}
-        #: All that was asked of the world: requests, and skills that came on.
+        #: All requests to the world, and skills that were enabled.
         self.requests: list[tuple[Fact, Asked]] = []
         self.facts: dict[Fact, None] = {}
 
     def __call__(self, event: events.Event) -> None:
-        """Take one event in."""
+        """Process one event."""
         self.events.append(event)
         number = getattr(event, "task", None)
         task = self.tasks.get(number) if number is not None else None
@@ -118,20 +118,20 @@ class Record:
                 pass
 
     def refresh(self, goals: Mapping[int, events.Goal]) -> None:
-        """Take the goals of live tasks as they are now: inputs may have been bound."""
+        """Update the goals of live tasks: inputs may have been bound."""
         for number, goal in goals.items():
             self.tasks[number].update(goal)
 
     def matching(self, goal: nodes.Goal) -> list[TaskStory]:
-        """The tasks made so far, at any level, that a goal means."""
+        """Return the tasks so far, at any level, that match a goal."""
         return [t for t in self.tasks.values() if goal_matches(goal, t.inputs)]
 
     def about(self, predicate: str) -> list[str]:
-        """The facts of a name that are in memory now, as text."""
+        """Return the facts with a name that are in memory now, as text."""
         return [format_list(fact) for fact in self.facts if fact[0] == predicate]
 
     def of_kind(self, name: str) -> list[events.Event]:
-        """The events of a name."""
+        """Return the events with a name."""
         return [e for e in self.events if e.__struct_config__.tag == name]
 
     def last_lines(self, count: int) -> list[str]:

@@ -1,7 +1,7 @@
-"""Run one test against the scripted world and say what became of it.
+"""Run one test against the scripted world and return the outcome.
 
-Nothing is read from disk here and nothing is printed: cases come from
-`rapc.testing.discover`, outcomes go to `rapc.console.testing.explain`.
+This module reads no file and prints nothing. Cases come from `rapc.testing.discover`;
+`rapc.console.testing.explain` prints outcomes.
 """
 
 from __future__ import annotations
@@ -48,12 +48,12 @@ class Case(msgspec.Struct, frozen=True):
 
     test: nodes.DefineTest
     library: Program
-    #: What the checker found wrong with the test: if anything, it is not run.
+    #: The checker's errors in the test; a test with errors is not run.
     faults: tuple[Finding, ...] = ()
 
 
 class Status(enum.Enum):
-    """What became of a test; `ERROR` if there is something wrong with the test."""
+    """The status of a test; `ERROR` if the test itself has an error."""
 
     PASSED = "passed"
     FAILED = "failed"
@@ -61,13 +61,13 @@ class Status(enum.Enum):
 
 
 class Outcome(msgspec.Struct, frozen=True):
-    """What became of a test under one seed."""
+    """The outcome of a test under one seed."""
 
     case: Case
     seed: int
     status: Status
     failures: tuple[Unmet, ...] = ()
-    #: Why the test was over earlier than its author may have meant; or nothing.
+    #: The reason why the test ended earlier than its author may expect, or no text.
     note: str = ""
     #: The last lines of the trace, if the test failed.
     trace: tuple[str, ...] = ()
@@ -90,9 +90,9 @@ def run_case(
     Args:
         case: the test and its library.
         seed: the seed of interpreter and faults, unless the test has its own.
-        wrap: what to put around the world: faults.
-        coverage: is told what the run exercises.
-        listener: is told every event of the run, as a trace is.
+        wrap: wraps the world, for example with faults.
+        coverage: counts what the run exercises.
+        listener: receives every event of the run, in the way of a trace.
         modules: the modules of which the test may name worlds, as `module:Class`.
     """
     test, place = case.test, case.test.name_span
@@ -126,7 +126,7 @@ def _error(case: Case, seed: int, found: Sequence[Unmet]) -> Outcome:
 
 
 def _problem(finding: Finding) -> Unmet:
-    """A finding in one line, with the name that may have been meant."""
+    """Return a finding as one line, with a suggestion of a name."""
     found = finding.diagnostic
     is_question = found.help.startswith("did you mean")
     message = f"{found.message}; {found.help}" if is_question else found.message
@@ -134,7 +134,7 @@ def _problem(finding: Finding) -> Unmet:
 
 
 class _Run:
-    """One run of a test: its interpreter, and what was found so far.
+    """One run of a test: its interpreter, and the failures so far.
 
     Raises:
         RefusedError: if the library or a task cannot be run.
@@ -170,7 +170,7 @@ class _Run:
             case.library, world, spec, later=later, functions=known
         )
 
-    # --- while it runs -----------------------------------------------------------
+    # --- during the run ------------------------------------------------------------
 
     def run(self) -> None:
         """Run the test to its end."""
@@ -194,7 +194,7 @@ class _Run:
         self._fail_if_stopped()
 
     def _fail_if_stopped(self) -> None:
-        """Fail a test that was not over when a limit came that it does not state."""
+        """Fail a test that a limit has ended, unless the test states the limit."""
         reason, stated = self.interpreter.reason, self.test.until
         limit, more = "", "say when with `(until time)`"
         if reason == "cycles" and (stated is None or stated.cycles is None):
@@ -246,13 +246,13 @@ class _Run:
                 self.interpreter.move(str(atom(item)), None)
 
     def _leaving(self) -> None:
-        """Judge what a time was to have brought, before the clock moves on."""
+        """Evaluate the expectations of a time before the clock advances."""
         pending, self._pending = self._pending, []
         for expect in pending:
             self._judge(expect.expectations)
 
     def _judge_at_the_end(self) -> None:
-        if self.interpreter.reason == "broken":  # the message says more than all else
+        if self.interpreter.reason == "broken":  # the message says more than the rest
             return
         self._note = self._why_so_early()
         self._leaving()
@@ -261,7 +261,7 @@ class _Run:
             self._not_reached(at)
 
     def _why_so_early(self) -> str:
-        """Say that only tasks in the background were left, if that ended the run."""
+        """Return a line if the run ended with only background tasks left."""
         left = [
             one for one in self.interpreter.results() if one.outcome == "unfinished"
         ]
@@ -289,10 +289,10 @@ class _Run:
     def _fail(self, span: Span, *happened: str) -> None:
         self._failures.append(Unmet(span, happened, len(self._record.events)))
 
-    # --- after -------------------------------------------------------------------
+    # --- after the run -----------------------------------------------------------
 
     def outcome(self) -> Outcome:
-        """Return what became of the test."""
+        """Return the outcome of the test."""
         if not self._failures:
             return Outcome(self._case, self._seed, Status.PASSED)
         status = Status.ERROR if self._broken else Status.FAILED

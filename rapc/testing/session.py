@@ -1,4 +1,4 @@
-"""Many tests under many seeds, with faults and coverage: what a command runs."""
+"""Many tests under many seeds, with faults and coverage, for a command."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from rapc.worlds.faults import FaultyWorld, InjectedFault, problem
 
 
 class TestSession(msgspec.Struct, frozen=True):
-    """How tests are to be run: each under all seeds, with faults that apply to it."""
+    """Options of a test session: each test runs under all seeds, with its faults."""
 
-    #: pytest is not to take the class for a test.
+    #: Keeps pytest from collecting the class as a test.
     __test__: ClassVar[bool] = False
 
     seeds: range = range(1)
@@ -30,7 +30,7 @@ class TestSession(msgspec.Struct, frozen=True):
     modules: tuple[str, ...] = ()
 
     def run(self, cases: Iterable[Case]) -> Iterator[Outcome]:
-        """The outcome of each test: of its last seed, or the first that failed."""
+        """Yield the outcome of each test: its first failure, or its last seed."""
         for case in cases:
             yield self.run_one(case)
 
@@ -49,7 +49,7 @@ class TestSession(msgspec.Struct, frozen=True):
         return outcome
 
     def useless(self, cases: Sequence[Case]) -> Iterator[str]:
-        """Faults that can hit nothing in any of the tests, with the reason."""
+        """Return the faults that can occur in none of the tests, with the reason."""
         for fault in self.faults:
             reasons = [self._problem(fault, case) for case in cases]
             if reasons and None not in reasons:
@@ -61,7 +61,7 @@ class TestSession(msgspec.Struct, frozen=True):
 
 
 def summary(outcomes: Sequence[Outcome], seeds: int) -> str:
-    """The one line at the end: how many passed, failed, could not be run."""
+    """Return the last line: how many tests passed, failed, could not be run."""
     counts = Counter(outcome.status for outcome in outcomes)
     words = {
         Status.PASSED: "passed",
@@ -75,7 +75,7 @@ def summary(outcomes: Sequence[Outcome], seeds: int) -> str:
 
 
 def exit_status(outcomes: Sequence[Outcome]) -> int:
-    """0 if all passed, 2 if something is wrong with a test, else 1."""
+    """Return 0 if all passed, 2 if a test has an error, else 1."""
     found = {outcome.status for outcome in outcomes}
     if Status.ERROR in found:
         return 2

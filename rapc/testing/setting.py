@@ -1,11 +1,10 @@
-"""What a test is run with: what its world lends it, its script, its answers.
+"""The setting of a test: borrowed parts of a world, script, answers.
 
-A library may ask functions that nobody registered, for they come with a world that the
-test does without: answers of the test stand in for them.
+A library may call functions that nobody registered, because the functions belong to a
+world that the test does not use. Answers of the test replace these functions.
 
-What only the world of a test can tell keeps it from being run, and is found here. All
-else that may be wrong with a test is found by the checker, without any world
-(`rapc.analysis`).
+Errors that depend on the world of a test prevent its run, and are found here. The
+checker finds all other errors of a test, without a world (`rapc.analysis`).
 """
 
 from __future__ import annotations
@@ -29,9 +28,9 @@ from rapc.worlds.script import Row
 
 
 class Unmet(msgspec.Struct, frozen=True):
-    """Something that was not as expected: the place that asks for it, and what was.
+    """A failed expectation: its position, and what happened instead.
 
-    `events` is how many events of the trace had come when that was found.
+    `events` is the number of events in the trace at the time of the failure.
     """
 
     span: Span
@@ -40,18 +39,18 @@ class Unmet(msgspec.Struct, frozen=True):
 
 
 class UnansweredQuestion(Error):
-    """A question to a memory function that no answer of the test fits."""
+    """A call of a memory function that no answer of the test matches."""
 
     def __init__(self, question: Fact) -> None:
         super().__init__(f"no answer says what {format_list(question)} is")
 
     def __str__(self) -> str:
-        """Return the message, with the clauses that asked."""
+        """Return the message, with the clauses that called the function."""
         return ", asked by ".join([self.message, *getattr(self, "__notes__", ())])
 
 
 def functions(answers: Sequence[nodes.Answer]) -> Mapping[str, Callable[..., Any]]:
-    """Return the functions that give `answers`, by name, as a host registers them."""
+    """Return the functions for `answers`, by name, as a host registers functions."""
     tables: dict[str, list[tuple[Fact, Atom]]] = {}
     for answer in answers:
         name = answer.call.function
@@ -61,13 +60,13 @@ def functions(answers: Sequence[nodes.Answer]) -> Mapping[str, Callable[..., Any
 
 
 def _function(name: str, table: Sequence[tuple[Fact, Atom]]) -> Callable[..., Any]:
-    """Return a function that gives the first answer whose question matches."""
+    """Return a function that returns the first answer that matches a call."""
 
     def answered(memory: object, *given: Any) -> Atom:
         """Return the answer to (name given...); of a default, `given` is an index.
 
         Raises:
-            UnansweredQuestion: if there is none.
+            UnansweredQuestion: if no answer matches.
         """
         args = given[0] if len(given) == 1 and isinstance(given[0], tuple) else given
         question = (name, *args)
@@ -85,10 +84,10 @@ def _function(name: str, table: Sequence[tuple[Fact, Atom]]) -> Callable[..., An
 def borrowed_kit(
     test: nodes.DefineTest, seed: int, modules: Collection[str]
 ) -> tuple[Kit, list[Unmet]]:
-    """Return what the world that a test names lends it, and why it cannot be had.
+    """Return the kit of the world that a test names, or why it is unavailable.
 
     Raises:
-        WorldError: if there is no such world, or it may not be used.
+        WorldError: if the world is unknown, or may not be used.
     """
     if test.world is None:
         return Kit(), []
@@ -102,7 +101,7 @@ def borrowed_kit(
 def _options(
     test: nodes.DefineTest, world: type[World]
 ) -> tuple[dict[str, Atom | bool], list[Unmet]]:
-    """Return the options that a test sets for its world, and what is wrong."""
+    """Return the options that a test sets for its world, and their errors."""
     flags = {option.name for option in world.kit.options if option.kind == "flag"}
     values: dict[str, Atom | bool] = {}
     found = []
@@ -122,12 +121,12 @@ def problems(
     library: Library,
     kit: Kit,
 ) -> list[Unmet]:
-    """Return why a test cannot be run in its world.
+    """Return the reasons why a test cannot be run in its world.
 
     Args:
         test: the test.
-        library: what it runs.
-        kit: what the world that it names brings along; an empty one without a world.
+        library: the library under test.
+        kit: the kit of the named world; an empty kit without a world.
     """
     handled, solved = kit.handlers.data, kit.solvers
     found = [
@@ -155,7 +154,7 @@ def problems(
 
 
 def row_of(row: nodes.ScriptRow, signatures: Signatures) -> Row:
-    """Return a row of a test's script as the scripted world takes it.
+    """Return a row of a test's script in the form of the scripted world.
 
     The value `true` that a property leaves out in text is written out [L 2.26].
     """

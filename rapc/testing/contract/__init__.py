@@ -1,1 +1,1 @@
-"""Whether a world keeps to the port: what `rapc worlds NAME --test` tries."""
+"""Tests of the contract between a world and the port: `rapc worlds NAME --test`."""

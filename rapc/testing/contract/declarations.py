@@ -1,4 +1,4 @@
-"""What a world offers, as the declarations that a library would make of it."""
+"""The offer of a world as declarations of a library."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ _ONLY_LOOKS = "Only looks, and changes nothing."
 def declarations(
     offer: Offer, skills: Catalogue | None = None
 ) -> tuple[nodes.TopForm, ...]:
-    """Return the declarations of all that is on offer.
+    """Return the declarations of an offer.
 
-    Arguments are called as the offer says, else `?a`, `?b`, ...
+    The arguments have the names of the offer, else `?a`, `?b`, ...
 
     Args:
-        offer: what a world offers.
-        skills: what its author has declared of skills and events, if anything: their
-            arguments, with kinds, what they tell and use.
+        offer: the offer of a world.
+        skills: the author's declarations of skills and events, if any: their arguments,
+            with kinds, their signals and things.
     """
     declared = tuple(_declared(offer))
     if skills is None:
@@ -43,7 +43,7 @@ def declarations(
 
 
 def declaring(offer: Offer) -> Library:
-    """Return a library of nothing but the declarations of what is on offer."""
+    """Return a library that consists of the declarations of an offer."""
     unit = SourceUnit(SourceFile("<offer>", ""), declarations(offer))
     return link([unit])[0]
 
@@ -87,7 +87,7 @@ def _of_catalogue(
 
 
 def _parameters(parameters: Iterable[Parameter]) -> tuple[nodes.Argument, ...]:
-    """Return the arguments of a skill or an event by their names, numbers as such."""
+    """Return the arguments of a skill or an event by name, numbers as such."""
     return tuple(
         nodes.Argument(
             nodes.Var(f"?{one.name}"), "number" if one.kind == "number" else None
@@ -97,13 +97,13 @@ def _parameters(parameters: Iterable[Parameter]) -> tuple[nodes.Argument, ...]:
 
 
 def _letter(at: int) -> str:
-    """Return a name for the argument `at`, another one for each."""
+    """Return a name for the argument `at`, different for each argument."""
     letters = len(ascii_lowercase)
     return f"{ascii_lowercase[at % letters]}{at // letters or ''}"
 
 
 def _arguments(offer: Offer, name: str, count: int) -> tuple[nodes.Argument, ...]:
-    """Return so many arguments, with names of their own if the offer has none."""
+    """Return a number of arguments, with generated names if the offer has none."""
     called = offer.arguments.get(name, ())
     if len(called) != count:
         called = tuple([_letter(at) for at in range(count)])

@@ -1,8 +1,9 @@
-"""A robot without a mind, by which a world is tried: it asks at random.
+"""A random driver that tests a world.
 
-It asks for all that is on offer, about what the world has told it, and digests what
-comes as the interpreter does: replies and messages are held to the port, handlers run
-on a real memory and are held to their declarations.
+The driver makes random requests from the offer, about the facts that the world has
+reported. It processes replies as the interpreter does: it validates replies and
+messages against the port, runs handlers on a real memory, and checks the handlers
+against their declarations.
 """
 
 from __future__ import annotations
@@ -41,14 +42,14 @@ History = list[tuple[object, ...]]
 
 
 class Driver:
-    """Asks one world for things, and digests the answers.
+    """A driver that makes requests of one world and processes the replies.
 
     Args:
         world: the world, new.
-        program: a library that declares what the world offers.
-        seed: decides what is asked for.
-        handled: whether the world's handlers run: the library has their words.
-        requests: what is asked for first.
+        program: a library that declares the offer of the world.
+        seed: the seed of the choice of requests.
+        handled: whether the world's handlers run: the library declares their names.
+        requests: the first requests.
     """
 
     def __init__(
@@ -59,7 +60,7 @@ class Driver:
         handled: bool,
         requests: Sequence[Fact] = (),
     ) -> None:
-        #: The world, held to what the library declares.
+        #: The world, checked against the declarations of the library.
         self.world = HeldWorld(world, program, strict=True)
         self.history: History = []
         #: Each primitive with each result that a request for it had.
@@ -80,10 +81,10 @@ class Driver:
                 self._run.access.assert_fact(*fact)
 
     def drive(self, requests: int) -> None:
-        """Ask for so many things, or until the world ends the run.
+        """Make a number of requests, or stop when the world ends the run.
 
         Raises:
-            PortError: for a world that does not keep to the port.
+            PortError: for a world that violates the port.
         """
         self._listen()
         for _ in range(requests):
@@ -93,7 +94,7 @@ class Driver:
             self.ask(request)
 
     def ask(self, request: Fact) -> None:
-        """Ask for one thing, and wait for its end or, now and then, cancel it.
+        """Make one request; wait for its end or, now and then, cancel it.
 
         Raises:
             PortError: as `drive`.
@@ -123,7 +124,7 @@ class Driver:
         self._listen()
 
     def _check_refusal(self, request: Fact, answer: Refused) -> None:
-        """See that a refusal names requests under way. Raises PortError."""
+        """Validate that a refusal names requests under way. Raises PortError."""
         for ticket in answer.conflicts:
             if ticket not in self._run.state.pending:
                 said = f"refuses {format_list(request)} beside the request {ticket}"
@@ -131,10 +132,10 @@ class Driver:
                 raise self.world.breach("perform", said)
 
     def _wait_for(self, ticket: int) -> None:
-        """Move time on until a request has ended.
+        """Advance time until a request has ended.
 
         Raises:
-            PortError: if it never does.
+            PortError: if the request never ends.
         """
         run, world = self._run, self.world
         for _ in range(_MOST_WAITS):
@@ -154,7 +155,7 @@ class Driver:
             raise world.breach("next_time", said)
 
     def _listen(self) -> int:
-        """Digest what the world has sent; return how many messages it was."""
+        """Process the messages of the world; return their number."""
         run = self._run
         run.sync_clock()
         messages = self.world.messages()
@@ -174,14 +175,14 @@ class Driver:
         self.history.append((*happened, self.world.now()))
 
     def _note(self, facts: Iterable[Fact]) -> None:
-        """Remember what the world has told of, to ask about it."""
+        """Remember the values that the world has sent, for use in later requests."""
         for fact in facts:
             self._told.update(dict.fromkeys(fact[1:]))
 
-    # --- what is asked for ---------------------------------------------------------
+    # --- choice of requests ---------------------------------------------------------
 
     def request(self) -> Fact | None:
-        """Return what is asked for next; None if nothing is on offer."""
+        """Return the next request; None if the offer is empty."""
         if self._first:
             return self._first.pop(0)
         offer = self.world.kit.offer.primitives
@@ -195,10 +196,11 @@ class Driver:
         return (name, *[self._value(arg) for arg in args])
 
     def activation(self) -> tuple[list[Fact], list[str]]:
-        """Return one skill or two of those on offer, and the events to be told.
+        """Return one or two offered skills, and the events to report.
 
-        Of a world that is all skills arguments are as declared, or now and then not,
-        and events are those that the skills may tell; else both are what is on offer.
+        For a world that declares all its skills, arguments are as declared, or now and
+        then not, and events are those that the skills may report. For other worlds,
+        both come from the offer.
         """
         offer, made = self.world.kit.offer, self.world.behind
         names = self._rng.sample(
@@ -216,7 +218,7 @@ class Driver:
         return [(name, *args) for name, args in zip(names, asked, strict=True)]
 
     def _argument(self, parameter: Parameter) -> Atom:
-        """Return a value for a parameter of a skill, mostly one that fits."""
+        """Return a value for a parameter of a skill, mostly a matching one."""
         if self._rng.random() < _UNFIT:
             return self._value(None)
         if parameter.kind == "text":
@@ -228,7 +230,7 @@ class Driver:
         return number(self._rng.choice([low, high, self._rng.uniform(low, high)]))
 
     def hold(self, sent: Iterable[Message], on: Collection[int]) -> None:
-        """See that signals that were sent are of activations that are on.
+        """Validate that the signals sent belong to activations that are on.
 
         Raises:
             PortError: if not.
@@ -240,7 +242,7 @@ class Driver:
                 raise self.world.breach("messages", f"{said} not on")
 
     def _value(self, arg: nodes.Argument | None) -> Atom:
-        """Return a value for an argument, of its kind where that is known."""
+        """Return a value for an argument, of its kind if the kind is known."""
         known: Sequence[Atom] = list(self._told) or [_STRANGER]
         if arg is not None and arg.kind is not None:
             kinds = Kinds(self._library.kinds)
@@ -251,4 +253,4 @@ class Driver:
 
 
 def _hear(memory: object, datum: Fact) -> None:
-    """Take a datum and make nothing of it."""
+    """Accept a datum and ignore it."""

@@ -1,7 +1,7 @@
-"""The part of the port's contract that is about skills.
+"""The part of the port's contract for skills.
 
-They are switched on and off at random, with arguments that their author has declared
-where that is known (a `SkillWorld`), and now and then with others.
+Skills are switched on and off at random. The arguments are those that the author of a
+`SkillWorld` has declared, and now and then others.
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ _STEPS = 5
 
 
 def try_skills(driver: Driver, copy: HeldWorld) -> Iterator[str]:
-    """Switch skills on and off: they come on or are refused; off, they tell nothing.
+    """Switch skills on and off; a skill that is off must send nothing.
 
-    A world that can be saved is saved with skills on, and goes on alike.
+    A world that can be saved is saved with skills on, and must continue alike.
 
     Args:
-        driver: the robot, in a new world.
-        copy: another world like that one.
+        driver: the driver, in a new world.
+        copy: a second world, made like the first.
 
     Yields:
-        What is wrong, in lines.
+        The errors, as lines.
     """
     world, on = driver.world, set[int]()
     if not isinstance(world, Skilled):
@@ -60,7 +60,7 @@ def try_skills(driver: Driver, copy: HeldWorld) -> Iterator[str]:
 
 
 def _saved(driver: Driver, copy: HeldWorld, on: Collection[int]) -> Iterator[str]:
-    """Save the world as it is; yield where one put in its state goes another way."""
+    """Save the world; yield where a restored world continues differently."""
     world = driver.world
     if not (isinstance(world, Savable) and isinstance(copy, Savable)):
         return
@@ -75,14 +75,14 @@ def _saved(driver: Driver, copy: HeldWorld, on: Collection[int]) -> Iterator[str
 
 
 def _goes_on(world: HeldWorld) -> tuple[Time, list[Message]]:
-    """Let a time unit pass; return the time, and what has been sent."""
+    """Advance by a time unit; return the time, and the messages sent."""
     if world.ended() is None:
         world.advance(world.now() + 1)
     return world.now(), list(world.messages())
 
 
 def _let_live(driver: Driver, on: Collection[int]) -> None:
-    """Let some time pass; see that only what is on tells anything."""
+    """Advance for some time; validate that only skills that are on send anything."""
     driver.hold(driver.world.messages(), on)
     for _ in range(_STEPS):
         _, sent = _goes_on(driver.world)

@@ -1,6 +1,6 @@
-"""The parts of the port's contract, each tried on worlds made for it.
+"""The parts of the port's contract, each tested on new worlds.
 
-What is wrong is told in lines, by the author's file and row where a call shows it.
+Errors are lines, with the author's file and row if a call shows the position.
 """
 
 from __future__ import annotations
@@ -33,37 +33,37 @@ Make = Callable[[int], World]
 
 
 class Trial(msgspec.Struct, frozen=True):
-    """What came of one part of the contract."""
+    """The result of testing one part of the contract."""
 
-    #: What was looked at, in a few words.
+    #: The name of the tested part, in a few words.
     part: str
-    #: What is wrong, in lines; empty if nothing is.
+    #: The errors, as lines; empty if the part passed.
     faults: tuple[str, ...] = ()
-    #: Why nothing was tried; empty if it was.
+    #: The reason why the part was not tested; empty if it was.
     left_out: str = ""
-    #: The results of each primitive that no request had, where requests are tried.
+    #: The results of each primitive that no request had, if requests are tested.
     unseen: Mapping[str, tuple[str, ...]] = {}
 
 
 class _Tried(msgspec.Struct, frozen=True):
-    """A world to be tried: how it is made, and a library that declares it."""
+    """A world under test: its constructor, and a library that declares it."""
 
     make: Make
-    #: Declares what is on offer, and no more.
+    #: A library of the declarations of the offer only.
     offered: Program
-    #: A library with the words that the handlers use; or none.
+    #: A library with the names that the handlers use, or None.
     library: Program | None
     requests: Sequence[Fact]
-    #: How many requests are made under each seed.
+    #: The number of requests under each seed.
     count: int
     drivers: list[Driver]
 
     def held(self, seed: int) -> HeldWorld:
-        """Return a new world, held to what it offers."""
+        """Return a new world, checked against its offer."""
         return HeldWorld(self.make(seed), self.offered)
 
     def driver(self, seed: int, library: Program | None = None) -> Driver:
-        """Return a robot in a new world; its handlers run with a library of theirs."""
+        """Return a driver in a new world; its handlers run with their library."""
         made = Driver(
             self.make(seed),
             library or self.offered,
@@ -75,7 +75,7 @@ class _Tried(msgspec.Struct, frozen=True):
         return made
 
     def unseen(self) -> dict[str, tuple[str, ...]]:
-        """Return the results on offer that no request has had, by primitive."""
+        """Return the offered results that no request has had, by primitive."""
         seen = {one for driver in self.drivers for one in driver.seen}
         offer = self.make(0).kit.offer.primitives
         found = {
@@ -91,15 +91,15 @@ def try_world(
     requests: Sequence[Fact] = (),
     count: int = REQUESTS,
 ) -> tuple[Trial, ...]:
-    """Hold a world to the port, part by part.
+    """Test a world against the port, part by part.
 
     Args:
         make: makes the world.
-        program: a library that declares what the world offers and the words that its
-            handlers use; without one the handlers do not run.
-        requests: what is asked for first; all else is asked for at random, about what
-            the world has told.
-        count: how many requests are made under each seed.
+        program: a library that declares the offer of the world and the names that its
+            handlers use; without a library the handlers do not run.
+        requests: the first requests; the rest are random, about the facts that the
+            world has reported.
+        count: the number of requests under each seed.
     """
     offered = Program(declaring(make(0).kit.offer))
     tried = _Tried(make, offered, program, requests, count, [])
@@ -118,7 +118,7 @@ def try_world(
 
 
 def _try(tried: _Tried, part: str, check: Callable[[_Tried], Iterator[str]]) -> Trial:
-    """Try one part; what the world's own code raises is one of its faults."""
+    """Test one part; an exception of the world's own code counts as an error."""
     world = tried.make(0)
     if part in _NEEDS:
         needs, otherwise = _NEEDS[part]
@@ -130,7 +130,7 @@ def _try(tried: _Tried, part: str, check: Callable[[_Tried], Iterator[str]]) -> 
         return Trial(part, (error.message,))
     except KeyboardInterrupt:
         raise
-    except BaseException as error:  # whatever a world's code may raise
+    except BaseException as error:  # a world's code may raise any exception
         try:
             HeldWorld(world).blame(error)
         except PortError as told:
@@ -141,7 +141,7 @@ def _try(tried: _Tried, part: str, check: Callable[[_Tried], Iterator[str]]) -> 
 
 
 def _offer(tried: _Tried) -> Iterator[str]:
-    """Options, offer and handlers fit together."""
+    """Test that options, offer and handlers fit together."""
     kit = tried.make(0).kit
     names = [option.name for option in kit.options]
     for name in dict.fromkeys(n for n in names if names.count(n) > 1):
@@ -169,7 +169,7 @@ def _offer(tried: _Tried) -> Iterator[str]:
 
 
 def _code(tried: _Tried) -> Iterator[str]:
-    """Hold code to the arguments it is called with, the world to the library."""
+    """Test the signatures of the code, and the library against the world."""
     world = tried.held(0)
     yield from misfitting(tried.library or tried.offered, world)
     if tried.library is not None:
@@ -177,7 +177,7 @@ def _code(tried: _Tried) -> Iterator[str]:
 
 
 def _start(tried: _Tried) -> Iterator[str]:
-    """Hold a new world to a clock at 0, to silence, and to facts that are facts."""
+    """Test that a new world has its clock at 0, no message, and valid facts."""
     world = tried.held(0)
     if world.now() != 0:
         yield f"its clock begins at {format_atom(world.now())}, not at 0"
@@ -188,7 +188,7 @@ def _start(tried: _Tried) -> Iterator[str]:
 
 
 def _requests(tried: _Tried) -> Iterator[str]:
-    """Answers and messages are declared, time goes on, and all is repeatable."""
+    """Test that replies are declared, time advances, and runs are repeatable."""
     for seed in SEEDS:
         one, other = tried.driver(seed), tried.driver(seed)
         one.drive(tried.count)
@@ -210,7 +210,7 @@ def _short(happened: tuple[object, ...]) -> str:
 
 
 def _time(tried: _Tried) -> Iterator[str]:
-    """Time goes where it is told, never back, and what is announced comes."""
+    """Test that time advances as requested, and announced messages come."""
     for seed in SEEDS:
         world = tried.held(seed)
         world.messages()
@@ -238,7 +238,7 @@ def _time(tried: _Tried) -> Iterator[str]:
 
 
 def _saving(tried: _Tried) -> Iterator[str]:
-    """Hold a world to going on from a saved state as if nothing had been."""
+    """Test that a world continues from a saved state without a difference."""
     for seed in SEEDS:
         driver, copy = tried.driver(seed), tried.held(seed)
         world = driver.world
@@ -262,7 +262,7 @@ def _saving(tried: _Tried) -> Iterator[str]:
 
 
 def _apart(driver: Driver, copy: HeldWorld, requests: int) -> Iterator[str]:
-    """Yield where a world and one that was put in its state do not go the same way."""
+    """Yield the differences between a world and its restored copy."""
     world = driver.world
     for ticket in range(10**6, 10**6 + requests):
         request = driver.request()
@@ -282,7 +282,7 @@ def _apart(driver: Driver, copy: HeldWorld, requests: int) -> Iterator[str]:
 
 
 def _picture(tried: _Tried) -> Iterator[str]:
-    """A picture hangs together, and drawing it changes nothing."""
+    """Test that a picture is consistent, and drawing it has no side effects."""
     one, other = tried.driver(0), tried.driver(0)
     world = one.world
     assert isinstance(world, Drawable)
@@ -301,7 +301,7 @@ def _picture(tried: _Tried) -> Iterator[str]:
 
 
 def _usual_times(tried: _Tried) -> Iterator[str]:
-    """Ask the world how long each request takes: nothing may change by that."""
+    """Request the usual time of each request: the call must change nothing."""
     driver = tried.driver(0)
     world = driver.world
     assert isinstance(world, Timed)
@@ -316,13 +316,13 @@ def _usual_times(tried: _Tried) -> Iterator[str]:
 
 
 def _skills(tried: _Tried) -> Iterator[str]:
-    """Skills come on or are refused, and what is off tells nothing."""
+    """Test that skills are switched on or refused, and are silent when off."""
     for seed in SEEDS:
         yield from try_skills(tried.driver(seed), tried.held(seed))
 
 
 def _handlers(tried: _Tried) -> Iterator[str]:
-    """Handlers put declared facts into memory, and keep to `:on` and `:tells`."""
+    """Test that handlers assert declared facts, and obey `:on` and `:tells`."""
     for seed in SEEDS:
         assert tried.library is not None
         tried.driver(seed, tried.library).drive(tried.count)
