@@ -1,7 +1,7 @@
-"""Activations: sets of skills that are on for methods of tasks [S 3]. Tables only.
+"""Tables of activations: the sets of active skills of methods [S 3].
 
-A request that has ended stands here too, as one without skills, while what was sent
-under it may still come.
+The table also contains requests that have ended, as activations without skills, while
+messages sent under these requests may still come.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from rapc.runtime.state.task import MethodRun, Task
 
 
 class Activation:
-    """What a method has switched on."""
+    """A set of skills that a method has switched on."""
 
     FIELDS: ClassVar[Fields] = {
         "ticket": Natural,
@@ -35,31 +35,32 @@ class Activation:
         run: MethodRun | None,
         skills: tuple[Fact, ...],
     ) -> None:
-        #: The number by which the world knows it.
+        #: The ticket: the number of the activation in the world.
         self.ticket = ticket
         #: The skills in memory names, in the order of the text.
         self.skills = skills
-        #: The number of the task that it was begun for.
+        #: The number of the task whose method began the activation.
         self.owner = owner
-        #: Whose rules hear its signals: the owner, or what is left above it.
+        #: The task whose rules hear the signals: the owner, or its nearest live
+        #: ancestor.
         self.task = task
-        #: The method that it is on for; None once it is off.
+        #: The method of the activation; None once the activation has ended.
         self.run = run
 
     @property
     def waits(self) -> Sequence[WaitPlan]:
-        """Return what ends its method, while it is on."""
+        """Return the waits that end the method, while the activation is on."""
         plan = None if self.run is None else self.run.plan.activation
         return () if plan is None else plan.waits
 
     @property
     def in_background(self) -> bool:
-        """Whether it is on beside the steps of its method."""
+        """Return whether the activation runs beside the steps of its method."""
         plan = None if self.run is None else self.run.plan.activation
         return plan is not None and plan.background
 
     def hearer(self) -> Task | None:
-        """Return its owner, or the nearest ancestor that has not ended."""
+        """Return the owner, or the nearest ancestor that has not ended."""
         task = self.task
         while task is not None and not task.live:
             task = task.parent
@@ -68,7 +69,7 @@ class Activation:
 
 
 class Activations:
-    """All activations of a run that are on, and those that may still be heard of."""
+    """The active activations of a run, and ended ones with outstanding signals."""
 
     FIELDS: ClassVar[Fields] = {
         "on": dict[int, Activation],
@@ -77,18 +78,18 @@ class Activations:
     __slots__ = tuple(FIELDS)
 
     def __init__(self) -> None:
-        #: Those that are on, by ticket: the oldest first.
+        #: The active activations by ticket, oldest first.
         self.on: dict[int, Activation] = {}
-        #: Those that went off since the world's messages were last taken in: what they
-        #: had told by then is still to come.
+        #: The activations that ended since the last intake of messages; their earlier
+        #: signals are still to come.
         self.off: dict[int, Activation] = {}
 
     def begin(self, activation: Activation) -> None:
-        """Add an activation that has come on."""
+        """Add an activation that has started."""
         self.on[activation.ticket] = activation
 
     def end(self, ticket: int) -> Activation:
-        """Remove an activation, and return it."""
+        """Remove an activation and return it."""
         activation = self.on.pop(ticket)
         activation.run = None
         self.off[ticket] = activation
@@ -99,6 +100,6 @@ class Activations:
         return self.on.get(ticket) or self.off.get(ticket)
 
     def forget(self, tickets: tuple[int, ...]) -> None:
-        """Drop activations that are off, all of whose signals have been heard."""
+        """Drop ended activations whose signals have all been heard."""
         for ticket in tickets:
             self.off.pop(ticket, None)

@@ -1,8 +1,8 @@
-"""The agenda: the tasks that may run now, and which of them runs next.
+"""The agenda: the eligible tasks and the order of their selection.
 
-Order of choice [T 3.2.4; L 4]: higher priority; earlier latest start; tasks
-none of whose methods has ended badly; the family on top of the stack; chance. A task
-that is alone on the agenda is not sorted in.
+The agenda prefers, in this order [T 3.2.4; L 4]: higher priority; earlier latest start;
+tasks without a failed method; the family on top of the stack; chance. A sole task on
+the agenda is not sorted in.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class Agenda:
         self._insert(task)
 
     def _insert(self, task: Task) -> None:
-        """Sort a task in by its latest start and its history as they are now."""
+        """Sort a task in by its current latest start and history."""
         wait, history = task.wait, task.history
         latest = task.limit if wait is None else task.limit - wait.duration
         failed = history is not None and bool(history.failures)
@@ -76,15 +76,16 @@ class Agenda:
         insort(self._families.setdefault(task.family, []), entry)
 
     def entries(self) -> tuple[int | None, list[tuple[int, float, bool]]]:
-        """Return the number of the sole task, and the others as they are sorted in.
+        """Return the number of the sole task, and the sorted entries of the others.
 
-        Each of these has its number, its latest start, and whether it had failed.
+        Each entry has the number of a task, its latest start, and whether it had
+        failed.
         """
         sole = None if self._only is None else self._only.number
         return sole, [(t.number, key[1], key[2]) for t, key in self._tasks.values()]
 
     def take_up(self, other: Agenda) -> None:
-        """Hold what the saved fields of another agenda say, and nothing else."""
+        """Take over the saved fields of another agenda."""
         self.stack, self.last_family = other.stack, other.last_family
         self._only = other._only
         self._tasks = {
@@ -98,7 +99,7 @@ class Agenda:
             self._families.setdefault(family, []).append(entry)
 
     def discard(self, task: Task) -> None:
-        """Remove a task that was eligible; others are left alone."""
+        """Remove a task that was eligible, if the agenda contains it."""
         if task is self._only:
             self._only = None
         elif task.number in self._tasks:
@@ -128,7 +129,7 @@ class Agenda:
         return task
 
     def _pick(self) -> Task:
-        """The next of several."""
+        """Return the next of several tasks."""
         entries = self._order
         priority, latest, failed, number = entries[0]
         behind = (priority, latest, failed, math.inf)
@@ -137,7 +138,7 @@ class Agenda:
             return self._take_out(number)
         stack = self.stack
         while stack and stack[-1][0] > -priority:
-            stack.pop()  # it has nothing eligible at or above its priority
+            stack.pop()  # nothing of this family is eligible at or above its priority
         if stack:
             family = self._families.get(stack[-1][1], [])
             same = bisect_left(family, behind)

@@ -1,7 +1,8 @@
-"""Deadlocks: circles of tasks in which each waits for a thing held above the next one.
+"""Deadlocks: circles of waiting tasks, each of which blocks another one.
 
-A method that holds a thing waits for the tasks below it. If one of these waits in turn
-for a thing, and so on back to the first, none of them can go on by itself [L 8.27].
+A method that holds a thing waits for the tasks below it. If one of these tasks waits
+for a thing, and so on back to the first task, no task of the circle can go on by itself
+[L 8.27].
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from rapc.runtime.state.task import Task
 from rapc.runtime.state.things import Ask, Hold, Things, ThingWait, words
 
 Circle = tuple[tuple[ThingWait, Hold], ...]
-"""The waiting tasks, each with what is in its way; the next one is below the holder."""
+"""The waiting tasks, each with its blocking hold; the next task is below the holder."""
 
 
 def deadlocks(things: Things) -> list[Circle]:
@@ -53,7 +54,7 @@ def held(hold: Hold) -> str:
 
 
 def _is_blocked(wait: ThingWait) -> bool:
-    """Whether the task itself waits, not only skills of its method."""
+    """Return whether the task itself waits, not only skills of its method."""
     return not (wait.woken or wait.skills)
 
 
@@ -68,7 +69,7 @@ def _in_the_way(things: Things, wait: ThingWait, asks: Iterable[Ask]) -> Iterato
 
 
 def _reachable(things: Things, wait: ThingWait) -> dict[int, ThingWait]:
-    """Return the tasks for which `wait` waits, directly or not, and itself."""
+    """Return `wait` and the waits that block `wait`, directly or indirectly."""
     found = {wait.task.number: wait}
     looked: set[int] = set()
     todo = [wait]
@@ -99,13 +100,13 @@ def _below(task: Task) -> Iterator[Task]:
 
 
 class _Stuck:
-    """The largest set of waits in which each one waits for others of the set."""
+    """The largest set of waits in which each wait depends on another of the set."""
 
     def __init__(self, things: Things, waits: Mapping[int, ThingWait]) -> None:
         self.waits = dict(waits)
-        #: What is in each way of a wait, by its number.
+        #: The holds that block each alternative of a wait, by task number.
         self._ways: dict[int, list[list[Hold]]] = {}
-        #: The numbers of the waits in the way of which a task is, by its number.
+        #: The numbers of the waits that a task blocks, by its number.
         self._before: dict[int, set[int]] = {}
         #: The numbers of the waiting tasks below a task, by its number.
         self._below: dict[int, set[int]] = {}
@@ -119,7 +120,7 @@ class _Stuck:
         self.leave_out([])
 
     def leave_out(self, numbers: Iterable[int]) -> None:
-        """Leave out waits, and all that can end: with a way in which none is left."""
+        """Remove waits, then all waits that have a free alternative without them."""
         for number in numbers:
             self._remove(number)
         todo = list(self.waits)
@@ -129,7 +130,7 @@ class _Stuck:
                 todo += self._remove(number)
 
     def _remove(self, number: int) -> list[int]:
-        """Remove a wait; return the waits that can end by that."""
+        """Remove a wait; return the waits that can end as a result."""
         freed: list[int] = []
         for above in _above(self.waits.pop(number)):
             below = self._below[above]
@@ -141,7 +142,7 @@ class _Stuck:
         return any(self._below.get(hold.run.task.number) for hold in way)
 
     def _followers(self, number: int) -> dict[int, Hold]:
-        """Return the waits below what is in the way of one, each with that."""
+        """Return the waits below the holders that block a wait, each with the hold."""
         found: dict[int, Hold] = {}
         for hold in chain(*self._ways[number]):
             for other in self._below.get(hold.run.task.number, ()):
@@ -149,7 +150,7 @@ class _Stuck:
         return found
 
     def one_in_a_circle(self) -> int:
-        """Return a task that waits for itself by way of others, the lowest first."""
+        """Return a task that waits for itself through others, the lowest first."""
         passed: dict[int, None] = {}
         number = min(self.waits)
         while number not in passed:

@@ -1,6 +1,6 @@
-"""What has become of the methods that a task has tried [T 3.2.2, 3.2.5].
+"""History of the methods that a task has tried [T 3.2.2, 3.2.5].
 
-State only: `Task` keeps it, from the second method or the first failure on.
+State only: `Task` creates a history with the second method or the first failure.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from rapc.runtime.fields import Fields
 
 
 class History:
-    """What the methods of a task have come to."""
+    """Results of the methods of a task."""
 
     FIELDS: ClassVar[Fields] = {
         "choices": dict[tuple[object, ...], int],
@@ -31,22 +31,22 @@ class History:
     __slots__ = tuple(FIELDS)
 
     def __init__(self) -> None:
-        #: What the futile-loop detector has seen, from the second choice on: the last
-        #: different choices, in the order in which each was first made.
+        #: The choices that the futile-loop detector has counted, from the second one
+        #: on: the last different choices, in the order in which each was first made.
         self.choices: dict[tuple[object, ...], int] = {}
-        #: How often each method was chosen, by index, whatever was bound.
+        #: How often each method was chosen, by index, for all bindings.
         self.tries: dict[object, int] = {}
-        #: The last choice that `choices` has counted; only then is it asked for.
+        #: The last choice that `choices` has counted; set only from then on.
         self.last_choice: tuple[object, ...] = ()
-        #: The method tried before the one tried last; None if that was the first.
+        #: The method tried before the last one; None if the last one was the first.
         self.before: MethodPlan | None = None
         #: The last result of each method tried, by name.
         self.results: dict[object, str | None] = {}
-        #: How often each method has ended badly, by index.
+        #: How often each method has failed, by index.
         self.failures: dict[int, int] = {}
         #: The last failure symbol from the world.
         self.failure: str | None = None
-        #: Why the last method ended badly; None if it did not, or nobody is told.
+        #: The cause of the last method's failure; None without failure or listeners.
         self.because: Cause | None = None
-        #: The environment of the last method that ended well, for outputs.
+        #: The environment of the last successful method, for outputs.
         self.success: dict[str, Value] | None = None

@@ -1,9 +1,9 @@
 """The state of a run, apart from the parts that act on it.
 
-What a save holds is here, in the tasks reached from here, and in what memory, agenda,
-monitors and recorder say of themselves; `rapc.runtime.saving` puts it together.
-Nothing here can be called. Not here: what a host has registered (listeners, timers),
-which no save can hold (`rapc.runtime.run`).
+A saved run consists of this state, the tasks reached from here, and the saved fields of
+memory, agenda, monitors and recorder; `rapc.runtime.saving` combines them. Nothing here
+can be called. Not here: the registrations of a host (listeners, timers), which are not
+saved (`rapc.runtime.run`).
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from rapc.world import Time
 
 
 class RunState:
-    """How far a run has come. Made for a run that has not begun."""
+    """The progress of a run; a new state is that of a run before its start."""
 
     FIELDS: ClassVar[Fields] = {
         "top_level": list[TopLevelTask],
@@ -52,24 +52,24 @@ class RunState:
     def __init__(self) -> None:
         #: The top-level tasks so far, in the order in which they came.
         self.top_level: list[TopLevelTask] = []
-        #: Those of them that have not ended, by number.
+        #: The top-level tasks that have not ended, by number.
         self.live_top: dict[int, TopLevelTask] = {}
-        #: How many of these keep the run going; the others stand in the background.
+        #: How many of these tasks keep the run going; the others are background tasks.
         self.foreground = 0
-        #: Tasks for later: a heap by time, then by the order in which they came.
+        #: The tasks for later: a heap by time, then by the order in which they came.
         self.scheduled: list[tuple[Time, int, TaskRequest]] = []
-        #: How many of these are to keep the run going.
+        #: How many of the tasks for later keep the run going.
         self.expected = 0
-        #: How many tasks for later, and timers of the host, there have been.
+        #: How many tasks for later and timers of the host have been registered.
         self.requests = 0
-        #: Requests under way by ticket: the task, None once it has left, and what
-        #: was asked, in memory names.
+        #: The requests under way by ticket: the task, None once it has left, and the
+        #: request, in memory names.
         self.pending: dict[int, tuple[Task | None, Fact]] = {}
-        #: The skills that are on for methods.
+        #: The active skills of methods.
         self.activations = Activations()
         #: The steps that wait for a signal, by the signal's name and task number.
         self.listening: dict[str, dict[int, Task]] = {}
-        #: How many tasks of each identity are at work on a method.
+        #: How many tasks of each identity have a method under way.
         self.active_identities: dict[object, int] = {}
         #: The methods that solvers have added, by RAP.
         self.added_methods: dict[str, list[MethodPlan]] = {}
@@ -77,23 +77,23 @@ class RunState:
         self.numbers = 0
         #: How many requests have gone to the world, from 1.
         self.tickets = 0
-        #: How many tasks of all levels have ended well.
+        #: How many tasks of all levels have succeeded.
         self.succeeded = 0
         #: How many cycles have passed since the clock last moved.
         self.idle = 0
-        #: How often the run has waited for a time to come since the last cycle.
+        #: How often the run has waited for a time since the last cycle.
         self.waits = 0
-        #: The time after which the run is over, if there is one.
+        #: The time limit of the run, if there is one.
         self.until: Time | None = None
         #: Whether the world's clock has passed `until`.
         self.past_until = False
-        #: Whether the run has begun, is over, and why.
+        #: Whether the run has begun, whether it is over, and the reason.
         self.started = False
         self.over = False
         self.reason: str | None = None
 
     def settle(self) -> None:
-        """Work out the fields that follow from others, which have been set."""
+        """Compute the fields that follow from the fields that have been set."""
         self.live_top = {g.task.number: g for g in self.top_level if g.task.live}
         self.foreground = sum(not g.background for g in self.live_top.values())
         heapq.heapify(self.scheduled)

@@ -35,19 +35,19 @@ ELIGIBLE: Final = "eligible"
 BLOCKED: Final = "blocked"
 RUNNING: Final = "running"
 ENDED: Final = "ended"
-"""Where a task stands between its cycles."""
+"""State of a task between its cycles."""
 
 State = Literal["waiting", "untested", "eligible", "blocked", "running", "ended"]
-"""The type of these."""
+"""The type of the states."""
 
 INTERFERENCE: Final = "interference"
-"""Why a task or method failed: a condition, an input or a request could not hold."""
+"""Failure of a task or method: a condition, an input or a request cannot hold."""
 
 NO_METHOD: Final = "no-method"
-"""Why a task failed: none of its methods can be tried."""
+"""Failure of a task: no method can be tried."""
 
 FUTILE_LOOP: Final = "futile-loop"
-"""Why a task failed: the same again, or the same as an ancestor [T 3.2.5]."""
+"""Failure of a task: a repeated choice, or the goal of an ancestor [T 3.2.5]."""
 
 SIGNAL: Final = "signal"
-"""Why a step failed: a signal that it waited for ended it so [S 3.1]."""
+"""Failure of a step: ended by a signal that it waited for [S 3.1]."""

@@ -1,8 +1,8 @@
-"""Tasks and the methods they are carrying out: state only, no behaviour of its own.
+"""Tasks and their methods under way: state only, without behaviour.
 
-What happens to a task in a cycle is in `rapc.runtime.tasks.cycle`, what happens when
-something ends in `rapc.runtime.tasks.finish` [T 3.4.1; L 3]. A task is made for
-every step of every method, so what few tasks have stands apart: a `WaitState` for
+`rapc.runtime.tasks.cycle` defines the cycle of a task, and `rapc.runtime.tasks.finish`
+the consequences of an end [T 3.4.1; L 3]. The interpreter makes a task for every step
+of every method. Therefore state that few tasks need is separate: a `WaitState` for
 times, signals and monitors, a `History` from the second method or the first failure on.
 """
 
@@ -27,11 +27,11 @@ from rapc.runtime.state.wait_state import WaitState
 from rapc.world import OKAY, Time
 
 Env = dict[str, Value]
-"""Variables and what they are bound to."""
+"""Values of variables."""
 
 
 def as_told(env: Env) -> dict[str, Any]:
-    """Return a copy of bindings, with sets and counters as they are now, in words."""
+    """Return a copy of bindings, with sets and counters as text."""
     if not env:
         return {}
     return {
@@ -42,7 +42,7 @@ def as_told(env: Env) -> dict[str, Any]:
 
 @cache
 def _bare_goal(name: str) -> Goal:
-    """Return the goal of a RAP without inputs and outputs: one for all tasks."""
+    """Return the goal of a RAP without inputs and outputs, shared by all its tasks."""
     return Goal(name)
 
 
@@ -50,7 +50,7 @@ _RESOURCES = (Counter, SetResource)
 
 
 class Ends:
-    """How steps of a method have ended, where something depends on it."""
+    """The ends of a method's steps, if a plan depends on them."""
 
     FIELDS: ClassVar[Fields] = {
         "times": list[Time | None],
@@ -59,14 +59,14 @@ class Ends:
     __slots__ = tuple(FIELDS)
 
     def __init__(self, steps: int) -> None:
-        #: When each step ended; None while it has not.
+        #: When each step ended; None before its end.
         self.times: list[Time | None] = [None] * steps
         #: The positions of the steps that an `until` has ended.
         self.ended_by_until: set[int] = set()
 
 
 class MethodRun:
-    """A method while it is carried out."""
+    """A method under way."""
 
     FIELDS: ClassVar[Fields] = {
         "task": LEFT_OUT,
@@ -86,35 +86,36 @@ class MethodRun:
     def __init__(self, task: Task, plan: MethodPlan, env: Env, started: Time) -> None:
         self.task = task
         self.plan = plan
-        #: What the task had, what the choice bound, then what `for` formulas and
-        #: outputs add; the task's own environment where nothing can be added.
+        #: The environment of the task, the bindings of the choice, then those of `for`
+        #: formulas and outputs; the task's own environment if the method can add
+        #: nothing.
         self.env = env
         self.started = started
-        #: The tasks of its steps, by position, those among them that have ended.
+        #: The tasks of the steps, by position, with those that have ended.
         self.steps: list[Task] | tuple[()] = ()
-        #: How many steps have not ended.
+        #: The number of steps that have not ended.
         self.steps_left = left = plan.size
         self.ends = Ends(left) if plan.tracks_step_ends else None
         self.notations: tuple[Notation, ...] = ()
-        #: Its skills as they were filled in when they first came on, in memory names.
+        #: The skills as filled in at their first start, in memory names.
         self.skills: tuple[Fact, ...] = ()
-        #: The number of its request, if it has sent one.
+        #: The number of the request, if the method has sent one.
         self.ticket: int | None = None
         outer = task.within
         nearest = None if outer is None else outer.constrained
         if plan.constrains:
             nearest = task if plan.constraints is None else self
-        #: The nearest that states constraints: itself, its task, or what is above.
+        #: The nearest owner of constraints: the method, its task, or an ancestor.
         self.constrained: Task | MethodRun | None = nearest
 
     @property
     def constrained_above(self) -> Task | MethodRun | None:
-        """The nearest that states constraints, this method left out."""
+        """Return the nearest owner of constraints above this method."""
         task = self.task
         return task if task.plan.constraints is not None else task.constrained
 
     def was_ended_by_until(self, position: int) -> bool:
-        """Whether a step was ended by an `until`."""
+        """Return whether an `until` has ended a step."""
         return self.ends is not None and position in self.ends.ended_by_until
 
 
@@ -151,15 +152,15 @@ class Task:
         self.plan = plan
         self.within = within
         self.step = step
-        #: Its number, 0 until it joins the run.
+        #: The number of the task, 0 until it joins the run.
         self.number = 0
         if within is None or step is None:
             #: The number of its top-level task.
             self.family: int = 0
-            #: The nearest deadline of its own and its ancestors'.
+            #: The nearest deadline of the task and its ancestors.
             self.limit: float = math.inf
             self.priority = 0
-            #: How many steps it still follows.
+            #: The number of steps that the task still follows.
             self.waiting = 0
             self.wait: WaitState | None = WaitState() if plan.needs_wait_state else None
         else:
@@ -172,62 +173,62 @@ class Task:
                 self.wait = WaitState(step.windows)
             else:
                 self.wait = None
-        #: Its inputs as far as they are known.
+        #: The inputs as far as they are known.
         self.goal_args: tuple[Value | None, ...] = ()
-        #: Its inputs and resources, by variable.
+        #: The inputs and resources, by variable.
         self.env: Env = {}
-        #: The RAP, with its inputs where a recursion test needs them; None until all
+        #: The RAP, with its inputs if a recursion test needs them; None until all
         #: inputs are known.
         self.identity: tuple[object, ...] | None = plan.static_identity
         self.state: State = WAITING
-        #: The method it is at work on.
+        #: The method under way.
         self.run: MethodRun | None = None
         #: The method tried last.
         self.method: MethodPlan | None = None
-        #: What its methods have come to, from the second or the first failure on.
+        #: The results of the methods, from the second method or the first failure on.
         self.history: History | None = None
-        #: The first choice that its futile-loop detector has seen.
+        #: The first choice that the futile-loop detector has counted.
         self.choice: tuple[object, ...] | None = None
         self.last_result: str | None = None
-        #: The goal, once an event holds it and if it stays as it is.
+        #: The goal, once an event holds it and if it is constant.
         self.told: Goal | None = None
-        #: `Listeners.changes` when its constraints, and those above, last held.
+        #: `Listeners.changes` when the constraints of the task and above last held.
         self.held_at = -1
 
     @property
     def parent(self) -> Task | None:
-        """The task whose method it is a step of; None for a top-level task."""
+        """Return the task that this task is a step of; None for a top-level task."""
         return None if self.within is None else self.within.task
 
     @property
     def bound(self) -> bool:
-        """Whether all its inputs are known."""
+        """Return whether all inputs are known."""
         return None not in self.goal_args
 
     @property
     def constrained(self) -> Task | MethodRun | None:
-        """The nearest ancestor, or method of one, that states constraints."""
+        """Return the nearest ancestor, or method of one, that states constraints."""
         return None if self.within is None else self.within.constrained
 
     @property
     def live(self) -> bool:
-        """Whether the task has not ended and was not removed."""
+        """Return whether the task has neither ended nor been removed."""
         return self.state is not ENDED
 
     @property
     def failed(self) -> bool:
-        """Whether one of its methods has ended badly."""
+        """Return whether a method of the task has failed."""
         return self.history is not None and bool(self.history.failures)
 
     @property
     def world_failure(self) -> str | None:
-        """The last failure symbol from the world that has reached it."""
+        """Return the last failure symbol from the world that has reached the task."""
         return None if self.history is None else self.history.failure
 
     # --- history ---------------------------------------------------------------
 
     def begin_method(self, method: MethodPlan) -> None:
-        """Note that a method is tried which is not the one tried last."""
+        """Record the start of a method other than the last one."""
         if self.method is not None:
             history = self.remember()
             history.results.setdefault(method.node.name)
@@ -235,7 +236,7 @@ class Task:
         self.method = method
 
     def note_result(self, method: MethodPlan, result: str) -> None:
-        """Remember the result that a method has come to."""
+        """Record the result of a method."""
         history = self.remember()
         history.results[method.node.name] = result
         if result != OKAY:
@@ -243,7 +244,7 @@ class Task:
             failures[method.index] = failures.get(method.index, 0) + 1
 
     def remember(self) -> History:
-        """Return the history, made of the method tried so far if there is none."""
+        """Return the history; if there is none, create it from the last method."""
         if self.history is None:
             self.history = History()
             if self.method is not None:
@@ -252,29 +253,29 @@ class Task:
         return self.history
 
     def has_tried(self, name: object) -> bool:
-        """Whether a method of that name was tried."""
+        """Return whether a method of that name was tried."""
         if self.history is not None:
             return name in self.history.results
         return self.method is not None and self.method.node.name == name
 
     def result_of(self, name: object) -> str | None:
-        """Return what the last method of that name came to, None if there is none."""
+        """Return the result of the last method of that name, or None."""
         if self.history is not None:
             return self.history.results.get(name)
         return self.last_result if self.has_tried(name) else None
 
     def failures_of(self, method: MethodPlan) -> int:
-        """Return how often a method has ended badly."""
+        """Return how often a method has failed."""
         history = self.history
         return 0 if history is None else history.failures.get(method.index, 0)
 
     # --- the futile-loop detector (T 3.2.5) ------------------------------------
 
     def times_chosen(self, key: tuple[object, ...], most: int) -> int:
-        """Return how often a choice was made since the detector started afresh.
+        """Return how often a choice was made since the detector was reset.
 
-        Only the `most` last different choices count; the others are forgotten here,
-        as the last one may be put back until another is made.
+        Only the `most` last different choices count. This method drops older choices,
+        because the last choice may be undone until another is made.
         """
         if self.history is None or not self.history.tries:
             return 1 if self.choice == key else 0
@@ -285,19 +286,19 @@ class Task:
 
     @property
     def choices(self) -> int:
-        """Return how often a method was chosen since the detector started afresh."""
+        """Return how many choices were made since the detector was reset."""
         if self.history is not None and self.history.tries:
             return sum(self.history.tries.values())
         return 0 if self.choice is None else 1
 
     def times_tried(self, method: MethodPlan) -> int:
-        """Return how often a method was chosen since the detector started afresh."""
+        """Return how often a method was chosen since the detector was reset."""
         if self.history is not None and self.history.tries:
             return self.history.tries.get(method.index, 0)
         return 1 if self.choice is not None and self.choice[0] == method.index else 0
 
     def note_choice(self, key: tuple[object, ...]) -> None:
-        """Count a choice; a table is made for the second one."""
+        """Count a choice; create the table for the second one."""
         if self.choice is None:
             self.choice = key
             return
@@ -310,7 +311,7 @@ class Task:
         history.last_choice = key
 
     def forget_choice(self) -> None:
-        """Let the choice that was noted last never have been made."""
+        """Undo the choice that was counted last."""
         history = self.history
         if history is None or not history.tries:
             self.choice = None
@@ -322,7 +323,7 @@ class Task:
             self.choice = None
 
     def forget_method(self) -> None:
-        """Let the method under way never have been tried."""
+        """Undo the start of the method under way."""
         method, history = self.method, self.history
         if self.last_result is None:  # no method has ended: it is the first
             self.method = None
@@ -334,13 +335,13 @@ class Task:
             del history.results[method.node.name]
 
     def forget_choices(self) -> None:
-        """The detector starts afresh."""
+        """Reset the detector."""
         self.choice = None
         if self.history is not None:
             self.history.choices.clear()
             self.history.tries.clear()
 
-    # --- as events tell of it ----------------------------------------------------
+    # --- as shown in events ------------------------------------------------------
 
     def goal(self, outputs: Mapping[str, Value] | None = None) -> Goal:
         """Return the goal with the inputs that are known, and `outputs` if given."""
@@ -373,7 +374,7 @@ class Task:
         return goal
 
     def has_resources(self) -> bool:
-        """Whether it has sets or counters, or was given some."""
+        """Return whether the task has or was passed sets or counters."""
         return any(isinstance(value, _RESOURCES) for value in self.env.values())
 
 
@@ -384,7 +385,7 @@ def _count_down(counts: dict[Any, int], key: object) -> None:
 
 
 def _told(term: nodes.Term, env: Env) -> Any:
-    """A term as a value: computed ones as lists, unbound variables by their names."""
+    """Return a term as a value: lists if computed, names for unbound variables."""
     if isinstance(term, nodes.Const):
         return term.value
     if isinstance(term, nodes.Var):

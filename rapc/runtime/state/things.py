@@ -1,8 +1,8 @@
-"""Things: who holds what, who waits for whom, and what stands in whose way [L 8].
+"""Things: the tables of holds, waits and obstacles [L 8].
 
 A thing is a symbol or a name with values, `wheels` or `(arm left)`. A method holds
-things from its start to its end; a task whose method would have to wait for one is
-blocked. Tables only: what tasks do about it is in `rapc.runtime.tasks.hold_things`.
+things from its start to its end. If a method would have to wait for a thing, its task
+is blocked. Tables only: `rapc.runtime.tasks.hold_things` defines how tasks use them.
 """
 
 from __future__ import annotations
@@ -18,16 +18,16 @@ Thing = Fact
 """A thing, filled in: its name, then its arguments."""
 
 CONFLICT = "#"
-"""The name of what requests share that a world says are in conflict; no symbol."""
+"""The name of the shared thing of requests that a world reports to be in conflict."""
 
 
 class Ask(NamedTuple):
-    """A thing that a method asks for."""
+    """A thing that a method requests."""
 
     thing: Thing
-    #: The highest among its task and those ancestors that hold the thing.
+    #: The highest priority among the task and those ancestors that hold the thing.
     priority: int
-    #: Whether the request of the method uses it; else the method claims it.
+    #: Whether the request of the method uses the thing; otherwise the method claims it.
     used: bool
 
 
@@ -48,15 +48,15 @@ class Hold:
     ) -> None:
         self.run = run
         self.ask = ask
-        #: What is said of the thing where it has no name: the request that has it.
+        #: The text for a thing without a name: the request that holds it.
         self.said = said
-        #: What the nearest ancestor has of the same thing, and how many have it.
+        #: The nearest ancestor's hold of the same thing, and the number of such holds.
         self.outer = outer
         self.depth: int = 0 if outer is None else outer.depth + 1
 
 
 class ThingWait:
-    """What a task waits for that a thing has blocked, or some of its `skills`."""
+    """A wait of a blocked task, or of some `skills` of its method, for things."""
 
     FIELDS: ClassVar[Fields] = {
         "task": Task,
@@ -76,20 +76,21 @@ class ThingWait:
         holder: int,
     ) -> None:
         self.task = task
-        #: What the method would ask for, then each other that it was drawn from.
+        #: The things that the method would request, then those of each alternative
+        #: choice.
         self.alternatives = alternatives
-        #: What stood in the way of the first of them when the task was blocked, in
-        #: words, and the number of the task that held it.
+        #: The first obstacle when the task was blocked, as text, and the number of the
+        #: task that held it.
         self.on = on
         self.holder = holder
         #: Whether the task has been woken and not yet been selected.
         self.woken = False
-        #: Which of the skills of its method are off till then; the task is at work.
+        #: The skills of the method that are off until then, while the task is running.
         self.skills: tuple[int, ...] = ()
 
 
 class Things:
-    """All holding of things and waiting for them in a run."""
+    """All holds and waits for things in a run."""
 
     FIELDS: ClassVar[Fields] = {
         "held": dict[int, tuple[Hold, ...]],
@@ -103,24 +104,24 @@ class Things:
     __slots__ = tuple(FIELDS)
 
     def __init__(self) -> None:
-        # These three stay the same objects for life: others hold them.
-        #: What each method holds, by the number of its task.
+        # These three objects are never replaced: other objects refer to them.
+        #: The things that each method holds, by the number of its task.
         self.held: dict[int, tuple[Hold, ...]] = {}
-        #: What blocked and woken tasks wait for, by number.
+        #: The waits of blocked and woken tasks, by number.
         self.waits: dict[int, ThingWait] = {}
-        #: The tasks whose way may have become another since they were last tested.
+        #: The tasks whose obstacles may have changed since the last test.
         self.changed: dict[int, Task] = {}
-        #: The tasks at work whose skills may come on again, by number.
+        #: The running tasks whose skills may start again, by number.
         self.resumable: dict[int, Task] = {}
-        #: How often a world has refused a request as in conflict with others.
+        #: How often a world has refused a request because of a conflict.
         self.conflicts = 0
         self._holders: dict[Thing, dict[int, Hold]] = {}
         self._waiters: dict[Thing, dict[int, Task]] = {}
 
-    # --- asking -------------------------------------------------------------------
+    # --- requests for things ------------------------------------------------------
 
     def ask(self, task: Task, thing: Thing, used: bool) -> Ask:
-        """Return what it is for a method of `task` to ask for `thing` now."""
+        """Return the request of a method of `task` for `thing`, with its priority."""
         outer = self._outer(task, thing)
         priority = task.priority
         if outer is not None:
@@ -128,21 +129,21 @@ class Things:
         return Ask(thing, priority, used)
 
     def in_the_way(self, task: Task, ask: Ask) -> list[Hold]:
-        """Return what keeps a method of `task` from having what it asks for.
+        """Return the holds that keep a method of `task` from a thing.
 
-        By the numbers of the tasks that hold it. What ancestors hold, and what is held
-        at a lower priority, does not.
+        The holds are in the order of the task numbers. Holds of ancestors, and holds of
+        a lower priority, are left out.
         """
         found = self._others(task, ask.thing)
         return [hold for hold in found if hold.ask.priority >= ask.priority]
 
     def lower_users(self, task: Task, ask: Ask) -> list[Hold]:
-        """Return who uses, at a lower priority, what a method of `task` asks for."""
+        """Return the uses of a thing at a lower priority than that of `task`."""
         found = self._others(task, ask.thing)
         return [h for h in found if h.ask.used and h.ask.priority < ask.priority]
 
     def obstacle(self, task: Task, asks: Iterable[Ask]) -> Hold | None:
-        """Return what first stands in the way of all that is asked for, or None."""
+        """Return the first hold that blocks one of the `asks`, or None."""
         for ask in asks:
             found = self.in_the_way(task, ask)
             if found:
@@ -150,7 +151,7 @@ class Things:
         return None
 
     def obstacle_of(self, wait: ThingWait) -> Hold | None:
-        """Return what is in the way of a waiting task; None if one way is clear."""
+        """Return the hold that blocks a waiting task; None if one choice is free."""
         task = wait.task
         obstacles = [
             self.obstacle(task, [self.ask(task, a.thing, a.used) for a in asks])
@@ -159,7 +160,7 @@ class Things:
         return obstacles[0] if None not in obstacles else None
 
     def _outer(self, task: Task, thing: Thing) -> Hold | None:
-        """Return what the nearest ancestor of `task` has of `thing`."""
+        """Return the hold of the nearest ancestor of `task` on `thing`."""
         holders = self._holders.get(thing)
         if not holders:
             return None
@@ -169,7 +170,7 @@ class Things:
         return None if above is None else holders[above.number]
 
     def _others(self, task: Task, thing: Thing) -> list[Hold]:
-        """Return what tasks have of `thing` that are no ancestors of `task`."""
+        """Return the holds of `thing` by tasks that are no ancestors of `task`."""
         holders = self._holders.get(thing)
         if not holders:
             return []
@@ -187,7 +188,7 @@ class Things:
         ]
 
     def waited_for_above(self, task: Task) -> bool:
-        """Whether any task waits for a thing that an ancestor of `task` holds."""
+        """Return whether a task waits for a thing that an ancestor of `task` holds."""
         above = task.parent
         while above is not None:
             for hold in self.held.get(above.number, ()):
@@ -199,9 +200,9 @@ class Things:
     # --- holding ------------------------------------------------------------------
 
     def take(self, run: MethodRun, asks: Iterable[Ask], said: str = "") -> None:
-        """Let a method hold what it has asked for, besides what it holds.
+        """Add the requested things to the things that a method holds.
 
-        `said` is said of it where it has no name.
+        `said` is the text for a thing without a name.
         """
         number, holds = run.task.number, []
         for ask in asks:
@@ -213,15 +214,15 @@ class Things:
             self.held[number] = (*self.held.get(number, ()), *holds)
 
     def release(self, task: Task) -> None:
-        """Free all that the method of `task` holds."""
+        """Free all things of the method of `task`."""
         holds = self.held.pop(task.number, ())
         if holds:
             self._drop([hold.ask.thing for hold in holds], task.number)
 
     def hold_just(self, run: MethodRun, asks: Iterable[Ask], said: str = "") -> None:
-        """Let a method that goes on hold this, and nothing else any more.
+        """Replace the things of a running method by the requested things.
 
-        `said` is said of what it has not held so far and has no name.
+        `said` is the text for new things without a name.
         """
         before = {h.ask.thing: h.said for h in self.held.get(run.task.number, ())}
         self.release(run.task)
@@ -233,7 +234,7 @@ class Things:
             self._place_again(thing)
 
     def _place_again(self, thing: Thing) -> None:
-        """See anew who holds a thing below whom; those above have lower numbers."""
+        """Compute the holds of a thing again, ancestors (lower numbers) first."""
         for _, hold in sorted(self._holders.get(thing, {}).items()):
             task = hold.run.task
             hold.ask = self.ask(task, thing, hold.ask.used)
@@ -254,7 +255,7 @@ class Things:
     # --- waiting ------------------------------------------------------------------
 
     def wait(self, wait: ThingWait) -> None:
-        """Let a task wait: it is looked at when what is in its way changes."""
+        """Register a waiting task; a change of its obstacles leads to a test."""
         task = wait.task
         self.waits[task.number] = wait
         for asks in wait.alternatives:
@@ -262,7 +263,7 @@ class Things:
                 self._waiters.setdefault(ask.thing, {})[task.number] = task
 
     def stop_waiting(self, task: Task) -> None:
-        """Unregister a task from the things it waits for, if there are any."""
+        """Unregister a task from the things that it waits for, if any."""
         wait = self.waits.pop(task.number, None)
         if wait is None:
             return
@@ -277,9 +278,9 @@ class Things:
     # --- as a whole -----------------------------------------------------------------
 
     def take_up(self, other: Things, runs: Mapping[int, MethodRun]) -> None:
-        """Hold what the saved fields of others say, and nothing else.
+        """Replace all holds and waits by those of the saved tables.
 
-        `runs` are the methods that hold something, by the numbers of their tasks.
+        `runs` are the methods that hold things, by the numbers of their tasks.
         """
         held = [
             (runs[number], [(hold.ask, hold.said) for hold in holds])
@@ -294,7 +295,7 @@ class Things:
         held: Iterable[tuple[MethodRun, Iterable[tuple[Ask, str]]]],
         waits: Iterable[ThingWait],
     ) -> None:
-        """Hold and wait for this and nothing else; what is held by task number."""
+        """Replace all holds and waits; the holds are in the order of task numbers."""
         self._holders, self._waiters = {}, {}
         self.held.clear()
         self.waits.clear()
@@ -307,7 +308,7 @@ class Things:
             self.wait(wait)
 
     def rename(self, lost: str, kept: str) -> None:
-        """Call things by another name: two items have turned out to be one."""
+        """Rename an item in all things after a merge of two items."""
         held = [
             (holds[0].run, _renamed([(h.ask, h.said) for h in holds], lost, kept))
             for _, holds in sorted(self.held.items())
@@ -323,7 +324,7 @@ class Things:
         self.changed.update((wait.task.number, wait.task) for wait in waits)
 
     def conflict(self) -> Thing:
-        """Return a new thing, for requests that a world says are in conflict."""
+        """Return a new thing for requests that a world reports to be in conflict."""
         self.conflicts += 1
         return (CONFLICT, self.conflicts)
 
@@ -331,7 +332,7 @@ class Things:
 def _renamed(
     asked: Iterable[tuple[Ask, str]], lost: str, kept: str
 ) -> list[tuple[Ask, str]]:
-    """Return what is asked for, and said of it, by another name; each thing once."""
+    """Return requests and their texts with an item renamed; each thing once."""
     found: dict[Thing, tuple[Ask, str]] = {}
     for ask, said in asked:
         name, *args = ask.thing
@@ -343,7 +344,7 @@ def _renamed(
 
 
 def words(hold: Hold) -> str:
-    """Return what is said of a thing that is held: itself, or the request."""
+    """Return the text for a held thing: the thing itself, or the request."""
     return hold.said or format_thing(hold.ask.thing)
 
 

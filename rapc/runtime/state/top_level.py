@@ -1,4 +1,4 @@
-"""What a run keeps of each task that it was given, besides the task itself."""
+"""Record of a top-level task, kept for the run beside the task."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rapc.world import Time
 
 
 class TopLevelTask:
-    """A task that was given to the robot: when it came, and what has become of it."""
+    """A top-level task with its times and its result."""
 
     FIELDS: ClassVar[Fields] = {
         "task": LEFT_OUT,
@@ -26,14 +26,14 @@ class TopLevelTask:
 
     def __init__(self, task: Task, background: bool, came: Time = 0) -> None:
         self.task = task
-        #: When it joined the run, and when it left; None while it has not.
+        #: When the task joined the run, and when it left; None before that.
         self.came = came
         self.ended: Time | None = None
-        #: Whether it does not keep the run going.
+        #: Whether the task is in the background: it does not keep the run going.
         self.background = background
-        #: `okay` or the failure it handed up; None unless it has ended by itself.
+        #: `okay` or the failure of the task; None unless it has ended by itself.
         self.outcome: str | None = None
-        #: Why it failed, if anybody is told.
+        #: The cause of the failure, if the run has listeners for causes.
         self.because: Cause | None = None
-        #: What it handed out.
+        #: The outputs.
         self.outputs: Env = {}

@@ -1,4 +1,4 @@
-"""What a task may have to wait for besides its turn: times, signals, monitors [L 3, 4].
+"""Waits of a task besides its turn: times, signals, monitors [L 3, 4].
 
 State only: `rapc.runtime.tasks.start` fills it in, `rapc.runtime.monitors` watches it.
 """
@@ -15,7 +15,7 @@ from rapc.world import Time
 
 
 class WaitState:
-    """What a task may have to wait for besides its turn, and what its inputs make."""
+    """The waits of a task, and the state computed from its inputs."""
 
     FIELDS: ClassVar[Fields] = {
         "windows": tuple[WindowPlan, ...],
@@ -41,40 +41,40 @@ class WaitState:
     def __init__(self, windows: tuple[WindowPlan, ...] = ()) -> None:
         #: The windows whose times are not yet known.
         self.windows = windows
-        #: The latest start of its windows that are known.
+        #: The latest start of the windows that are known.
         self.earliest_start: Time = 0
-        #: Whether it waits for a signal.
+        #: Whether the task waits for a signal.
         self.awaits_signal = False
-        #: When its monitored time comes.
+        #: When the monitored time comes.
         self.ready_at: Time = 0
-        #: When the task joined the run; its monitored time is counted from then.
+        #: When the task joined the run; the monitored time counts from then.
         self.made: Time = 0
-        #: The changes it listens to; None before it does.
+        #: The changes that the task listens to; None before it does.
         self.keys: tuple[WatchKey, ...] | None = None
-        #: The time it waits for now.
+        #: The time that the task waits for.
         self.timer: Time | None = None
-        #: What it waits for, as the trace has it.
+        #: The wait of the task, as the trace shows it.
         self.blocked_on = ""
-        #: Its monitor in words, if that stays as it is.
+        #: The monitor as text, if that is constant.
         self.formula: str | None = None
         #: The deadline given by windows or a host.
         self.given_deadline: float = math.inf
         #: The deadline given by `monitor-time`.
         self.monitor_deadline: float = math.inf
-        #: The deadline that was last told of as missed.
+        #: The deadline last reported as missed.
         self.missed: float | None = None
-        #: Whether it was selected with its monitors holding.
+        #: Whether the task was selected with its monitors holding.
         self.first_selected = False
-        #: Whether it is to come up whatever its monitors say.
+        #: Whether the task is to be selected whatever its monitors report.
         self.after_method = False
-        #: Whether resources and times have been made of its inputs,
+        #: Whether resources and times have been computed from the inputs,
         self.prepared = False
-        #: and whether they could not be.
+        #: and whether that has failed.
         self.setup_failed = False
-        #: How long its RAP says that it takes.
+        #: The duration that its RAP states.
         self.duration: Time = 0
 
     @property
     def deadline(self) -> float:
-        """The deadline that the task itself states: by window, monitor or host."""
+        """Return the deadline of the task itself: by window, monitor or host."""
         return min(self.given_deadline, self.monitor_deadline)
