@@ -1,1 +1,1 @@
-"""All that is drawn on a terminal."""
+"""Output for terminals: findings, graphs, tables, pictures."""

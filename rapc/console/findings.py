@@ -1,9 +1,9 @@
-"""Findings for people, on a terminal or not.
+"""Findings as text for people, on a terminal or not.
 
-`full` draws each finding with the source around it, as the contract of the command line
-has it; `concise` takes one line each, `grouped` names each file once. What is found and
-how grave it is was decided before (`rapc.analysis.driver`). Formats for other programs
-are in `rapc.console.formats`.
+`full` prints each finding with the source around it, by the contract of the command
+line; `concise` prints one line each, `grouped` names each file once.
+`rapc.analysis.driver` determines findings and severity. Formats for other programs are
+in `rapc.console.formats`.
 """
 
 from __future__ import annotations
@@ -49,14 +49,14 @@ def write_lines(lines: Iterable[Text], stream: TextIO, *, color: bool) -> None:
 
 
 def concise(report: CheckReport) -> Iterator[str]:
-    """Each finding as one line: place, severity, rule, message."""
+    """Yield each finding as one line: position, severity, rule, message."""
     for finding in report.findings:
         where = _place(finding.diagnostic.span, report.files)
         yield f"{where}: {_title(finding)}: {visible(finding.diagnostic.message)}"
 
 
 def grouped(report: CheckReport) -> Iterator[str]:
-    """Each file with its findings below it, one line each, and a blank line."""
+    """Yield each file with its findings below, one line each, and a blank line."""
     for file, findings in groupby(
         report.findings, key=lambda finding: finding.diagnostic.span.file
     ):
@@ -70,9 +70,9 @@ def grouped(report: CheckReport) -> Iterator[str]:
 
 
 def full(report: CheckReport, width: int) -> Iterator[Text]:
-    """Each finding with its source, labels, notes, help and fix, and a blank line.
+    """Yield each finding with source, labels, notes, help, fix, and a blank line.
 
-    Source lines are cut to `width` cells, around what they are shown for.
+    Source lines are cut to `width` cells, around the marked columns.
     """
     for finding in report.findings:
         yield from _page(finding, report.files, width)
@@ -92,7 +92,7 @@ def _place(span: Span, files: Files) -> str:
 
 
 class _Mark(msgspec.Struct, frozen=True):
-    """A label where it stands in one line: columns from 0, the end exclusive."""
+    """A label within one line: columns from 0, the end exclusive."""
 
     row: int
     start: int
@@ -102,18 +102,18 @@ class _Mark(msgspec.Struct, frozen=True):
 
 
 class _Layout(msgspec.Struct, frozen=True):
-    """The width of row numbers, the room for source, the style of the finding."""
+    """The layout of a finding: width of row numbers, width of source, style."""
 
     margin: int
     room: int
     style: str
 
     def numbered(self, row: int, text: str, mark: str = "|", style: str = "") -> Text:
-        """A line of source with its row."""
+        """Return a line of source with its row."""
         return self._line(f"{row:>{self.margin}} {mark}", text, style)
 
     def bar(self, text: str = "", style: str = "") -> Text:
-        """A line below a line of source."""
+        """Return a line below a line of source."""
         return self._line(f"{'':{self.margin}} |", text, style)
 
     def _line(self, margin: str, text: str, style: str) -> Text:
@@ -121,11 +121,11 @@ class _Layout(msgspec.Struct, frozen=True):
         return line.append(f" {text}", style or None) if text else line
 
     def arrow(self, arrow: str, place: str) -> Text:
-        """The line that names a place."""
+        """Return the line that names a position."""
         return Text().append(f"{'':{self.margin}}{arrow} ", _MARGIN).append(place)
 
     def remark(self, word: str, text: str) -> Text:
-        """A note, help or the like."""
+        """Return the line of a note or help."""
         line = Text().append(f"{'':{self.margin}} = ", _MARGIN)
         return line.append(f"{word}: ", "bold").append(visible(text))
 
@@ -156,7 +156,7 @@ def _page(finding: Finding, files: Files, width: int) -> Iterator[Text]:
 
 
 def _marks(said: Diagnostic, files: Files) -> dict[str, list[_Mark]]:
-    """Return what is to be marked, by file: the finding's own file and place first."""
+    """Return the marks by file: the finding's own file and position first."""
     marks: dict[str, list[_Mark]] = {}
     for at, label in enumerate((Label(said.span, said.label), *said.labels)):
         source = files.get(label.span.file)
@@ -172,7 +172,7 @@ def _marks(said: Diagnostic, files: Files) -> dict[str, list[_Mark]]:
 def _source(
     marks: Sequence[_Mark], source: SourceFile, layout: _Layout
 ) -> Iterator[Text]:
-    """The marked lines of one file, each followed by its marks."""
+    """Yield the marked lines of one file, each followed by its marks."""
     for row in sorted({mark.row for mark in marks}):
         here = [mark for mark in marks if mark.row == row]
         shown = _Shown(source.line(row), here[0].start, layout.room)
@@ -195,12 +195,12 @@ def _underline(mark: _Mark, shown: _Shown, layout: _Layout) -> Iterator[Text]:
 
 
 class _Shown:
-    """As much of a line as there is room for, and where its columns then stand.
+    """The visible part of a line, and the cells of its columns.
 
     Args:
         line: the line as it is in the file.
-        focus: the column, from 0, that must be seen.
-        room: how many cells there are.
+        focus: the column, from 0, that must be visible.
+        room: the number of cells.
     """
 
     def __init__(self, line: str, focus: int, room: int) -> None:
@@ -221,7 +221,7 @@ class _Shown:
         self.text = "".join(pieces).rstrip()
 
     def cell(self, column: int) -> int:
-        """The cell at which a column begins; the edge for one that is cut away."""
+        """Return the cell at which a column begins; the edge for a cut column."""
         at = min(max(column - self._left, 0), len(self._cells) - 1)
         return self._cells[at]
 
@@ -233,7 +233,7 @@ _Block = tuple[str, int, list[str], list[str]]
 
 
 def _blocks(fix: Fix | None, files: Files) -> Iterator[_Block]:
-    """The stretches of lines that a fix changes."""
+    """Yield the blocks of lines that a fix changes."""
     edits = sorted(fix.edits if fix else (), key=lambda e: (e.span.file, e.span.start))
     group: list[Edit] = []
     last = 0
@@ -250,7 +250,7 @@ def _blocks(fix: Fix | None, files: Files) -> Iterator[_Block]:
 
 
 def _block(edits: Sequence[Edit], source: SourceFile) -> _Block:
-    """The lines that some edits change, without those that stay as they are."""
+    """Return the lines that some edits change, without unchanged lines."""
     row = source.position(edits[0].span.start).row
     last = source.position(edits[-1].span.end).row
     begin = source.line_starts[row - 1]
@@ -280,7 +280,7 @@ def _fix(fix: Fix, blocks: Iterable[_Block], layout: _Layout) -> Iterator[Text]:
 
 
 def _first_change(old: str, new: str) -> int:
-    """The column at which two lines begin to differ."""
+    """Return the column of the first difference between two lines."""
     for column, (one, other) in enumerate(zip(old, new, strict=False)):
         if one != other:
             return column

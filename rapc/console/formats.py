@@ -1,7 +1,7 @@
 """Findings for other programs: JSON, JSON Lines, SARIF, GitHub, JUnit.
 
-Rows and columns count from 1, columns in code points, ends are exclusive. Paths are
-those that the user gave, in SARIF as seen from the working folder.
+Rows and columns count from 1, columns in code points, ends are exclusive. Paths are as
+the user wrote them; in SARIF, paths are relative to the working directory.
 """
 
 from __future__ import annotations
@@ -235,7 +235,7 @@ def _commands(report: CheckReport) -> Iterator[str]:
         (row, column), (last, end) = _rows(said.span, report.files)
         keys = {"file": seen_from("", said.span.file), "line": row, "endLine": last}
         keys["col"] = column
-        if last == row:  # GitHub takes columns for one line only
+        if last == row:  # GitHub accepts columns for one line only
             keys["endColumn"] = end
         keys["title"] = f"{finding.rule.code} {finding.rule.name}"
         told = ",".join(f"{key}={_property(str(value))}" for key, value in keys.items())
@@ -244,7 +244,7 @@ def _commands(report: CheckReport) -> Iterator[str]:
 
 
 def _escaped(text: str) -> str:
-    """Return text as a workflow command takes it; GitHub reads no other escapes."""
+    """Return text in the form of a workflow command; GitHub knows no other escapes."""
     text = text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
     return visible(text)
 
@@ -282,7 +282,7 @@ def _notes(said: Diagnostic) -> list[str]:
 
 
 def statistics(report: CheckReport, output_format: str) -> str:
-    """Return how often each rule was broken, the most broken first.
+    """Return the number of findings of each rule, highest number first.
 
     Args:
         report: the report.

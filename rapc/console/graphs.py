@@ -1,4 +1,4 @@
-"""Graphs as text: for Graphviz, Mermaid and other programs that draw, for people."""
+"""Graphs as text: for Graphviz, Mermaid, other drawing programs, and people."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rapc.base.graph import Graph, Vertex
 
 
 class Shape(NamedTuple):
-    """How vertices of a kind look."""
+    """The look of the vertices of a kind."""
 
     #: Attributes for Graphviz.
     dot: str
@@ -22,13 +22,13 @@ class Shape(NamedTuple):
 
 
 class Style(NamedTuple):
-    """How a sort of graphs is drawn."""
+    """The look of a sort of graphs."""
 
-    #: By the kind of a vertex.
+    #: The shapes, by the kind of a vertex.
     shapes: Mapping[str, Shape]
     #: Statements for Graphviz, about all vertices and edges.
     defaults: tuple[str, ...] = ()
-    #: What is said of a graph without vertices.
+    #: The text for a graph without vertices.
     nothing: str = ""
 
 
@@ -115,7 +115,7 @@ def mermaid(graph: Graph, style: Style) -> str:
 
 
 def graph_text(graph: Graph, style: Style) -> str:
-    """Return a graph for people to read: each vertex with what its arrows lead to."""
+    """Return a graph for people to read: each vertex with the ends of its arrows."""
     if style.nothing and not graph.vertices:
         return _lines([style.nothing])
     labels = {one.id: one.label for one in graph.vertices}
@@ -134,7 +134,7 @@ def graph_text(graph: Graph, style: Style) -> str:
 
 
 def _told(head: str, targets: Iterable[str]) -> Iterator[str]:
-    """Yield lines of words behind a head, none too long if it can be helped."""
+    """Yield lines of words after a head, short if possible."""
     line, filled = head, False
     for target in targets:
         if filled and len(line) + len(target) + 2 > _WIDTH:
@@ -156,7 +156,7 @@ def graph_json(graph: Graph, _style: Style) -> str:
 
 def graphml(graph: Graph, _style: Style) -> str:
     """Return a graph in GraphML, for programs that analyse graphs."""
-    import networkx  # noqa: PLC0415  # few commands need it
+    import networkx  # noqa: PLC0415  # few commands use networkx
 
     made: networkx.MultiDiGraph[str] = networkx.MultiDiGraph(name=graph.title)
     for one in graph.vertices:

@@ -1,6 +1,6 @@
-"""JUnit XML, which many programs read: of findings, and of outcomes of tests.
+"""JUnit XML of findings and of outcomes of tests.
 
-All times are 0, and there are no dates: the same cases give the same bytes.
+All times are 0, and there are no dates: equal cases give equal bytes.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ _ILLEGAL = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
 class JUnitCase(NamedTuple):
-    """A test that was run, or a finding as one that failed."""
+    """A test, or a finding in the form of a failed test."""
 
     name: str
-    #: `failure`, `error`, or nothing for one that passed.
+    #: `failure`, `error`, or no text for a case that passed.
     kind: str = ""
-    #: What is said of a failure: attributes, and all of it.
+    #: The texts of a failure: attributes, and the full text.
     told: Mapping[str, str] = {}
     text: str = ""
 
@@ -40,7 +40,7 @@ def junit(
     """Return a whole file: a suite for each file with its cases.
 
     Args:
-        name: what all suites together are called.
+        name: the name of the whole.
         suites: the cases.
         of_all: the counts of all suites together, of `COUNTS`.
         of_each: the counts of each suite.

@@ -1,4 +1,4 @@
-"""What `rapc worlds` prints, as plain text laid out for a width in columns."""
+"""Output of `rapc worlds`, as plain text for a width in columns."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ _NARROW = 24
 
 
 def list_worlds(worlds: Mapping[str, str], width: int) -> str:
-    """A line or more for each world: its name, and what it is in a few words."""
+    """Return a line or more for each world: its name and a summary."""
     return "\n".join(columns(worlds.items(), width))
 
 
 def describe_world(world: World, width: int) -> str:
-    """All that a world offers: primitives with results, data, skills, options."""
+    """Return the offer of a world: primitives with results, data, skills, options."""
     offer = world.kit.offer
     primitives = [
         (f"{name}/{arity}", ", ".join(results))
@@ -46,12 +46,12 @@ def describe_world(world: World, width: int) -> str:
 
 
 def summary_of(world: type[World]) -> str:
-    """The first line of a world's documentation, without its full stop."""
+    """Return the first line of a world's documentation, without its full stop."""
     return (inspect.getdoc(world) or "").partition("\n")[0].rstrip(".")
 
 
 def columns(rows: Iterable[tuple[str, str]], width: int) -> list[str]:
-    """Names with a text beside them or, where it is narrow, below them."""
+    """Return names with a text beside or, on a narrow terminal, below each name."""
     rows = list(rows)
     left = max((len(name) for name, _ in rows), default=0) + 2
     beside = width - left >= _NARROW
@@ -82,13 +82,14 @@ def _option(option: Option) -> str:
     return f"{' '.join(filter(None, words))}: {option.doc}"
 
 
-# --- held to the port ----------------------------------------------------------------
+# --- contract tests ------------------------------------------------------------------
 
 
 def report(name: str, trials: Sequence[Trial], requests: int, width: int) -> str:
-    """Return a line for each part that was tried, and what is wrong below it.
+    """Return a line for each tested part, with its errors below.
 
-    So are the results that no request had: the code behind them was not tried.
+    Results that no request had are listed, too: the code for these results was not
+    tested.
     """
     broken = sum(bool(trial.faults) for trial in trials)
     kept = f"keeps to the port in {len(trials) - broken} of {len(trials)} parts"

@@ -1,1 +1,1 @@
-"""Figures of experiments as tables and plots: for terminals and for the page."""
+"""Figures of experiments as tables and plots, for terminals and Markdown."""

@@ -1,6 +1,6 @@
-"""What a batch leaves in its folder besides the results: tables and commands.
+"""Files of a batch besides its results: tables and commands.
 
-Plots are drawn by `plots`, if matplotlib is there.
+`plots` draws the plots, if matplotlib is installed.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ COMMANDS = "commands.txt"
 
 
 def part_as_text(summary: PartSummary, width: int) -> Iterator[Line]:
-    """A part for a terminal of so many columns: table, remarks and plot."""
+    """Yield a part for a terminal of a number of columns: table, remarks, plot."""
     yield from _wrapped("title", part_title(summary.part), width)
     yield from table_lines(grid(summary), width)
     for remark in remarks(summary):
@@ -57,7 +57,7 @@ def _wrapped(kind: Kind, text: str, width: int) -> Iterator[Line]:
 def write_tables(
     heading: str, summaries: Iterable[PartSummary], drawn: Container[str], file: Path
 ) -> None:
-    """Write the tables of parts as Markdown, with plots for those that were drawn."""
+    """Write the tables of parts as Markdown, with links to the drawn plots."""
     text = [f"## {heading}"]
     for summary in summaries:
         text += ["", f"### {part_title(summary.part)}", "", *markdown(grid(summary))]
@@ -99,9 +99,9 @@ def write_commands(session: Batch, file: Path) -> None:
 def bar(
     what: str, total: int, stream: TextIO, *, shown: bool, color: bool
 ) -> Iterator[Callable[[int], None]]:
-    """Show how much of `total` is done, unless it is not to be shown.
+    """Show the progress of `total`, unless the bar is hidden.
 
-    Gives a function to be called with how much more has been done.
+    Yield a function to be called with each number of items done.
     """
     columns = (
         TextColumn("{task.description}"),
@@ -127,10 +127,10 @@ _LEAST = 10
 
 
 def plot(summary: PartSummary, width: int) -> Iterator[Line]:
-    """The time for each task completed, against what the part varies (T 6.8 to 6.10).
+    """Yield a plot of the time for each completed task (T 6.8 to 6.10).
 
     `|---|` is the range, `o` the average, `x` the figure from elsewhere. An average
-    over runs of which some complete nothing can lie beyond the range of the others.
+    over runs without completed tasks can lie outside the range of the other runs.
     """
     reference = summary.part.reference
     spreads = [row.figures.get("time-each") for row in summary.rows]

@@ -1,7 +1,7 @@
 """Plots as SVG and PNG, like T figures 6.8 to 6.10, with matplotlib.
 
-Only this module imports matplotlib, so who does without it imports it last. The same
-results give the same bytes.
+Only this module imports matplotlib, so rapc works without it. Equal results give equal
+bytes.
 """
 
 from __future__ import annotations
@@ -45,13 +45,13 @@ _CROSSES = {"effector": "x", "sensor": "+", "failed": "*"}
 
 
 def draw_plot(drawn: Sequence[PartSummary], file: Path) -> tuple[Path, Path]:
-    """Draw parts that vary the same into one plot, the first one's name for title.
+    """Draw parts that vary the same setting into one plot, titled by the first.
 
-    Above is the time for each task completed, then how many were completed, below the
-    actions; where all is done by skills, what is counted, if anything is. Bars go from
-    the tenth to the ninetieth of a hundred runs; points are means, of the time that
-    over all runs. Figures from elsewhere are crosses, what is said of them in words
-    thick bars. Returns the files, `.svg` and `.png`.
+    The top panel has the time for each completed task, the next panel the number of
+    completed tasks, the lowest panel the actions, or the counted successes if skills do
+    all the work. Bars go from the tenth to the ninetieth of a hundred runs; points are
+    means (of time: over all runs). Figures from elsewhere are crosses; verbal ranges
+    are thick bars. Return the files, `.svg` and `.png`.
     """
     with rc_context(_STYLE), warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph")  # no font has all characters
@@ -89,9 +89,9 @@ def _lowest(drawn: Sequence[PartSummary]) -> Sequence[str]:
 def _series(
     axes: Axes, summary: PartSummary, number: int, measure: str, line: Any = "-"
 ) -> None:
-    """One part's figures with their ranges, and the figures from elsewhere.
+    """Draw one part's figures with their ranges, and the figures from elsewhere.
 
-    Values that are no numbers have no order: no line goes through them.
+    Values that are not numbers have no order: no line connects them.
     """
     known = [
         (place, row.figures[measure])
@@ -156,7 +156,7 @@ def _theirs_called(summary: PartSummary, reference: Reference, measure: str) -> 
 
 
 def _bounds(axes: Axes, summary: PartSummary, measure: str) -> None:
-    """Draw what is said elsewhere in words, from so much to so much, as thick bars."""
+    """Draw the verbal ranges from elsewhere, from low to high, as thick bars."""
     reference = summary.part.reference
     if reference is None:
         return
@@ -175,7 +175,7 @@ def _bounds(axes: Axes, summary: PartSummary, measure: str) -> None:
 
 
 def _places(summary: PartSummary) -> list[float]:
-    """Return where the values are on the axis: at their number, or side by side."""
+    """Return the positions of the values on the axis: numbers, or side by side."""
     values = [row.value for row in summary.rows]
     if all(_numeric(value) for value in values):
         return [float(value) for value in values if value is not None]
@@ -191,7 +191,7 @@ def _numeric(value: object) -> bool:
 
 
 def _whole() -> MaxNLocator:
-    """Ticks at whole numbers, in round steps."""
+    """Set ticks at whole numbers, in round steps."""
     return MaxNLocator(integer=True, steps=[1, 2, 5, 10])
 
 
@@ -200,7 +200,7 @@ _LONG_LABEL = 33
 
 
 def _frame(panels: Sequence[Axes], summary: PartSummary, called: str) -> None:
-    """Axes, their names (`called` for the lowest), the mark, and the legend."""
+    """Draw the axes with names (`called` for the lowest), the mark, the legend."""
     above, middle, below = panels[0], panels[1], panels[-1]
     _, _, name = (summary.part.vary or "").partition(".")
     below.set_xlabel(f"{name} ({summary.unit})" if summary.unit else name)

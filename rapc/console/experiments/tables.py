@@ -1,7 +1,8 @@
-"""Tables of what was measured, like those of T 6.3: for a terminal and as Markdown.
+"""Tables of measures, like those of T 6.3: for a terminal and as Markdown.
 
-A row for each point, figures from elsewhere in the same cells as ours. Where a table is
-too wide for the terminal, its columns go below one another.
+A table has a row for each point; figures from elsewhere are in the cells of the
+measured figures. If a table is too wide for the terminal, its columns are split over
+several tables.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from rapc.experiments.summary import PartSummary, PointSummary, Spread
 
 
 class Grid(msgspec.Struct, frozen=True):
-    """A table: a head, and rows of as many cells."""
+    """A table: a head, and rows with an equal number of cells."""
 
     head: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
@@ -29,25 +30,25 @@ _GAP = 2
 
 
 def heading(part: Series) -> str:
-    """Return what a part is called, in one line."""
+    """Return the title of a part, in one line."""
     return " ".join(part.title.split()) or f"Part {part.name}"
 
 
 def part_title(part: Series) -> str:
-    """Return what a part is called, and by which name it is asked for."""
+    """Return the title of a part, and its name for options."""
     return f"{heading(part)} (part `{part.name}`)" if part.title else heading(part)
 
 
 def show(value: Value | None) -> str:
-    """A value of what is varied, as it is printed."""
+    """Return a value of the varied setting as text."""
     return "all" if value is None else typed(value)
 
 
 def grid(summary: PartSummary) -> Grid:
-    """The table of a part that says most: means, deviations, and others' figures.
+    """Return the main table of a part: means, deviations, reference figures.
 
-    `437 ± 36 / 441` is our mean and standard deviation, and theirs; `!` behind it says
-    that theirs lies more than two standard deviations from our mean.
+    `437 ± 36 / 441` is the measured mean, its standard deviation, and the reference;
+    `!` marks a reference more than two standard deviations from the mean.
     """
     names = [*_MAIN, *summary.told]
     head = (*_head(summary), *[LABELS.get(name, name) for name in names])
@@ -55,9 +56,9 @@ def grid(summary: PartSummary) -> Grid:
 
 
 def rest(summary: PartSummary) -> Grid:
-    """The table of what else was measured of a part, in means.
+    """Return the table of the other measures of a part, as means.
 
-    Deadlines missed and faults in queries stand in it if there were any.
+    Missed deadlines and faults in queries are listed if there were any.
     """
     names = [
         name
@@ -142,7 +143,7 @@ def _theirs(name: str, value: float) -> str:
 
 
 def tasks(row: PointSummary) -> Grid:
-    """The table of the tasks of one point, in the order in which they came."""
+    """Return the table of the tasks of one point, in the order of arrival."""
     head = ("task", "runs", "came", "completed", "at", "given up")
     rows = []
     for number, task in enumerate(row.tasks, 1):
@@ -156,7 +157,7 @@ def tasks(row: PointSummary) -> Grid:
 
 
 def table_lines(made: Grid, width: int) -> Iterator[Line]:
-    """The table for a width in columns: the first column comes with all others."""
+    """Yield the table for a width in columns, each part with the first column."""
     widths = [
         max(len(cell) for cell in column)
         for column in zip(made.head, *made.rows, strict=True)
@@ -169,7 +170,7 @@ def table_lines(made: Grid, width: int) -> Iterator[Line]:
 
 
 def _split(widths: Sequence[int], width: int) -> Iterator[list[int]]:
-    """Columns that fit beside one another, each time after the first one."""
+    """Yield the groups of columns that fit side by side, after the first column."""
     columns, used = [0], widths[0]
     for column, wide in enumerate(widths[1:], 1):
         if len(columns) > 1 and used + _GAP + wide > width:
@@ -188,7 +189,7 @@ def _line(cells: Sequence[str], widths: Sequence[int], columns: Sequence[int]) -
 
 
 def markdown(made: Grid) -> Iterator[str]:
-    """The table as Markdown."""
+    """Yield the table as Markdown."""
     yield _row(made.head)
     yield _row(["---", *["---:"] * (len(made.head) - 1)])
     yield from map(_row, made.rows)
@@ -215,11 +216,11 @@ _REASONS = 3
 
 
 def remarks(summary: PartSummary, most: int | None = _REASONS) -> Iterator[str]:
-    """Yield what is to be said below a table: how to read it, runs to look at, notes.
+    """Yield the remarks below a table: legend, runs to look at, notes.
 
     Args:
         summary: the part.
-        most: how many reasons of failure are told for a point; None: all.
+        most: how many reasons of failure to list for a point; None: all.
     """
     reference = summary.part.reference
     if reference is not None:

@@ -1,1 +1,1 @@
-"""The live view of a run: what is true in a world beside what the robot believes."""
+"""The live view of a run: the truth of a world beside the robot's beliefs."""

@@ -1,7 +1,7 @@
-"""What the robot believes of the things in a picture, and how either is told in words.
+"""The robot's beliefs about the things in a picture, and contents as text.
 
-Items are compared by what they are and where, not by name: the names of memory and
-those of a world have nothing to do with each other.
+Items are compared by class, look and place, not by name: the names in memory are
+unrelated to the names in a world.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ Contents = Counter[tuple[str, str]]
 
 
 def true_contents(things: Iterable[Thing]) -> Contents:
-    """Return what things there are."""
+    """Return some things as contents."""
     return Counter((thing.kind, _look(thing.look)) for thing in things)
 
 
 def believed_contents(memory: MemoryView, picture: Picture) -> dict[str, Contents]:
-    """Return what the robot believes is where, by the name of the spot or place.
+    """Return the things that the robot believes in, by name of spot or place.
 
-    An item that is believed to be in another one is where that is.
+    An item that is believed to be in a second item is at the place of the second.
     """
     places = {f[1]: f[2] for f in memory.query("location", None, None)}
     held: dict[Atom, Contents] = {}
@@ -44,10 +44,10 @@ def believed_contents(memory: MemoryView, picture: Picture) -> dict[str, Content
 
 
 def _leave(contents: Contents, kind: str, count: int) -> None:
-    """Leave so many of a class as memory expects, however many descriptions it has.
+    """Keep as many of a class as memory expects, out of all descriptions.
 
-    One item may go by several until they are recognised as one (T A.5): those go first
-    of which least is known, then those of which there are most.
+    One item may have several descriptions until these are merged (T A.5). Descriptions
+    with the least information are removed first, then the most frequent ones.
     """
     looks = {look: n for (of, look), n in contents.items() if of == kind}
     for _ in range(sum(looks.values()) - count):
@@ -71,7 +71,7 @@ def _outermost(place: Atom, places: Mapping[Atom, Atom]) -> Atom:
 
 
 def contents_in_words(contents: Contents) -> str:
-    """Contents in words: `2 red+blue rock, fuel-drum`; `nothing` if there are none."""
+    """Return contents as text: `2 red+blue rock, fuel-drum`, or `nothing`."""
     by_kind: dict[tuple[str, bool], list[str]] = {}
     for (kind, look), count in sorted(contents.items()):
         number = "" if count == 1 else f"{count} "

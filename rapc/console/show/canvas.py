@@ -1,6 +1,6 @@
-"""Sheets on which maps are drawn: of characters with styles, and of small dots.
+"""Canvases for maps: of characters with styles, and of small dots.
 
-A cell of a terminal has eight dots, as Braille has them.
+A cell of a terminal has eight dots, in the form of Braille.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ _BITS = ((0x01, 0x08), (0x02, 0x10), (0x04, 0x20), (0x40, 0x80))
 
 
 class Canvas:
-    """Rows of cells to draw on; a later drawing hides an earlier one.
+    """Rows of cells to draw on; a later drawing hides an earlier drawing.
 
-    What falls outside is not drawn.
+    Parts outside the canvas are not drawn.
     """
 
     def __init__(self, width: int, height: int) -> None:
@@ -35,14 +35,14 @@ class Canvas:
         self._cells = [[(" ", "")] * width for _ in range(height)]
 
     def write(self, column: int, row: int, text: str, style: str = "") -> None:
-        """Write text of narrow characters from a cell on."""
+        """Write text of narrow characters, from a cell on."""
         if 0 <= row < self.height:
             for at, character in enumerate(text, column):
                 if 0 <= at < self.width:
                     self._cells[row][at] = (character, style)
 
     def line(self, start: tuple[int, int], end: tuple[int, int], style: str) -> None:
-        """A line between two cells (column, row), dotted if it is a slanting one."""
+        """Draw a line between two cells (column, row), dotted if slanting."""
         (column, row), (last_column, last_row) = start, end
         across, down = last_column - column, last_row - row
         if down == 0:
@@ -54,7 +54,7 @@ class Canvas:
             self.write(at, row + (step if down > 0 else -step), mark, style)
 
     def lines(self) -> Iterator[Text]:
-        """The rows from the top."""
+        """Return the rows from the top."""
         for row in self._cells:
             line = Text()
             for style, cells in groupby(row, itemgetter(1)):
@@ -64,9 +64,9 @@ class Canvas:
 
 
 class Dots:
-    """Dots to be set, row by row from the top; what falls outside is not drawn.
+    """Dots to be set, row by row from the top; dots outside are ignored.
 
-    A cell has the style of the dot in it that was given last.
+    A cell has the style of its latest dot.
 
     Args:
         width: in cells.
@@ -88,7 +88,7 @@ class Dots:
     def line(
         self, start: tuple[int, int], end: tuple[int, int], style: str, every: int = 1
     ) -> None:
-        """Set the dots between two, or one in so many of them, and the last."""
+        """Set the dots of a line, all or at intervals, and its last dot."""
         (column, row), (last_column, last_row) = start, end
         steps = max(abs(last_column - column), abs(last_row - row))
         for step in range(0, steps, every):
@@ -98,13 +98,13 @@ class Dots:
         self.dot(last_column, last_row, style)
 
     def cells(self) -> Iterator[tuple[int, int, str, str]]:
-        """Yield what is to be written: column, row, character, style."""
+        """Yield the cells with dots: column, row, character, style."""
         for (column, row), (bits, style) in self._cells.items():
             yield column, row, chr(_BLANK + bits), style
 
 
 def fit(text: str, width: int) -> str:
-    """A text cut to a width in cells, with a mark where it was cut."""
+    """Return a text cut to a width in cells, with a mark at the cut."""
     if cell_len(text) <= width:
         return text
     while text and cell_len(text) > width - 1:
@@ -113,7 +113,7 @@ def fit(text: str, width: int) -> str:
 
 
 def folded(text: str, width: int, lines: int) -> list[str]:
-    """Return a text in at most so many lines, with a mark where it was cut."""
+    """Return a text in at most a number of lines, with a mark at the cut."""
     parts = wrapped(text, width) if width > 0 else []
     if len(parts) <= lines:
         return parts

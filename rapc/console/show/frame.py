@@ -1,7 +1,7 @@
-"""One frame: the map with what is true and what is believed, and the robot beside it.
+"""One frame: the map with truth and beliefs, and the robot beside the map.
 
-Each place has two lines: what there is, and below it `=` where the robot believes just
-that, or `≠` and what it believes instead.
+Each place has two lines: the things there, and below them `=` if the robot's belief is
+equal, or `≠` and the robot's belief.
 """
 
 from __future__ import annotations
@@ -35,20 +35,20 @@ _LEAST_WIDE = 14
 
 
 class Activity(msgspec.Struct, frozen=True):
-    """What the robot does at one time: the task it pursues and its requests."""
+    """The robot's activity at one time: its current task and requests."""
 
-    #: When.
+    #: The time.
     time: Time = 0
-    #: The goal of the top-level task whose family is at work.
+    #: The goal of the top-level task of the active family.
     family: str = ""
     #: The latest requests for primitives, oldest first.
     requests: tuple[str, ...] = ()
-    #: The names of the skills that are on, the newest first.
+    #: The names of the active skills, newest first.
     skills: tuple[str, ...] = ()
 
 
 class _SpotView(msgspec.Struct, frozen=True):
-    """A spot with what is in it and what is believed to be in it."""
+    """A spot with its contents, and the contents that the robot believes in."""
 
     spot: Spot
     true: Contents
@@ -63,7 +63,7 @@ class _SpotView(msgspec.Struct, frozen=True):
         return self.true == self.believed
 
     def belief(self) -> tuple[str, str]:
-        """Return how belief compares with truth, and the style for that."""
+        """Return the comparison of belief and truth, and its style."""
         if self.right:
             return "=", _RIGHT
         return (
@@ -78,12 +78,12 @@ def draw_frame(
     """Return a picture beside memory as lines.
 
     Args:
-        picture: what is true.
-        memory: what is believed.
-        doings: what is going on.
-        width: how many cells a line has.
-        height: how many lines there may be; what finds no room is left out. Where it is
-            0 there are as many as it takes, and what is told in words is told whole.
+        picture: the truth.
+        memory: the beliefs.
+        doings: the activity.
+        width: the number of cells of a line.
+        height: the highest number of lines; the rest is left out. With 0 there is no
+            limit, and texts are not cut.
     """
     believed = believed_contents(memory, picture)
     sights = [
@@ -117,13 +117,13 @@ def _with_plan(
     doings: Activity,
     size: tuple[int, int],
 ) -> list[Text] | None:
-    """Return the lines of a frame with a plan; None if there is none, or no room."""
+    """Return the lines of a frame with a plan; None if there is no plan or no room."""
     if picture.plan is None:
         return None
     width, height = size
     foot, signs = list(_doings(doings)), list(legend(width))
     rows: Sequence[Text] = ()
-    for _ in range(2):  # the legend may take more lines once there are numbers
+    for _ in range(2):  # the legend may need more lines once there are numbers
         room = height - len(head) - len(foot) - len(signs) if height else width
         drawn = draw_plan(picture.plan, memory, width, room)
         if drawn is None:
@@ -145,7 +145,7 @@ def _head(picture: Picture, memory: MemoryView, doings: Activity) -> Text:
 
 
 def _otherwise(gauge: Gauge, memory: MemoryView) -> str:
-    """Return what the robot believes of a gauge, if it is not what is true."""
+    """Return the robot's belief about a gauge if it differs from the truth."""
     values = [fact[-1] for fact in memory.query(*gauge.believed, None)]
     if values == [gauge.value]:
         return ""
@@ -158,9 +158,9 @@ def _otherwise(gauge: Gauge, memory: MemoryView) -> str:
 def _map(
     picture: Picture, sights: Sequence[_SpotView], width: int, height: int | None
 ) -> Iterator[Text]:
-    """Yield the places as a map, or as a list where there is no room for one.
+    """Yield the places as a map, or as a list if the map does not fit.
 
-    Where there is no `height` it is as high as what is at the places takes.
+    Without a `height` the map is as high as the contents of the places.
     """
     across = max((s.spot.at[0] for s in sights if s.spot.at), default=0)
     down = max((s.spot.at[1] for s in sights if s.spot.at), default=0)
@@ -193,7 +193,7 @@ def _place(
     at: tuple[int, int],
     size: tuple[int, int],
 ) -> None:
-    """Draw a place from a cell on, with so much room and so many lines of contents."""
+    """Draw a place from a cell on, with a width and a number of content lines."""
     (column, row), (room, lines) = at, size
     name, style = sight.spot.name, _PLACE
     if name == picture.here:
@@ -211,7 +211,7 @@ def _place(
 
 
 def _enough(sights: Sequence[_SpotView], wide: int) -> int:
-    """Return how many lines a place takes so that no contents are cut."""
+    """Return the number of lines that a place needs for uncut contents."""
     texts = [t for s in sights for t in (contents_in_words(s.true), s.belief()[0])]
     most = max((len(wrapped(text, max(wide - 3, 1))) for text in texts), default=1)
     return max(1 + 2 * most, _LEAST)
@@ -220,7 +220,7 @@ def _enough(sights: Sequence[_SpotView], wide: int) -> int:
 def _list(
     picture: Picture, sights: Sequence[_SpotView], height: int | None
 ) -> Iterator[Text]:
-    """The places as a list, where there is no room for a map; wrong beliefs first."""
+    """Yield the places as a list, if a map does not fit; wrong beliefs first."""
     here = picture.here
     told = [s for s in sights if not s.empty or s.spot.name == here]
     told.sort(key=lambda s: (s.spot.name != here, s.right))
@@ -239,7 +239,7 @@ def _list(
 
 
 def _row(sight: _SpotView, name: str) -> Text:
-    """A spot in one line."""
+    """Return a spot in one line."""
     line = Text().append(name, _PLACE)
     if sight.spot.note:
         line.append(f" ({sight.spot.note})")
@@ -250,7 +250,7 @@ def _row(sight: _SpotView, name: str) -> Text:
 
 
 def _aboard(sights: Sequence[_SpotView], width: int, *, whole: bool) -> Iterator[Text]:
-    """Yield arms and bays, two in a line; if `whole` only where none is cut so."""
+    """Yield arms and bays, two in a line; if `whole`, only if none is cut."""
     middle = width // 2
     told = [_row(sight, sight.spot.name) for sight in sights]
     if whole and any(line.cell_len >= middle for line in told):
@@ -267,7 +267,7 @@ def _aboard(sights: Sequence[_SpotView], width: int, *, whole: bool) -> Iterator
 
 
 def _elsewhere(believed: Mapping[str, Contents]) -> Iterator[Text]:
-    """Yield what is believed to be where nothing of the kind is drawn."""
+    """Yield beliefs about places that are not in the picture."""
     found = [
         f"{contents_in_words(contents)} at {place}"
         for place, contents in believed.items()

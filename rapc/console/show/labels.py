@@ -1,9 +1,9 @@
-"""Names of spaces on a plan: how a name is broken, and which cells it takes.
+"""Names of spaces on a plan: line breaks of a name, and its cells.
 
-A name stands across, downwards, or in several rows broken at hyphens. Of all places in
-its space it takes one where it covers nobody, then one that touches little, then the
-nearest to the middle. A name that does not fit is cut; a number stands for a name of
-which fewer than `LEAST` letters would be left.
+A name stands across, downwards, or in several rows broken at hyphens. Of all positions
+in its space it takes the first without overlap, then the position with the least
+overlap, then the nearest to the middle. A name that does not fit is cut; a number
+replaces a name of which fewer than `LEAST` letters would be left.
 """
 
 from __future__ import annotations
@@ -33,21 +33,21 @@ class Inside(NamedTuple):
 
 
 class Taken(NamedTuple):
-    """Cells that a name keeps away from."""
+    """Cells that a name must not cover."""
 
-    #: Those of somebody, or of a sign.
+    #: Cells of agents and signs.
     signs: Collection[Cell]
-    #: Those of walls and blocks, and beside signs.
+    #: Cells of walls and blocks, and cells beside signs.
     others: Collection[Cell]
 
 
 def label(name: str, inside: Inside, taken: Taken, *, marked: bool) -> Rows | None:
-    """Return a name as rows where they stand; None if a number has to stand for it.
+    """Return a name as placed rows, or None if a number must replace it.
 
     Args:
-        name: of the space.
+        name: the name of the space.
         inside: the space.
-        taken: what is not to be covered.
+        taken: the cells not to be covered.
         marked: whether the name stands in brackets, which may cover walls.
     """
     best: tuple[tuple[int, int], Rows] | None = None
@@ -61,7 +61,7 @@ def label(name: str, inside: Inside, taken: Taken, *, marked: bool) -> Rows | No
 
 
 def numbered(number: str, inside: Inside, taken: Taken, *, marked: bool) -> Rows:
-    """Return where a number stands in a space."""
+    """Return the position of a number in a space."""
     return _place([number], inside, taken, marked=marked)[1]
 
 
@@ -97,7 +97,7 @@ def _at_hyphens(name: str, wide: int) -> list[str]:
 def _place(
     shape: Sequence[str], inside: Inside, taken: Taken, *, marked: bool
 ) -> tuple[int, Rows]:
-    """Return the best place of a shape, and how many signs it covers there."""
+    """Return the best position of a shape, and the number of signs it covers."""
     best: tuple[tuple[int, int, int], Rows] | None = None
     for distance, corner in _corners(shape, inside):
         rows = list(_rows(shape, corner, marked=marked))
@@ -113,7 +113,7 @@ def _place(
 
 
 def _corners(shape: Sequence[str], inside: Inside) -> list[tuple[int, Cell]]:
-    """Return where a shape can begin, with its distance from the middle, sorted."""
+    """Return the first cells of a shape, sorted by distance from the middle."""
     across, down = inside.wide - max(map(len, shape)), inside.high - len(shape)
     return sorted(
         (

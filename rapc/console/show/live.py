@@ -1,10 +1,10 @@
-"""The view of a run while it goes on: a listener that draws frame after frame.
+"""The view of a run in progress: a listener that draws frames.
 
 There is a frame for each request that has ended or, in a world with a plan, for each
-second of its time, as soon as the run has nothing to do but to wait. On a terminal
-frames replace each other at a pace that a person can follow, on a screen of their own;
-when the run is over the last one is left. Elsewhere it is all there is, unless every so
-many are asked for: then they follow one another.
+second of its time, as soon as the run only waits. On a terminal, frames replace each
+other at a pace that a person can follow, on a separate screen; the last frame stays
+when the run is over. Elsewhere only the last frame is written, or the last frame and
+every n-th frame if requested.
 """
 
 from __future__ import annotations
@@ -39,18 +39,16 @@ _REQUESTS = 2
 
 
 class LiveView:
-    """Shows a run; a context manager, and a listener for `Interpreter.listen`.
+    """A view of a run; a context manager, and a listener for `Interpreter.listen`.
 
     Args:
-        interpreter: the run that is shown.
-        picture: draws the truth as it is now.
-        stream: where to; frames follow each other only if it is a terminal.
-        size: columns and rows of a frame, asked for each; 0 rows are as many as it
-            takes.
-        color: whether to colour them.
-        every: where it is no terminal, one in so many frames is written; 0: the last
-            one alone.
-        pace: seconds from one frame to the next, at least.
+        interpreter: the run to show.
+        picture: returns the present truth.
+        stream: the output; frames follow each other only on a terminal.
+        size: returns columns and rows of a frame, for each frame; 0 rows: no limit.
+        color: whether to colour the frames.
+        every: the interval of written frames on other streams; 0: only the last frame.
+        pace: the shortest time from one frame to the next, in seconds.
     """
 
     def __init__(
@@ -77,7 +75,8 @@ class LiveView:
         self._family = ""
         blank = [] if self._planned else [""] * _REQUESTS
         self._requests: deque[str] = deque(blank, _REQUESTS)
-        #: How many activations have each skill on, in the order they came on.
+        #: The number of activations of each skill, in the order of the first
+        #: activation.
         self._skills: dict[str, int] = {}
         self._last: list[Text] = []
         self._live: Live | None = None
@@ -100,7 +99,7 @@ class LiveView:
             write_lines(self._last, self._stream, color=self._color)
 
     def __call__(self, event: Event) -> None:
-        """Take note of an event, and draw if it is the end of a request."""
+        """Process an event; draw a frame if a request has ended."""
         if isinstance(event, PrimitiveEnded):
             self._requests.append(f"{format_list(event.request)} - {event.result}")
             self._find_family(event.task)
@@ -114,24 +113,24 @@ class LiveView:
             self._switch_off(format_list(event.what))
 
     def _switch_off(self, skill: str) -> None:
-        """Take note that one activation less has a skill on."""
+        """Remove an activation of a skill."""
         self._skills[skill] = self._skills.get(skill, 0) - 1
         if self._skills[skill] <= 0:
             del self._skills[skill]
 
     def _look(self) -> None:
-        """Draw if another second has begun."""
+        """Draw a frame if a new second has begun."""
         now = self._interpreter.now
         if now >= self._due:
             self._due = math.floor(now) + 1
             self._draw()
 
     def _look_back(self) -> None:
-        """Keep the last frame, with all that is still on."""
+        """Keep the last frame, with all skills that are still active."""
         self._last = self._frame()
 
     def _find_family(self, task: int | None) -> None:
-        """The top-level task for whose sake a task is there."""
+        """Return the top-level task that is the ancestor of a task."""
         entries = {entry.task: entry for entry in self._interpreter.agenda()}
         found = entries.get(task) if task is not None else None
         top = entries.get(found.family) if found is not None else None
@@ -139,9 +138,9 @@ class LiveView:
             self._family = f"[{top.task}] {top.goal}"
 
     def _draw(self) -> None:
-        """Put a frame in place of the last one, when its time has come.
+        """Replace the last frame, when its time has come.
 
-        Where there is no terminal, write it if it is its turn.
+        Without a terminal, write the frame if it is due.
         """
         self._frames += 1
         if self._live is None:

@@ -1,7 +1,7 @@
-"""A floor from above, true to scale, with what the robot believes of it laid over.
+"""A floor from above, true to scale, with the robot's beliefs drawn over it.
 
-Walls, what stands about and the rays of the sensors are lines of dots; all else is a
-character: the robot, where it believes itself to be, others, doors, landmarks.
+Walls, obstacles and the rays of the sensors are lines of dots. Other things are
+characters: the robot, its believed position, other agents, doors, landmarks.
 """
 
 from __future__ import annotations
@@ -44,12 +44,12 @@ _LEGEND = (
 
 
 class _Scale(NamedTuple):
-    """From metres on a plan to dots and cells of a sheet."""
+    """The scale of a plan: metres to dots and cells of a canvas."""
 
-    #: What the leftmost and the uppermost dot are, in metres.
+    #: The position of the leftmost and of the uppermost dot, in metres.
     west: float
     north: float
-    #: How many metres a dot is wide and high.
+    #: The width and the height of a dot, in metres.
     dot: float
 
     def dots(self, point: Point) -> tuple[int, int]:
@@ -64,17 +64,17 @@ class _Scale(NamedTuple):
 
 
 class Drawing(NamedTuple):
-    """A plan as lines, and what the numbers on it stand for."""
+    """A plan as lines, and the meaning of the numbers on the plan."""
 
     rows: Sequence[Text]
-    #: Numbers, each with the name that found no room.
+    #: Numbers, each with the name that did not fit.
     numbers: Sequence[tuple[str, str]]
 
 
 def draw_plan(
     plan: Plan, memory: MemoryView, width: int, height: int
 ) -> Drawing | None:
-    """Return a plan as lines, or None if so many cells are too few for it."""
+    """Return a plan as lines, or None if the cells are too few for the plan."""
     scale = _scale(plan, width, height)
     if scale is None:
         return None
@@ -111,11 +111,11 @@ def draw_plan(
 
 
 def legend(width: int, numbers: Sequence[tuple[str, str]] = ()) -> Iterator[Text]:
-    """Yield what the characters of a plan mean, in as many lines as that takes.
+    """Yield the meaning of the characters of a plan, in as many lines as needed.
 
     Args:
-        width: of a line.
-        numbers: on the plan, each with what it stands for.
+        width: the width of a line.
+        numbers: the numbers on the plan, each with its name.
     """
     line = Text(style="dim")
     for sign, means in (*_LEGEND, *numbers):
@@ -138,7 +138,7 @@ def _scale(plan: Plan, width: int, height: int) -> _Scale | None:
 
 
 def _lines(plan: Plan, dots: Dots, scale: _Scale) -> None:
-    """Draw all that consists of dots; walls last, for theirs is the style then."""
+    """Draw all lines of dots; walls last, because the last style counts."""
     if plan.robot is not None:
         start = scale.dots(plan.robot[:2])
         for echo in plan.echoes:
@@ -162,7 +162,7 @@ def _inside(scale: _Scale, area: Area) -> Inside:
 
 
 def _characters(plan: Plan, memory: MemoryView) -> Iterator[tuple[Point, str, str]]:
-    """Yield what stands for one thing each: where, a character, its style."""
+    """Yield the characters of single things: cell, character, style."""
     origin = _origin(plan.reckoning, memory)
     for mark in plan.marks:
         yield (
@@ -194,7 +194,7 @@ def _mark(mark: Mark, memory: MemoryView, *, origin: bool) -> tuple[str, str]:
 
 
 def _door(door: Door, memory: MemoryView) -> tuple[str, str] | None:
-    """Return how a doorway is drawn; None if it is open, and believed to be."""
+    """Return the character of a doorway; None if it is open, also in beliefs."""
     age = memory.age(*door.believed) if door.believed else None
     believed = age is not None and (door.counts is None or age <= door.counts)
     if door.closed:
@@ -202,14 +202,14 @@ def _door(door: Door, memory: MemoryView) -> tuple[str, str] | None:
     return ("?", _WRONG) if believed else None
 
 
-# --- the robot's own idea of its place ------------------------------------------------
+# --- the robot's belief about its position -------------------------------------------
 
 
 def believed_pose(reckoning: Reckoning | None, memory: MemoryView) -> Pose | None:
-    """Return where on a plan the robot believes to be; None if that cannot be said.
+    """Return the robot's believed position on a plan; None if it is unknown.
 
-    Its place and the landmark it counts from are in one frame, which is turned and
-    moved so that the landmark comes to where the plan has it.
+    Its place and its reference landmark are in one frame, which is turned and moved so
+    that the landmark has its position on the plan.
     """
     place = _last(memory, reckoning.place, 3) if reckoning else None
     origin = _origin(reckoning, memory)
@@ -244,6 +244,6 @@ def _believed_space(reckoning: Reckoning | None, memory: MemoryView) -> Atom | N
 
 
 def _last(memory: MemoryView, prefix: Fact, more: int) -> Fact | None:
-    """Return what the newest fact that begins so says besides, or None."""
+    """Return the rest of the newest fact with a given beginning, or None."""
     found = memory.query(*prefix, *[None] * more)
     return found[-1][len(prefix) :] if found else None

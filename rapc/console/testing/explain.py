@@ -1,4 +1,4 @@
-"""A failed test told to a person: what was expected where, what happened, the trace.
+"""Explanation of a failed test: expectation, position, result, trace.
 
 The same lines go to a terminal (`rapc.cli.test`), to pytest and into JUnit files.
 """
@@ -18,7 +18,7 @@ _MOST_ROWS = 8
 
 
 def test_title(outcome: Outcome) -> str:
-    """The test's name, with the seed that it does not pass under unless that is 0."""
+    """Return the test's name, with the failing seed unless the seed is 0."""
     told = outcome.seed and outcome.status is not Status.PASSED
     seed = f" (seed {outcome.seed})" if told else ""
     return f"{outcome.case.test.name}{seed}"
@@ -30,7 +30,7 @@ def reason(outcome: Outcome) -> str:
 
 
 def failure_lines(outcome: Outcome) -> Iterator[Line]:
-    """All there is to say about a test that did not pass."""
+    """Yield the complete explanation of a test that did not pass."""
     wrong = outcome.status is Status.ERROR
     files = outcome.case.library.library.files
     for failure in outcome.failures:
@@ -72,7 +72,7 @@ def _happened(failure: Unmet, wrong: bool) -> Iterator[Line]:
 
 
 def _excerpt(source: SourceFile | None, span: Span) -> Iterator[Line]:
-    """The source of a place; marked if it stands in one row."""
+    """Yield the source at a position, marked if it is in one row."""
     if source is None:
         return
     first, last = source.position(span.start), source.position(span.end)

@@ -1,4 +1,4 @@
-"""What pytest collects and runs: files of tests, each `define-test`, their coverage."""
+"""The items that pytest collects: files of tests, each `define-test`, coverage."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _COVERAGE = "rap_coverage"
 
 
 def gather_coverage(config: pytest.Config) -> None:
-    """Have coverage gathered in a session, and told at its end."""
+    """Collect coverage in a session, and report it at the end."""
     config.pluginmanager.register(PytestCoverage(config), _COVERAGE)
 
 
@@ -29,7 +29,7 @@ class RapFile(pytest.File):
     """A `*.test.rap` file."""
 
     def collect(self) -> Iterator[RapTest]:
-        """Its tests; an error if it, or a library it runs, has errors.
+        """Yield its tests; raise an error if the file or a library has errors.
 
         Raises:
             CollectError: with the errors, one line each.
@@ -44,10 +44,10 @@ class RapFile(pytest.File):
         for case in found.cases:
             yield RapTest.from_parent(self, name=case.test.name, case=case)
 
-    def repr_failure(  # type: ignore[override]  # nobody gives a file a style
+    def repr_failure(  # type: ignore[override]  # pytest passes no style for a file
         self, excinfo: pytest.ExceptionInfo[BaseException]
     ) -> Any:
-        """Return what is wrong with the file; the summary has the first line of it."""
+        """Return the errors of the file; the summary has the first line."""
         if not isinstance(excinfo.value, self.CollectError):
             return super().repr_failure(excinfo)
         first = str(excinfo.value).partition("\n")[0]
@@ -71,7 +71,7 @@ class RapTest(pytest.Item):
         self.case = case
 
     def runtest(self) -> None:
-        """Run it. Raises RapTestFailure if it does not pass."""
+        """Run the test. Raises RapTestFailure if it does not pass."""
         modules: list[str] = self.config.getini("rap_world_modules")
         told = self.config.pluginmanager.get_plugin(_COVERAGE)
         gathered = None if told is None else told.gathered
@@ -82,7 +82,7 @@ class RapTest(pytest.Item):
     def repr_failure(
         self, excinfo: pytest.ExceptionInfo[BaseException], style: Any = None
     ) -> Any:
-        """Return what `rapc test` would say of it; the summary has the reason."""
+        """Return the output of `rapc test`; the summary has the reason."""
         if not isinstance(excinfo.value, RapTestFailure):
             return super().repr_failure(excinfo, style)
         outcome = excinfo.value.outcome
@@ -92,7 +92,7 @@ class RapTest(pytest.Item):
         return _shown(excinfo, (span.file, row), explain.reason(outcome))
 
     def reportinfo(self) -> tuple[Path, int, str]:
-        """The file, the row of the test from 0, and its name."""
+        """Return the file, the row of the test from 0, and its name."""
         span = self.case.test.span
         source = self.case.library.library.files[span.file]
         return self.path, source.position(span.start).row - 1, self.name
@@ -101,11 +101,11 @@ class RapTest(pytest.Item):
 def _shown(
     excinfo: pytest.ExceptionInfo[BaseException], where: tuple[str, int], reason: str
 ) -> Any:
-    """Return the text of an exception, without a traceback, and where and why in short.
+    """Return the text of an exception, without a traceback, and a summary.
 
     Args:
         excinfo: the exception.
-        where: the file and row of what is wrong, for `--tb=line`.
+        where: the file and row of the failure, for `--tb=line`.
         reason: a line for the summary and for JUnit.
     """
     shown = excinfo.getrepr(style="value")
@@ -116,13 +116,13 @@ def _shown(
 
 
 class PytestCoverage:
-    """Gathers the coverage of one session of pytest, and tells it at the end.
+    """A collector of the coverage of one pytest session, reported at the end.
 
     Args:
-        config: says where it is written, and how much is asked for.
+        config: the output file, and the required coverage.
 
     Raises:
-        UsageError: where several processes run the tests, each of which would see a
+        UsageError: if several processes run the tests, because each would see only a
             part, and for a file that may not be written.
     """
 
@@ -144,7 +144,7 @@ class PytestCoverage:
 
     @pytest.hookimpl(trylast=True)
     def pytest_sessionfinish(self, session: pytest.Session) -> None:
-        """Write the file, and fail a session that falls short of what is asked for."""
+        """Write the file, and fail a session below the required coverage."""
         files = self.gathered.files()
         if self._file:
             Path(self._file).write_bytes(coverage.as_json(files))
@@ -155,7 +155,7 @@ class PytestCoverage:
     def pytest_terminal_summary(
         self, terminalreporter: pytest.TerminalReporter
     ) -> None:
-        """Say what `rapc test --coverage` would say."""
+        """Print the report of `rapc test --coverage`."""
         files = self.gathered.files()
         terminalreporter.section("coverage of RAP libraries")
         for line in coverage.table(files):
