@@ -1,1 +1,1 @@
-"""What knows nothing of RAP: sources, files, findings, values, pictures."""
+"""Tools without knowledge of RAP: sources, files, findings, values, pictures."""

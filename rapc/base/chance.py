@@ -1,4 +1,4 @@
-"""Draws of chance that runs make all the time, and random streams as plain values."""
+"""Fast random draws, and random streams as plain values."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ Stream = tuple[int, tuple[int, ...], float | None]
 
 
 def below(rng: random.Random, count: int) -> int:
-    """Return a number from 0 to `count` - 1: what `rng.randrange(count)` would return.
+    """Return a random number from 0 to `count` - 1; `count` is at least 1.
 
-    It takes as many random bits as that, and a third of the time: there is nothing to
-    look at but a `count` of at least 1.
+    The result and the random bits used are those of `rng.randrange(count)`. The call
+    takes a third of its time, because the argument is not validated.
     """
     bits = count.bit_length()
     drawn = rng.getrandbits(bits)
@@ -31,7 +31,7 @@ def stream_in(state: Stream) -> random.Random:
     """Return a random stream in a state.
 
     Raises:
-        ValueError: if it is no state of a stream.
+        ValueError: if `state` is not the state of a stream.
     """
     rng = random.Random()
     try:

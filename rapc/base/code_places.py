@@ -1,4 +1,4 @@
-"""Where Python code of other authors stands, for messages about it."""
+"""Positions of other authors' Python code, for messages."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from types import CodeType, FrameType, FunctionType
 
 
 def code_of(call: object) -> CodeType | None:
-    """Return the code that runs first when `call` is called, if it is in Python."""
+    """Return the code that runs first when `call` is called, or None if not Python."""
     for name in ("func", "__func__"):  # of a partial, of a method
         call = getattr(call, name, call)
     if not isinstance(call, FunctionType):
@@ -17,7 +17,7 @@ def code_of(call: object) -> CodeType | None:
 
 
 def place_of(call: object) -> str:
-    """Return ` (lamps.py:23)`, where the code of `call` begins, or nothing."""
+    """Return the start of the code of `call`, as ` (lamps.py:23)`, or nothing."""
     code = code_of(call) if callable(call) else None
     if code is None:
         return ""
@@ -25,21 +25,21 @@ def place_of(call: object) -> str:
 
 
 def said_by(error: BaseException) -> str:
-    """Return the type of an error and what it says, in one line.
+    """Return the type and the message of an error, in one line.
 
-    Other authors' errors may be unable to say anything.
+    The `__str__` of other authors' errors may raise.
     """
     try:
         said = str(error)
     except KeyboardInterrupt:
         raise
-    except BaseException as other:  # whatever code from elsewhere may raise
+    except BaseException as other:  # other authors' code may raise anything
         said = f"(it cannot be printed: {type(other).__name__})"
     return " ".join(f"{type(error).__name__}: {said}".split()).removesuffix(":")
 
 
 def frames(error: BaseException) -> Iterator[tuple[FrameType, int]]:
-    """Yield the frames that an error came through, each with the line in it."""
+    """Yield the frames of an error's traceback, each with its line number."""
     at = error.__traceback__
     while at is not None:
         yield at.tb_frame, at.tb_lineno
@@ -47,9 +47,9 @@ def frames(error: BaseException) -> Iterator[tuple[FrameType, int]]:
 
 
 def place_of_error(error: BaseException) -> str:
-    """Return ` (lamps.py:23)`, where other code than rapc's raised `error`, or nothing.
+    """Return the position where code outside rapc raised `error`, or nothing.
 
-    Of a syntax error that is the place of the mistake.
+    The form is ` (lamps.py:23)`. For a syntax error it is the position of the mistake.
     """
     if isinstance(error, SyntaxError) and error.filename:
         return f" ({Path(error.filename).name}:{error.lineno})"

@@ -1,8 +1,7 @@
-"""What is said about a program, as data: findings, labels, fixes, rules.
+"""Findings about a program as data: findings, labels, fixes, rules.
 
-Nothing here prints (see `rapc.console.findings`) and nothing here decides how grave a
-finding is for a given user: severity belongs to the rule and to the driver
-(`rapc.analysis.driver`), which may be configured.
+Not here: printing (`rapc.console.findings`), and the severity that a user configures
+(`rapc.analysis.driver`).
 """
 
 from __future__ import annotations
@@ -16,7 +15,7 @@ from rapc.base.source import Span
 
 
 class Severity(enum.IntEnum):
-    """How grave a finding is; higher is graver."""
+    """The severity of a finding; a higher number is more severe."""
 
     INFO = 1
     WARNING = 2
@@ -24,33 +23,33 @@ class Severity(enum.IntEnum):
 
     @property
     def word(self) -> str:
-        """The lower-case word that is printed."""
+        """The lower-case word to print."""
         return self.name.lower()
 
 
 class Label(msgspec.Struct, frozen=True):
-    """A further place with what is to be seen there."""
+    """A further span with a message about it."""
 
     span: Span
     message: str
 
 
 class Edit(msgspec.Struct, frozen=True):
-    """Replace a span by `content` (an empty span inserts)."""
+    """The replacement of a span by `content`; an empty span inserts."""
 
     span: Span
     content: str
 
 
 class Applicability(enum.Enum):
-    """Whether a fix keeps the meaning (safe) or may change it."""
+    """The safety of a fix: it keeps the meaning (safe) or may change it (unsafe)."""
 
     SAFE = "safe"
     UNSAFE = "unsafe"
 
 
 class Fix(msgspec.Struct, frozen=True):
-    """A repair: what it does, in words and as edits that do not overlap."""
+    """A fix: a message and edits that do not overlap."""
 
     applicability: Applicability
     message: str
@@ -64,17 +63,17 @@ class Fix(msgspec.Struct, frozen=True):
 
 
 class Subject(NamedTuple):
-    """A name at a place; no name stands for a variable that is missing there."""
+    """A name at a span; an empty name stands for a missing variable."""
 
     place: Span
     name: str = ""
 
 
 class Diagnostic(msgspec.Struct, frozen=True):
-    """One finding: a rule's name, a sentence and the place it is about.
+    """A finding: the name of a rule, a message and a span.
 
-    `message` starts in lower case, has no full stop, and puts names in back-ticks;
-    what to do about it goes into `help`. `label` is printed at the span itself.
+    `message` starts in lower case, has no full stop, and puts names in back-ticks.
+    `help` is the advice. `label` is printed at the span itself.
     """
 
     rule: str
@@ -85,15 +84,15 @@ class Diagnostic(msgspec.Struct, frozen=True):
     notes: tuple[str, ...] = ()
     help: str = ""
     fix: Fix | None = None
-    #: What it is about, for the checker: see `rapc.analysis.hiding`.
+    #: The subjects of the finding, for the checker: see `rapc.analysis.hiding`.
     about: tuple[Subject, ...] = ()
 
 
 class Rule(msgspec.Struct, frozen=True):
-    """One kind of finding and its manual page.
+    """A kind of finding and its manual page.
 
-    `example` is a whole file that triggers the rule, `better` the same program
-    put right, in which nothing is found; both are checked by a test.
+    `example` is a whole file that triggers the rule. `better` is the corrected program
+    without findings. A test checks both.
     """
 
     code: str
@@ -103,13 +102,13 @@ class Rule(msgspec.Struct, frozen=True):
     example: str
     better: str
     severity: Severity = Severity.ERROR
-    #: Whether the rule reports only where a user asks for it: a matter of style.
+    #: Whether the rule is off by default, as a matter of style.
     opt_in: bool = False
-    #: Which fixes it has and whether they are safe, as a phrase; nothing if none.
+    #: The fixes of the rule and their safety, as a phrase; empty if none.
     fix: str = ""
-    #: When to ignore it, as a phrase; nothing of an error that never is to be.
+    #: When to ignore the rule, as a phrase; empty for an error never to ignore.
     ignore: str = ""
-    #: Where the language has what it is about: sections of T, S and L (docs/language).
+    #: The sections of T, S and L (docs/language) about the subject of the rule.
     source: str = ""
 
     def at(
@@ -124,7 +123,7 @@ class Rule(msgspec.Struct, frozen=True):
         fix: Fix | None = None,
         about: tuple[Subject, ...] = (),
     ) -> Diagnostic:
-        """Return a finding by this rule; see `Diagnostic` for its parts."""
+        """Return a finding of this rule; see `Diagnostic` for the arguments."""
         return Diagnostic(
             self.name, message, span, label, labels, notes, help, fix, about
         )

@@ -1,7 +1,8 @@
-"""Files and folders: which of them hold RAP, and what is in them.
+"""RAP files and folders: their names and their content.
 
-The only reader of files below the front ends. What cannot be read, or is no text, is a
-`LoadError`, one line for the user. Files are written by `rapc.base.writing`.
+This module is the only reader of files below the front ends. A file that cannot be
+read, or that is not text, raises a `LoadError`, one line for the user.
+Not here: writing files (`rapc.base.writing`).
 """
 
 from __future__ import annotations
@@ -21,32 +22,32 @@ SUFFIX = ".rap"
 TEST_SUFFIX = ".test.rap"
 
 COMPILED = b"rapc-library "
-"""How a file begins that holds a compiled library (`rapc.library.saved`)."""
+"""The first bytes of a compiled library (`rapc.library.saved`)."""
 
 STANDARD = "rapc:"
-"""How the name of a file of a standard library begins: `rapc:truck/fuel.rap`.
+"""The prefix of file names in the standard libraries: `rapc:truck/fuel.rap`.
 
-So it is called the same wherever rapc is installed, and whatever that folder is.
+The name of a file does not depend on the folder in which rapc is installed.
 """
 
 _STANDARD_LIBRARIES = Path(__file__).parents[1] / "stdlib"
 
 Identity = tuple[int, int]
-"""The device and number of a file or folder."""
+"""The device and inode number of a file or folder."""
 
 _Entry = tuple[Path, tuple[Identity, ...] | None]
-"""A folder with those that it lies in, or a file with None."""
+"""A folder with the folders above it, or a file with None."""
 
 
-# --- which files --------------------------------------------------------------------
+# --- names and paths ----------------------------------------------------------------
 
 
 def path_named(name: str) -> Path:
-    """Return the path of a name that somebody typed.
+    """Return the path of a name that a user typed.
 
     Raises:
-        LoadError: for an empty one, and for a standard library that there is not: none
-            lies above the folder of all.
+        LoadError: for an empty name and for an unknown standard library; a name must
+            not lead out of the folder of the standard libraries.
     """
     path = path_of(name)
     standard = name.startswith(STANDARD)
@@ -56,9 +57,9 @@ def path_named(name: str) -> Path:
 
 
 def path_of(name: str) -> Path:
-    """Return where the file or folder of a name lies, whether there is one or not.
+    """Return the path of a name, whether the file or folder exists or not.
 
-    A name is a path, or that of a part of a standard library: `rapc:truck`.
+    A name is a path or the name of a part of a standard library: `rapc:truck`.
     """
     if name.startswith(STANDARD):
         return _STANDARD_LIBRARIES / name.removeprefix(STANDARD).lstrip("/")
@@ -66,10 +67,10 @@ def path_of(name: str) -> Path:
 
 
 def same_file(one: str | Path, other: str | Path) -> bool:
-    """Whether two names are those of one file, or would be once it is written.
+    """Return whether two names mean the same file, also if the file is not written yet.
 
-    A name that leads through a folder that is not there is that without the folder, as
-    for `write_whole`; one that cannot be seen is no file.
+    A missing folder in a name is skipped, as in `write_whole`. A name that cannot be
+    read means no file.
     """
     try:
         if os.path.realpath(one) == os.path.realpath(other):
@@ -80,14 +81,14 @@ def same_file(one: str | Path, other: str | Path) -> bool:
 
 
 def name_beside(name: str, path: Path) -> str:
-    """Return the name of a path that was reached from the file or folder `name`."""
+    """Return the name of a path that was found from the file or folder `name`."""
     if name.startswith(STANDARD):
         return f"{STANDARD}{path.relative_to(_STANDARD_LIBRARIES).as_posix()}"
     return str(path)
 
 
 def names_at(name: str, tests: bool) -> Iterator[str]:
-    """Yield the names of the files at a path that somebody typed; see `files_at`.
+    """Yield the names of the files at a path that a user typed; see `files_at`.
 
     Raises:
         LoadError: as `path_named` and `files_at`.
@@ -99,10 +100,10 @@ def names_at(name: str, tests: bool) -> Iterator[str]:
 def files_at(path: Path, tests: bool) -> Iterator[Path]:
     """Yield the file itself, or all RAP files below a folder, sorted by path.
 
-    A folder that is met again through a link is not walked again.
+    Each folder is walked once, also if links lead to it.
 
     Raises:
-        LoadError: if `path` does not exist, or a folder links back to one above it.
+        LoadError: if `path` does not exist, or a link leads to a folder above it.
     """
     if not is_there(path):
         raise LoadError(f"`{path}` does not exist")
@@ -125,10 +126,10 @@ def files_at(path: Path, tests: bool) -> Iterator[Path]:
 
 
 def is_there(path: Path) -> bool:
-    """Whether there is a file, folder or link of a name.
+    """Return whether a file, folder or link exists.
 
     Raises:
-        LoadError: if that cannot be seen, in a folder that may not be searched.
+        LoadError: if the user has no permission to search the folder.
     """
     try:
         os.lstat(path)
@@ -140,7 +141,7 @@ def is_there(path: Path) -> bool:
 
 
 def identity_of(path: Path) -> Identity:
-    """Return what tells a file or folder from all others, whatever it is called."""
+    """Return the identity of a file or folder, independent of its name."""
     try:
         status = path.stat()
     except OSError as error:
@@ -149,7 +150,7 @@ def identity_of(path: Path) -> Identity:
 
 
 def _entries(folder: Path, above: tuple[Identity, ...], tests: bool) -> list[_Entry]:
-    """A folder's RAP files (with None) and folders (with those they lie in)."""
+    """Return a folder's RAP files (with None) and folders (with the folders above)."""
     try:
         with os.scandir(folder) as entries:
             listed = sorted((e.name, e.is_dir()) for e in entries)
@@ -169,9 +170,9 @@ def _is_rap(name: str, tests: bool) -> bool:
 
 
 def lies_in(name: str, path: str) -> bool:
-    """Whether the name of a file is a path or lies below it, as names are given.
+    """Return whether the name of a file equals a path or lies below it, by spelling.
 
-    No standard library lies below the working folder, wherever rapc is installed.
+    No standard library lies below the working directory, wherever rapc is installed.
     """
     if name == path:
         return True
@@ -182,24 +183,24 @@ def lies_in(name: str, path: str) -> bool:
 
 
 def seen_from(root: str, file: str) -> str:
-    """Return a path as seen from a folder, or the working one if empty, with `/`.
+    """Return a path relative to a folder, with `/`; empty is the working directory.
 
-    The name of a text that is no file, such as `<stdin>`, stays, and so does that of a
-    file of a standard library.
+    The name of a text without a file, for example `<stdin>`, stays unchanged. The name
+    of a file in a standard library stays unchanged, too.
     """
     if file.startswith(("<", STANDARD)):
         return file
     return Path(os.path.relpath(file, root or os.curdir)).as_posix()
 
 
-# --- what is in them ------------------------------------------------------------------
+# --- content --------------------------------------------------------------------------
 
 
 def read_standard_input() -> str:
-    """The text on standard input.
+    """Return the text on standard input.
 
     Raises:
-        LoadError: if it is closed, is not UTF-8, or is beyond measure.
+        LoadError: if standard input is closed, not UTF-8, or over the size limit.
     """
     if sys.stdin is None:  # closed by the caller
         raise LoadError("cannot read `<stdin>`: it is closed")
@@ -207,10 +208,10 @@ def read_standard_input() -> str:
 
 
 def read_text(path: Path) -> str:
-    """The text of a file, with line ends folded to one character.
+    r"""Return the text of a file, with all line ends as ``\n``.
 
     Raises:
-        LoadError: if it cannot be read, is not UTF-8, or is beyond measure.
+        LoadError: if the file cannot be read, is not UTF-8, or is over the size limit.
     """
     return decoded(str(path), read_bytes(path))
 
@@ -219,7 +220,7 @@ def read_bytes(path: Path) -> bytes:
     """Return the bytes of a file.
 
     Raises:
-        LoadError: if it cannot be read, or is beyond measure.
+        LoadError: if the file cannot be read, or is over the size limit.
     """
     try:
         with _opened(path) as file:
@@ -229,10 +230,10 @@ def read_bytes(path: Path) -> bytes:
 
 
 def read_compiled(path: str | Path) -> bytes | None:
-    """All of a file that begins as a compiled library does; None for any other path.
+    """Return the bytes of a compiled library; None for any other path.
 
     Raises:
-        LoadError: for such a file that cannot be read.
+        LoadError: if the compiled library cannot be read.
     """
     if not os.path.isfile(path):
         return None
@@ -247,7 +248,7 @@ def read_compiled(path: str | Path) -> bytes | None:
 
 
 def _opened(path: Path) -> BinaryIO:
-    """A plain file, opened; a device may never end, and a pipe never begin."""
+    """Open a regular file; refuse devices and pipes, which may block without end."""
     status = path.stat()
     if stat.S_ISDIR(status.st_mode):
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
@@ -260,18 +261,18 @@ def _opened(path: Path) -> BinaryIO:
 
 
 def _without_waiting(path: str, flags: int) -> int:
-    """Open `path` so that a read with nothing to read returns at once.
+    """Open `path` without blocking reads.
 
-    Some files of the system are plain ones to `stat` and wait for what is to come.
+    Some files of the system are regular for `stat`, but their reads block.
     """
     return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
 
 
 def all_there(name: str, file: BinaryIO) -> bytes:
-    """Return all of `file`, opened without waiting.
+    """Return the bytes of `file`, which was opened without blocking.
 
     Raises:
-        LoadError: if it has no end, but more may come later, or is beyond measure.
+        LoadError: if a read would block, or the file is over the size limit.
     """
     data: bytes | None = file.read(MAX_BYTES + 1)
     rest: bytes | None = b"" if data is None else file.read(1)
@@ -297,10 +298,10 @@ def _unreadable(path: Path, error: OSError) -> str:
 
 
 def decoded(name: str, data: bytes) -> str:
-    """Return the text that the bytes of a file say; see `read_text`.
+    """Return the text of a file from its bytes; see `read_text`.
 
     Raises:
-        LoadError: if they are not UTF-8, or no text.
+        LoadError: if the bytes are not UTF-8, or not text.
     """
     if data.startswith(COMPILED):
         raise LoadError(f"`{name}` is a compiled library: sources are wanted here")
@@ -317,5 +318,5 @@ def decoded(name: str, data: bytes) -> str:
 
 
 def fold_line_ends(text: str) -> str:
-    """A text whose lines all end in one character."""
+    r"""Return a text with all line ends as ``\n``."""
     return text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text

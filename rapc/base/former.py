@@ -1,4 +1,4 @@
-"""Names of earlier versions, and what has their place now, for messages."""
+"""Names of earlier versions and their replacements, for messages."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ MODULES: Mapping[str, str] = {
     "rapc.terms": "`rapc.world`",
     "rapc.version": "`rapc.__version__`",
 }
-"""Modules that are gone, each with what replaces it."""
+"""Removed modules, each with its replacement."""
 
 NAMES: Mapping[str, str] = {
     "Report": "`rapc.CheckReport`",
@@ -22,7 +22,7 @@ NAMES: Mapping[str, str] = {
     "extend": "`CheckedLibrary.extend`",
     "task": "`rapc.TaskRequest`, or the task as text",
 }
-"""Names that `rapc` had, each with what replaces it."""
+"""Removed names of `rapc`, each with its replacement."""
 
 _FIELDS = ("offer", "handlers", "options", "functions", "solvers", "comparators")
 """Fields of a `Kit` that were methods of a world."""
@@ -31,14 +31,14 @@ _UPGRADING = 'see "Upgrading" in CHANGELOG.md'
 
 
 def module_help(name: str | None) -> str:
-    """Return what replaces a module of an earlier version; nothing for others."""
+    """Return the replacement of a removed module; empty for other modules."""
     if name is None or name not in MODULES:
         return ""
     return f"`{name}` is replaced by {MODULES[name]}; {_UPGRADING}"
 
 
 def kit_help(world: object) -> str:
-    """Return what to do with a world that has methods in place of a `Kit`."""
+    """Return the help for a world that has methods in place of a `Kit`."""
     found = [name for name in _FIELDS if callable(getattr(world, name, None))]
     if not found:
         return ""

@@ -1,4 +1,4 @@
-"""Holding Python's search for reference cycles back while much is made that is kept."""
+"""Pauses of Python's garbage collector while many lasting objects are made."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from contextlib import contextmanager
 
 @contextmanager
 def gc_paused() -> Iterator[None]:
-    """Hold the search for reference cycles back while a library is read or checked.
+    """Pause the garbage collector while a library is read or checked.
 
-    What is made then is kept and holds no cycles, so the search would find nothing,
-    and its share of the time grows with all that the program holds. It goes on
-    afterwards if it was on before.
+    The objects made meanwhile last and have no cycles. A collection would find
+    nothing, and its time grows with the number of objects in the program. Afterwards
+    the collector is on if it was on before.
     """
     was_on = gc.isenabled()
     gc.disable()
@@ -26,10 +26,10 @@ def gc_paused() -> Iterator[None]:
 
 @contextmanager
 def gc_spared() -> Iterator[None]:
-    """Hold the search back, and leave all that there is then out of every later one.
+    """Pause the garbage collector, and exclude the present objects from it for good.
 
-    For imports: modules stay until the process ends, and the last search of all, which
-    Python makes when it ends, would take as long as importing a tenth of them.
+    For imports: modules stay until the process ends. The collection at the end of the
+    process would take as long as the import of a tenth of the modules.
     """
     with gc_paused():
         yield

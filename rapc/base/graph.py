@@ -1,6 +1,7 @@
-"""Graphs: as data to be drawn, their components, and what can be reached in them.
+"""Graphs as data for drawing, strongly connected components and reachability.
 
-`library.graph()` is a graph of networkx; importing that takes longer than a check does.
+The checker does not use networkx (`library.graph()` does), because its import takes
+longer than a check.
 """
 
 from __future__ import annotations
@@ -14,14 +15,14 @@ T = TypeVar("T")
 
 
 class Vertex(msgspec.Struct, frozen=True):
-    """A thing that is drawn."""
+    """A vertex of a drawn graph."""
 
-    #: What edges call it.
+    #: The name of the vertex in edges.
     id: str
-    #: What sort of thing it is, in a word: `rap`, `skill`, `sensor` ...
+    #: The kind of the vertex, in a word: `rap`, `skill`, `sensor` ...
     kind: str
     label: str
-    #: The group that it is drawn in, if any: a method.
+    #: The group around the vertex, if any: a method.
     group: str = ""
 
 
@@ -31,12 +32,12 @@ class Edge(msgspec.Struct, frozen=True, omit_defaults=True):
     source: str
     target: str
     label: str
-    #: Whether what comes by it is of the moment before.
+    #: Whether the edge carries values of the preceding step.
     delayed: bool = False
 
 
 class Graph(msgspec.Struct, frozen=True):
-    """Vertices and edges, each once."""
+    """A graph of vertices and edges, each once."""
 
     title: str
     vertices: tuple[Vertex, ...]
@@ -48,16 +49,16 @@ def components(
     successors: Callable[[str], Iterable[str]],
     known: Container[str] = (),
 ) -> Iterator[list[str]]:
-    """Yield the strongly connected components that can be reached from some roots.
+    """Yield the strongly connected components reachable from some roots.
 
-    A component comes after those that it leads to; its members are in the order in
-    which they were met. This is the algorithm of Tarjan (SIAM J. Comput. 1, 1972),
-    without recursion.
+    A component follows the components to which it leads. Its members are in the order
+    of the search. This is the algorithm of Tarjan (SIAM J. Comput. 1, 1972), without
+    recursion.
 
     Args:
-        roots: where the search begins, in this order.
-        successors: returns what an edge leads to from a vertex; asked once for each.
-        known: vertices that are left out.
+        roots: the first vertices of the search, in this order.
+        successors: returns the successors of a vertex; called once for each.
+        known: the vertices to leave out.
     """
     order: dict[str, int] = {}
     low: dict[str, int] = {}
@@ -94,7 +95,7 @@ def components(
 
 
 def circles(successors: Mapping[str, Sequence[str]]) -> Iterator[list[str]]:
-    """Yield the vertices that lead back to themselves, one list for each component."""
+    """Yield the components that have a cycle, each as a list of vertices."""
     for members in components(successors, lambda name: successors.get(name, ())):
         if len(members) > 1 or members[0] in successors.get(members[0], ()):
             yield members
@@ -103,9 +104,9 @@ def circles(successors: Mapping[str, Sequence[str]]) -> Iterator[list[str]]:
 def reachable(
     roots: Iterable[str], successors: Callable[[str], Iterable[str]]
 ) -> Iterator[str]:
-    """Yield the vertices that can be reached from some, and these, each once.
+    """Yield the roots and all vertices reachable from them, each once.
 
-    A vertex comes before those that it leads to, in the order of its successors.
+    A vertex precedes its successors, which are in their own order.
     """
     waiting = list(dict.fromkeys(roots))[::-1]
     seen = set(waiting)
@@ -118,14 +119,14 @@ def reachable(
 
 
 class Reachable(Generic[T]):
-    """The items of all vertices that can be reached from a vertex.
+    """The items of all vertices reachable from a vertex.
 
-    They are kept as bits of numbers: as sets they would take the square of the memory
-    where vertices stand in a long row.
+    Each set of items is the bits of a number: Python sets would take memory in the
+    square of the length of a chain of vertices.
 
     Args:
         own: the items of each vertex itself.
-        successors: what edges lead to.
+        successors: the successors of each vertex.
     """
 
     def __init__(
@@ -143,7 +144,7 @@ class Reachable(Generic[T]):
         self._items = tuple(self._numbers)
 
     def items(self, names: Iterable[str]) -> list[T]:
-        """Return the items that can be reached from some vertices, each once."""
+        """Return the items reachable from some vertices, each once."""
         bits = 0
         for name in names:
             bits |= self._sums.get(name, 0)
@@ -155,7 +156,7 @@ class Reachable(Generic[T]):
         return found
 
     def has(self, name: str, item: T) -> bool:
-        """Whether an item can be reached from a vertex."""
+        """Return whether an item is reachable from a vertex."""
         at = self._numbers.get(item)
         return at is not None and bool(self._sums.get(name, 0) >> at & 1)
 

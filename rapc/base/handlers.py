@@ -1,6 +1,6 @@
-"""Handlers: what turns results and data into changes of memory [T 3.3].
+"""Handlers, which turn results and data into changes of memory [T 3.3].
 
-Authors of worlds have them from `rapc.world`.
+Authors of worlds import the names from `rapc.world`.
 """
 
 from __future__ import annotations
@@ -15,17 +15,17 @@ from rapc.base.values import Atom, Fact
 
 
 class AskedMemory(Protocol):
-    """Memory, as far as a problem solver asks it."""
+    """The queries of memory for a problem solver."""
 
     def query(self, *pattern: Atom | None) -> list[Fact]:
-        """The facts that match, oldest first; None matches anything.
+        """Return the facts that match, oldest first; None matches any value.
 
-        Defaults are not consulted.
+        Defaults are not used.
         """
 
 
 class HandlerMemory(AskedMemory, Protocol):
-    """What a handler may do to memory (T A.3 to A.5).
+    """The operations of a handler on memory (T A.3 to A.5).
 
     Facts are tuples of a declared name and atoms; symbols are `str`, strings of the
     language `rapc.base.values.Text`. All methods take memory names of items.
@@ -37,10 +37,10 @@ class HandlerMemory(AskedMemory, Protocol):
 
     @property
     def place(self) -> Atom | None:
-        """The robot's own place: the one last given to `arrive`."""
+        """The robot's own place: the argument of the last `arrive`."""
 
     def assert_fact(self, *fact: Atom) -> None:
-        """Assert a fact now, all arguments stated; a property replaces its old value.
+        """Assert a fact with all its arguments; a property replaces its old value.
 
         Raises:
             ValueError: for an undeclared name, a wrong number of arguments, a
@@ -48,72 +48,72 @@ class HandlerMemory(AskedMemory, Protocol):
         """
 
     def erase(self, *prefix: Atom) -> None:
-        """Erase every fact that starts so. Raises ValueError as `assert_fact`."""
+        """Erase each fact that starts with `prefix`; ValueError as `assert_fact`."""
 
     def value(self, *index: Atom) -> Atom | None:
-        """The asserted value of a property for an index, or None."""
+        """Return the asserted value of a property for an index, or None."""
 
     def ask(
         self, formula: str, given: Mapping[str, Atom] | None = None
     ) -> list[dict[str, Any]]:
-        """All answers to a formula of the language, in the order in which it has them.
+        """Return all solutions of a formula of the language, in their order.
 
-        An answer holds the values of the variables by their names with question marks,
-        those in `given` left out; a formula without variables that holds has one
-        answer, an empty one. The formula is asked as a clause asks it, with defaults
-        and named queries; a fault in it, an unbound variable say, is traced, and
-        there is no answer. It is made ready once, when it is asked for the first time:
-        what differs from one time to another belongs in `given`.
+        A solution maps variable names, with question marks, to values; the variables
+        in `given` are left out. A true formula without variables has one empty
+        solution. The formula is evaluated as in a clause, with defaults and named
+        queries. An error in the formula, for example an unbound variable, is traced,
+        and there is no solution. The formula is compiled once, at the first call:
+        values that change between calls belong in `given`.
 
         Raises:
-            ValueError: for a text that is no formula, or names what the library does
-                not declare.
+            ValueError: for a text that is not a formula, or has a name that the library
+                does not declare.
         """
 
     def introduce(self, sensor_name: str, kind: str, place: Atom) -> str:
         """Make an item that is seen accessible, and return its memory name.
 
-        Asserts `(class item kind true)` and `(location item place)`. Seen again
-        while accessible it is the same item; another place is a move. The name may
-        become an alias of an older one when the batch ends.
+        Asserts `(class item kind true)` and `(location item place)`. If the item is
+        accessible already, it stays the same item; a different place is a move. The
+        name may become an alias of an older name when the batch ends.
         """
 
     def move(self, item: str, place: Atom) -> None:
         """Put an accessible item at `place`; it stays accessible."""
 
     def lose(self, item: str) -> None:
-        """Set the place of an item that is gone to `unknown`; it is out of reach."""
+        """Set the place of a lost item to `unknown`; the item is out of reach."""
 
     def fix_cardinality(self, place: Atom) -> None:
-        """Tell memory that no items are at `place` but those that were introduced.
+        """Declare that `place` has no items except the introduced items.
 
-        This takes effect when the batch ends, so a result's handler may say it before
-        the data are handled. Items believed there and not accessible get place
-        `unknown`; of indistinct classes as many as are too many.
+        This takes effect when the batch ends: the handler of a result may call it
+        before the data are handled. Items believed at `place` and not accessible get
+        the place `unknown`; of indistinct classes only the surplus items do.
         """
 
     def expire(self) -> None:
         """Forget all sensor names, since the robot has moved."""
 
     def arrive(self, place: Atom) -> None:
-        """Set the place of the robot, of which `external` speaks from now on."""
+        """Set the place of the robot, the new meaning of `external`."""
 
 
 ResultHandler = Callable[[HandlerMemory, Fact, str], str | None]
-"""Called with memory, the request (memory names) and the result symbol.
+"""The handler of a primitive: `(memory, request with memory names, result symbol)`.
 
-What it returns, unless None, is the result that the interpreter sees: another one of
-those that are declared [T 3.3.2]."""
+The interpreter uses the returned result, which must be declared, in place of the
+world's result; None keeps the world's result [T 3.3.2]."""
 
 DatumHandler = Callable[[HandlerMemory, Fact], None]
-"""Called with memory and the datum, known sensor names already replaced."""
+"""The handler of a datum: `(memory, datum)`, known sensor names already replaced."""
 
 
 class Handlers(msgspec.Struct, frozen=True):
     """The handlers of a world package, by primitive and by datum name.
 
-    A primitive without a handler changes nothing; a datum without one is an error
-    of the world package.
+    A primitive without a handler changes nothing; a datum without a handler is an
+    error of the world package.
     """
 
     results: Mapping[str, ResultHandler] = {}

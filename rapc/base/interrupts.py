@@ -1,4 +1,4 @@
-"""Ctrl-C held back while it would come between things that belong together."""
+"""Delay of Ctrl-C during operations that must not be interrupted."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ INTERRUPTED = 130
 
 @contextmanager
 def interrupts_held() -> Iterator[None]:
-    """Hold Ctrl-C back while the block runs; one that came is raised at its end.
+    """Block Ctrl-C while the block runs, and raise it at the end of the block.
 
-    Processes started in the block, and threads, never see it: they inherit what is held
-    back. Where the system knows no such thing the block runs as it is.
+    Processes and threads started in the block inherit the blocked signal, and never
+    receive Ctrl-C. On systems without signal masks Ctrl-C is not blocked.
     """
     if not hasattr(signal, "pthread_sigmask"):
         yield

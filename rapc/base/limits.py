@@ -1,12 +1,12 @@
-"""Limits, so that no text takes more time or memory than its length accounts for.
+"""Limits that keep time and memory in proportion to the length of a text.
 
-What is beyond one of them is refused, left out or not looked at, and the user is told.
+Input over a limit is refused, left out or ignored, with a message to the user.
 """
 
 from __future__ import annotations
 
 MAX_BYTES = 200_000_000
-"""Of a file; the largest library known has a thousandth of it."""
+"""Bytes of a file; the largest known library has a thousandth of the limit."""
 
 MAX_NAME = 1000
 """Characters of a symbol, variable or keyword: names are repeated in messages."""
@@ -15,28 +15,28 @@ MAX_NUMBER = 100
 """Characters of a number: well within the range of floats."""
 
 LARGEST_NUMBER = 10**MAX_NUMBER
-"""What a number that is read is below, whatever its sign."""
+"""The bound that the absolute value of each number read is below."""
 
 MAX_DEPTH = 100
-"""Levels of lists: what walks over nodes may recurse."""
+"""Levels of lists: functions that walk over nodes may recurse."""
 
 MAX_NODE_DEPTH = 150
-"""Levels of nodes in a compiled library; those of a text lie less deep."""
+"""Levels of nodes in a compiled library; a text has fewer."""
 
 MAX_LEAVES = 200
 """Propositions and tests of a formula: queries become nested code."""
 
 MAX_PARTS = 1000
-"""Parts of a formula that no text was read to; one from a text has fewer."""
+"""Parts of a formula built by a program; a formula from a text has fewer."""
 
 MAX_FINDINGS = 1000
-"""Findings in a file's text; more would help nobody."""
+"""Findings in a file's text."""
 
 MAX_SUGGESTIONS = 50
-"""Unknown names for which a similar one is looked up, which takes milliseconds."""
+"""Unknown names with a search for a similar name, which takes milliseconds."""
 
 MAX_COMPARED = 60
-"""Characters of names compared for slips: nobody compares longer ones by eye."""
+"""Characters of names compared for slips."""
 
 MAX_REASON = 200
 """Characters of the reason why a compiled library cannot be decoded."""

@@ -1,6 +1,6 @@
-"""What a world tells the interpreter: results, data, signals, times [T 3.3].
+"""Messages from a world to the interpreter: results, data, signals, times [T 3.3].
 
-Authors of worlds have them from `rapc.world`.
+Authors of worlds import the names from `rapc.world`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ OKAY: Final = "okay"
 """The result symbol of a primitive that succeeded."""
 
 NOT_KNOWN: Final[Time] = math.inf
-"""What `World.next_time` returns where the world cannot say when it will send next."""
+"""The result of `World.next_time` if the time of the next message is not known."""
 
 
 class Datum(msgspec.Struct, frozen=True, tag=True):
@@ -32,7 +32,7 @@ class Signal(msgspec.Struct, frozen=True, tag=True):
     """A signal `(:name arg...)`, items by sensor name [S 4]."""
 
     content: Fact
-    #: The tickets of the activations, or of the request, under which it arose; none
+    #: The tickets of the activations, or of the request, that caused the signal; none
     #: for a signal of the world by itself.
     tickets: tuple[int, ...] = ()
 
@@ -45,15 +45,15 @@ class Reply(msgspec.Struct, frozen=True):
 
 
 class Refused(msgspec.Struct, frozen=True):
-    """The answer to a request, or an activation, that cannot be carried out now.
+    """The refusal of a request or activation that cannot be carried out now.
 
-    `conflicts` are the tickets of those under way that it is in conflict with.
-    The interpreter waits until they have ended, or has them cancelled, and asks again;
-    where it can do neither the request has failed.
+    `conflicts` are the tickets of the conflicting requests and activations under way.
+    The interpreter waits for their end or cancels them, and then repeats the request.
+    If it can do neither, the request fails.
     """
 
     conflicts: tuple[int, ...] = ()
-    #: Why, for people.
+    #: The reason, a text for people.
     reason: str = ""
 
 

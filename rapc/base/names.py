@@ -1,4 +1,4 @@
-"""Names that may be meant by another one; nouns in the plural with their number."""
+"""Similar names for unknown names, and nouns with their number."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ _CUTOFF = 0.72
 
 
 def plural(number: int, word: str) -> str:
-    """Return `number` and `word`, in the plural unless it is one: `2 inputs`."""
+    """Return `number` and `word`, in the plural unless `number` is 1: `2 inputs`."""
     return f"{number} {word}{'' if number == 1 else 's'}"
 
 
 def nearest(name: str, names: Iterable[str]) -> str | None:
-    """The known name that looks most like a mistyped one, or None.
+    """Return the known name most similar to a mistyped name, or None.
 
-    Ties go to the name that sorts first, so the answer does not depend on the
-    order in which names are given.
+    Of equally similar names the first in sorted order is returned: the result does not
+    depend on the order of `names`.
     """
     import difflib  # noqa: PLC0415  # most commands know all their names
 
@@ -38,10 +38,10 @@ def nearest(name: str, names: Iterable[str]) -> str | None:
 
 
 def is_slip(name: str, other: str) -> bool:
-    """Return whether few letters are wrong: one, or a quarter of the shorter name.
+    """Return whether few letters differ: 1, or a quarter of the shorter name.
 
-    A letter is wrong if it is missing, added or another one, or if two letters are
-    swapped. `nearest` also returns names that share no more than a long end.
+    A letter differs if it is missing, added or replaced, or if two letters are
+    swapped. `nearest` also returns names that share only a long end.
     """
     if max(len(name), len(other)) > MAX_COMPARED:
         return False
@@ -62,20 +62,21 @@ def _wrong_letters(name: str, other: str) -> int:
 
 
 _LOOKED_AT = 10
-"""Of names that all are one letter from each other only so many are looked at."""
+"""The limit of compared names that share a shortened form."""
 
 _TELLS_APART = re.compile(r"[0-9]+|-[a-z]$")
-"""What tells names apart that come in rows: `?arm1`, `?arm-b`."""
+"""The different parts of names in a numbered or lettered series: `?arm1`, `?arm-b`."""
 
 
 class Close:
-    """Finds names with one wrong letter, without comparing each with each.
+    """An index of names that finds a name with one wrong letter.
 
-    It compares what is left of names that lose a letter.
+    The index has each name also without each of its letters; the search does not
+    compare each name with each.
 
     Args:
-        names: the names that may be meant.
-        least: how long a name must be for a slip to show.
+        names: the known names.
+        least: the least length of a name for a slip.
     """
 
     def __init__(self, names: Iterable[str], least: int) -> None:
@@ -86,12 +87,12 @@ class Close:
                 self._names.setdefault(short, []).append(name)
 
     def to(self, name: str) -> str | None:
-        """Return the first name close to another that is not of a row with it."""
+        """Return the first name one slip away that is not of the same series."""
         found = (other for other in self.all_to(name) if not is_row(name, other))
         return next(found, None)
 
     def all_to(self, name: str) -> Iterator[str]:
-        """Yield the names one slip away from another, each once."""
+        """Yield the names one slip away from `name`, each once."""
         seen = {name}
         for short in self._shortened(name):
             for other in self._names.get(short, [])[:_LOOKED_AT]:
@@ -100,7 +101,7 @@ class Close:
                     yield other
 
     def is_long(self, name: str) -> bool:
-        """Whether a name is long enough for a slip to show, and not absurdly long."""
+        """Return whether the length of a name allows the search for slips."""
         return self._least <= len(name) <= MAX_COMPARED
 
     def _shortened(self, name: str) -> Iterator[str]:
@@ -112,7 +113,7 @@ class Close:
 
 
 def is_row(one: str, other: str) -> bool:
-    """Whether two names differ by what numbers or letters the names of a row."""
+    """Return whether two names belong to one series: `?arm1` and `?arm2`."""
     return _TELLS_APART.sub("", one) == _TELLS_APART.sub("", other)
 
 
@@ -123,25 +124,25 @@ def did_you_mean(
 
     Args:
         name: the unknown name.
-        names: those that are known.
-        otherwise: what is said where none of them is like it.
-        form: how the name that may be meant is written.
+        names: the known names.
+        otherwise: the result if no known name is similar.
+        form: the form of the similar name in the question.
     """
     near = nearest(name, names)
     return f"did you mean {form.format(near)}?" if near else otherwise
 
 
 def hint(name: str, names: Iterable[str]) -> str:
-    """Return the same to be put behind a message: `; did you mean ...`, or nothing."""
+    """Return a suffix for a message: `; did you mean ...`, or nothing."""
     said = did_you_mean(name, names)
     return f"; {said}" if said else ""
 
 
 class Suggestions:
-    """Names that may be meant by an unknown one.
+    """The similar names for unknown names, with a cache.
 
-    What was found is remembered, and only the first 50 unknown names are looked up, so
-    that a text full of them costs no more than its length.
+    Only the first 50 unknown names are searched: the time stays in proportion to the
+    length of a text with many unknown names.
     """
 
     def __init__(self, names: Iterable[str]) -> None:

@@ -1,4 +1,4 @@
-"""What a world understands and sends, by name: a part of the port (`rapc.world`)."""
+"""The offer of a world, a part of the port (`rapc.world`)."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import msgspec
 
 
 class Offer(msgspec.Struct, frozen=True):
-    """What a world understands and sends, by name."""
+    """The requests that a world accepts and the messages that it sends, by name."""
 
     #: The number of arguments of each primitive, and its results.
     primitives: Mapping[str, tuple[int, tuple[str, ...]]] = {}
@@ -19,22 +19,22 @@ class Offer(msgspec.Struct, frozen=True):
     skills: Mapping[str, int] = {}
     #: The number of arguments of each signal, its name with the colon (`:alarm`).
     events: Mapping[str, int] = {}
-    #: The primitives that only look and change nothing [T 6.3].
+    #: The primitives that only sense and change nothing [T 6.3].
     sensors: tuple[str, ...] = ()
     #: The primitives that are not atomic: their end comes later [T 7.3.3].
     not_atomic: tuple[str, ...] = ()
-    #: What the arguments of a primitive, datum, skill or signal are called, for whoever
-    #: declares them (`rapc worlds NAME --declare`): `{"drive": ("room",)}`.
+    #: The names of the arguments of a primitive, datum, skill or signal, for its
+    #: declaration (`rapc worlds NAME --declare`): `{"drive": ("room",)}`.
     arguments: Mapping[str, tuple[str, ...]] = {}
 
     def counts(self, name: str) -> set[int]:
-        """Return how many arguments what is called `name` has; none if nothing is."""
+        """Return the possible numbers of arguments of a name; empty if unknown."""
         tables = (self.data, self.skills, self.events)
         found = {table[name] for table in tables if name in table}
         return found | {n for one, (n, _) in self.primitives.items() if one == name}
 
     def __post_init__(self) -> None:
-        """See that the parts are what they should be; raises TypeError."""
+        """Validate the fields; raise TypeError."""
         _look_at(self.primitives)
         for counts in (self.data, self.skills, self.events):
             for name, count in counts.items():
@@ -59,7 +59,7 @@ class Offer(msgspec.Struct, frozen=True):
 
 
 def _look_at(primitives: object) -> None:
-    """See that the primitives of an Offer are what they should be."""
+    """Validate the primitives of an Offer; raise TypeError."""
     if not isinstance(primitives, Mapping):
         raise TypeError(f"an Offer has a dict of primitives, not {primitives!a}")
     for name, offered in primitives.items():
@@ -71,7 +71,7 @@ def _look_at(primitives: object) -> None:
 
 
 def _is_name(value: object) -> bool:
-    """Whether a value can be the name of a variable, without its question mark."""
+    """Return whether a value is a valid variable name without question mark."""
     return type(value) is str and bool(_NAME.fullmatch(value))
 
 

@@ -1,7 +1,7 @@
-"""Outputs of commands: which files they may replace.
+"""Kinds of output files of commands, and the check before one is replaced.
 
-An output replaces a file of its own kind and an empty one. How a file is written is in
-`rapc.base.writing`.
+An output may replace a file of its own kind and an empty file.
+Not here: writing files (`rapc.base.writing`).
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from rapc.base.files import COMPILED, path_of, same_file
 from rapc.errors import WriteError, reason
 
 _HEAD = 8192
-"""How many bytes at the beginning of a file tell its kind."""
+"""The number of bytes at the beginning of a file that determine its kind."""
 
 _SUFFIXES = {
     ".rap": "RAP file",
     ".py": "Python file",
     ".toml": "configuration file",
 }
-"""The suffixes of files that users write, with what such a file is."""
+"""The suffixes of files that users write, with the kind of the file."""
 
 
 class Output(msgspec.Struct, frozen=True):
@@ -32,7 +32,7 @@ class Output(msgspec.Struct, frozen=True):
 
     #: The kind in words: "a trace".
     name: str
-    #: What such a file begins with.
+    #: The beginning of a file of the kind.
     begins: re.Pattern[bytes]
 
 
@@ -69,14 +69,14 @@ def check_output(
     """Check that an output may be written to a file.
 
     Args:
-        file: the file; one that does not exist may be written.
+        file: the output file; a missing file may be written.
         output: the kind of the output.
-        inputs: files that were read, each time with what is said of one, such as "is a
-            file of the library"; None is no file.
+        inputs: groups of input files, each with the message for its files, for example
+            "is a file of the library"; None is no file.
 
     Raises:
-        WriteError: for one of these inputs, a name with the suffix of a source or of a
-            configuration, and a file of another kind that is not empty.
+        WriteError: for an input file, a name with the suffix of a source or of a
+            configuration, and a file of a different kind that is not empty.
     """
     for read, told in inputs:
         paths = [path_of(str(each)) for each in read if each is not None]
@@ -99,7 +99,7 @@ def check_output(
 
 
 def _head(file: str | Path) -> bytes:
-    """Return the first bytes of a file; none of what is no plain file."""
+    """Return the first bytes of a regular file; none for any other path."""
     try:
         if not os.path.isfile(file):
             return b""

@@ -1,7 +1,7 @@
-"""Pictures of a world for people: what is true at a time, as data to be drawn.
+"""Pictures of a world for people: the truth at a time, as data for drawing.
 
-A picture names, beside what is true, the facts in which memory would hold it. So who
-draws it can set the one against the other, and the world knows nothing of memory.
+A picture has the truth and the prefixes of the facts that memory would hold. A reader
+of pictures can compare both, and the world needs no access to memory.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ import msgspec
 from rapc.base.values import Atom, Fact
 
 Point = tuple[float, float]
-"""A place on a plan: to the right and up, in metres."""
+"""A point on a plan: to the right and up, in metres."""
 
 Pose = tuple[float, float, float]
-"""A place on a plan and the direction faced there, counter-clockwise in radians."""
+"""A point on a plan and a direction, counter-clockwise in radians."""
 
 Direction = Literal[
     "north",
@@ -37,18 +37,18 @@ Rectangle = tuple[float, float, float, float]
 
 
 class Thing(msgspec.Struct, frozen=True):
-    """An item in a picture: its class, and what it looks like (`red`), if anything."""
+    """An item in a picture: its class and, if known, its look (`red`)."""
 
     kind: str
     look: Atom | None = None
 
 
 class Spot(msgspec.Struct, frozen=True):
-    """Where things are: a place by the name that memory has for it, an arm, a bay.
+    """A spot for things: a place by its name in memory, an arm, a bay.
 
-    `at` is where it is drawn on the map, in steps to the right and down from
-    anywhere; None for what the robot carries along. `things` are all that it holds,
-    what is inside of other things too; `note` says in a few words what else is so.
+    `at` is the position on the drawn map, in steps to the right and down from any
+    origin; None for a spot that the robot carries. `things` are all things at the spot,
+    with the things inside of other things. `note` is a short remark.
     """
 
     name: str
@@ -58,7 +58,7 @@ class Spot(msgspec.Struct, frozen=True):
 
 
 class Gauge(msgspec.Struct, frozen=True):
-    """A quantity or state of the robot, and the fact, up to it, that believes it."""
+    """A quantity or state of the robot, and the believed fact without the value."""
 
     name: str
     value: Atom
@@ -66,7 +66,7 @@ class Gauge(msgspec.Struct, frozen=True):
 
 
 class Area(msgspec.Struct, frozen=True):
-    """A space on a plan, to be labelled with its name."""
+    """A space on a plan, labelled with its name."""
 
     name: str
     box: Rectangle
@@ -76,12 +76,12 @@ class Door(msgspec.Struct, frozen=True):
     """A doorway on a plan that can be closed."""
 
     name: str
-    #: Its middle.
+    #: The middle of the doorway.
     at: Point
     closed: bool
-    #: The fact by which memory holds the doorway to be closed.
+    #: The fact in memory for a closed doorway.
     believed: Fact = ()
-    #: For how many time units that fact counts; None: for ever.
+    #: The lifetime of the fact in time units; None: no limit.
     counts: float | None = None
 
 
@@ -90,24 +90,24 @@ class Mark(msgspec.Struct, frozen=True):
 
     name: str
     at: Point
-    #: The fact by which memory knows it, None for what may be anything.
+    #: The pattern of the fact in memory about the landmark; None matches any value.
     believed: tuple[Atom | None, ...] = ()
 
 
 class Reckoning(msgspec.Struct, frozen=True):
-    """How the robot's own idea of its place is laid over a plan.
+    """The transformation from the robot's frame of odometry to a plan.
 
-    A robot counts its way in a frame of its own. Where it stands before a landmark, as
-    the plan has it, and where its frame has that, tell how the two lie.
+    A robot reckons its pose in its own frame. The pose in front of a landmark, in the
+    plan and in the frame, determines the transformation.
     """
 
-    #: The fact, up to x, y and heading, in which memory holds the robot's place.
+    #: The prefix of the fact with the robot's x, y and heading.
     place: Fact
-    #: The fact, up to a landmark with x, y and heading, from which memory counts.
+    #: The prefix of the fact with a landmark, x, y and heading: the origin.
     origin: Fact
-    #: The fact, up to a space, in which memory holds where the robot is.
+    #: The prefix of the fact with the robot's space.
     area: Fact
-    #: Where who is before a landmark of a space stands on the plan.
+    #: The pose on the plan in front of each landmark of each space.
     stands: Mapping[tuple[str, str], Pose]
 
 
@@ -117,27 +117,28 @@ class Plan(msgspec.Struct, frozen=True):
     areas: tuple[Area, ...]
     #: Straight walls, from one end to the other.
     walls: tuple[tuple[Point, Point], ...]
-    #: What stands about.
+    #: Obstacles.
     blocks: tuple[Rectangle, ...] = ()
     doors: tuple[Door, ...] = ()
     marks: tuple[Mark, ...] = ()
-    #: Who else is there.
+    #: Other agents.
     others: tuple[Point, ...] = ()
-    #: Where the robot is, if it is on this floor.
+    #: The pose of the robot, if it is on this floor.
     robot: Pose | None = None
-    #: Where what its sensors measured last ends, a point for each ray from the robot.
+    #: The end points of the last range readings, a point for each ray from the robot.
     echoes: tuple[Point, ...] = ()
     reckoning: Reckoning | None = None
 
 
 class Picture(msgspec.Struct, frozen=True):
-    """What is true in a world at a time, to be drawn; the robot has no part in it.
+    """The truth in a world at a time, for drawing; independent of the robot.
 
-    `here` names the spot where the robot is, `heading` the direction it points in (a
-    point of the compass, or nothing), `roads` the spots that are joined, `look` the
-    property under which memory has what a thing looks like, `said` what the robot is
-    heard to say. Where there is a `plan`, it is drawn in place of spots and roads if
-    there is room.
+    - `here`: the name of the robot's spot;
+    - `heading`: the direction of the robot, a point of the compass, or nothing;
+    - `roads`: the pairs of connected spots;
+    - `look`: the property in memory for the look of a thing;
+    - `plan`: drawn in place of spots and roads if there is space;
+    - `said`: the last words of the robot.
     """
 
     here: str

@@ -1,7 +1,7 @@
 """Resources: the sets and counters that a task owns and passes by reference.
 
-They are compared by identity; `frozen` gives the value that the futile-loop
-detector and the recursion test see. When they change is for the interpreter to say
+Resources are compared by identity. `frozen` returns the value for the futile-loop
+detector and the recursion test. The interpreter decides when a resource changes
 [T 4.8] [L 6.1].
 """
 
@@ -41,11 +41,11 @@ class SetResource:
         self.members: dict[Atom, None] = dict(members or {})
 
     def add(self, member: Atom) -> None:
-        """Add a member; adding one again changes nothing."""
+        """Add a member; a duplicate changes nothing."""
         self.members.setdefault(member)
 
     def remove(self, member: Atom) -> None:
-        """Take a member away; one that is not there is no fault."""
+        """Remove a member; a missing member is no error."""
         self.members.pop(member, None)
 
     def frozen(self) -> tuple[str, frozenset[Atom]]:
@@ -59,11 +59,11 @@ class SetResource:
 Resource = Counter | SetResource
 
 Value = Atom | Resource
-"""What a variable may be bound to."""
+"""The value of a variable."""
 
 
 def frozen(values: Iterable[Value]) -> list[object]:
-    """Return values as detectors compare them: resources by what they hold now."""
+    """Return values for comparison: resources by their present content."""
     return [
         value.frozen() if isinstance(value, _RESOURCES) else value for value in values
     ]

@@ -1,7 +1,7 @@
-"""Source text and places in it: files, spans, rows and columns.
+"""Source text and positions in it: files, spans, rows and columns.
 
-A place is kept as an offset in code points; rows and columns are worked out only
-when somebody has to be shown. Reading files from disk belongs to `rapc.library.loader`.
+A position is an offset in code points; rows and columns are computed only for output.
+Not here: reading files (`rapc.base.files`).
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ _WORD = re.compile(r"\s*([^\s()\";]+)")
 
 
 class Span(msgspec.Struct, frozen=True, array_like=True, gc=False):
-    """A stretch of one file: offsets `start` (inclusive) to `end` (exclusive).
+    """A span of one file: offsets `start` (inclusive) to `end` (exclusive).
 
-    Offsets count code points from 0. `file` is the name the user gave the file,
-    or would: it is what diagnostics print.
+    Offsets count code points from 0. `file` is the user's name for the file, which
+    findings print.
     """
 
     file: str
@@ -28,12 +28,12 @@ class Span(msgspec.Struct, frozen=True, array_like=True, gc=False):
     end: int
 
     def to(self, other: Span) -> Span:
-        """The span from the start of this one to the end of `other`."""
+        """Return the span from the start of this span to the end of `other`."""
         return Span(self.file, self.start, other.end)
 
 
 NOWHERE = Span("", 0, 0)
-"""The span of what no file holds: nodes built by programs."""
+"""The span of nodes without a file, built by programs."""
 
 
 class Position(msgspec.Struct, frozen=True, order=True):
@@ -44,7 +44,7 @@ class Position(msgspec.Struct, frozen=True, order=True):
 
 
 def place(span: Span, files: Mapping[str, SourceFile]) -> str:
-    """Return where a span begins, as `file:row:column`; the file if it was not read."""
+    """Return the start of a span as `file:row:column`; only the file if unread."""
     source = files.get(span.file)
     if source is None:
         return span.file
@@ -53,10 +53,10 @@ def place(span: Span, files: Mapping[str, SourceFile]) -> str:
 
 
 class SourceFile:
-    r"""One file's text with its line table.
+    r"""The text of a file with its line table.
 
     Args:
-        name: the path as it is to be printed.
+        name: the path for output.
         text: the whole text, line ends already folded to ``\n``.
     """
 
@@ -66,7 +66,7 @@ class SourceFile:
 
     @cached_property
     def line_starts(self) -> tuple[int, ...]:
-        """The offset at which each line begins, first line first."""
+        """The offset of the start of each line, first line first."""
         starts = [0]
         find = self.text.find
         at = find("\n")
@@ -76,17 +76,17 @@ class SourceFile:
         return tuple(starts)
 
     def row(self, offset: int) -> int:
-        """The row of an offset, from 1."""
+        """Return the row of an offset, from 1."""
         return bisect_right(self.line_starts, offset)
 
     def position(self, offset: int) -> Position:
-        """The row and column of an offset (clamped to the text)."""
+        """Return the row and column of an offset (clamped to the text)."""
         offset = max(0, min(offset, len(self.text)))
         row = self.row(offset)
         return Position(row, offset - self.line_starts[row - 1] + 1)
 
     def line(self, row: int) -> str:
-        """The text of a row from 1, without its line end; empty past the end."""
+        """Return the text of a row from 1, without line end; empty past the end."""
         if not 1 <= row <= len(self.line_starts):
             return ""
         start = self.line_starts[row - 1]
@@ -94,13 +94,13 @@ class SourceFile:
         return self.text[start:] if end < 0 else self.text[start:end]
 
     def span(self, start: int, end: int) -> Span:
-        """A span of this file."""
+        """Return a span of this file."""
         return Span(self.name, start, end)
 
     def word(self, span: Span, position: int) -> Span:
-        """The span of a word at the front of a list, its head being word 0.
+        """Return the span of a word at the front of a list; its head is word 0.
 
-        Falls back to the whole list where something else stands in between.
+        Returns the span of the list if there are other characters before the word.
         """
         word = Span(self.name, span.start, span.start + 1)
         for _ in range(position + 1):

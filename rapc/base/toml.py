@@ -1,4 +1,4 @@
-"""TOML files of users into typed records, and what is wrong with one in their words."""
+"""Conversion of TOML files into typed records, with messages in terms of TOML."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rapc.errors import Error
 T = TypeVar("T")
 
 _NAMES = " of small letters, digits and hyphens"
-"""What a regular expression stands for in messages: the only one in use."""
+"""The text for a regular expression in messages; only one is in use."""
 
 _WORDS = {
     "str": "text",
@@ -30,14 +30,14 @@ _WORDS = {
 
 
 class TomlError(Error):
-    """A text that is no TOML, or not what is asked for."""
+    """An error for text that is not TOML, or has invalid keys or values."""
 
 
 def parsed(text: str) -> dict[str, Any]:
     """Return the tables of a TOML text.
 
     Raises:
-        TomlError: for text that is no TOML, or is nested too deeply.
+        TomlError: for text that is not TOML, or is nested too deeply.
     """
     try:
         return tomllib.loads(text)
@@ -60,7 +60,7 @@ def converted(table: Mapping[str, Any], kind: type[T]) -> T:
 
 
 def _in_words(message: str) -> str:
-    """Return msgspec's complaint, with the place in words and kinds as TOML has them.
+    """Return msgspec's message, with the position in words and the types of TOML.
 
     `Expected `str`, got `int` - at `$.part[0].vary`` becomes
     ``part 1, vary`: expected text, got a whole number`.

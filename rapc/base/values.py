@@ -1,9 +1,9 @@
-"""Values that programs work with, and how they are written.
+"""Values of programs and their written form.
 
-Symbols are Python `str` (already folded to lower case), numbers are `int` or
-`float`, strings of the language are `Text`: so a symbol and a string of the same
-letters are different things. A whole float is always kept as the `int` it equals.
-Resources (sets and counters) are values too; they live in `rapc.runtime`.
+Symbols are Python `str` (already folded to lower case), numbers are `int` or `float`,
+strings of the language are `Text`. A symbol and a string of the same letters are
+different values. A whole float is always stored as the equal `int`.
+Not here: resources, that is, sets and counters (`rapc.base.resources`).
 """
 
 from __future__ import annotations
@@ -34,10 +34,10 @@ Bindings = Mapping[str, Any]
 
 
 def number(value: float) -> Number:
-    """A number in its one form: a whole float becomes the integer it equals.
+    """Return a number in its canonical form: a whole float becomes an integer.
 
     Raises:
-        ValueError: for infinities and for what is not a number.
+        ValueError: for infinities and NaN.
     """
     if isinstance(value, int):
         return value
@@ -47,20 +47,20 @@ def number(value: float) -> Number:
 
 
 def is_number(value: object) -> bool:
-    """Whether a value is a number of the language (`bool` is not)."""
+    """Return whether a value is a number of the language (`bool` is not)."""
     kind = type(value)
     return kind is int or kind is float
 
 
 def is_variable(part: object) -> bool:
-    """Whether a part of a pattern is a variable: a symbol that begins with `?`."""
+    """Return whether a part of a pattern is a variable: a symbol with a leading `?`."""
     return isinstance(part, str) and part.startswith("?")
 
 
 def match_pattern(
     pattern: Sequence[object], values: Sequence[object]
 ) -> Bindings | None:
-    """The variables of a flat pattern as values bind them, or None; `?` is free."""
+    """Return the bindings of a flat pattern that match values, or None; `?` is free."""
     if len(pattern) != len(values):
         return None
     bound: dict[str, Any] = {}
@@ -74,7 +74,7 @@ def match_pattern(
 
 
 def format_atom(value: object) -> str:
-    """A value as RAP text; what knows how to write itself does so with `str`."""
+    """Return a value as RAP text; types with their own form use `str`."""
     if type(value) is Text:
         body = value.value.replace("\\", "\\\\").replace('"', '\\"')
         return f'"{body}"'
@@ -84,14 +84,14 @@ def format_atom(value: object) -> str:
 
 
 def typed(value: Atom | bool) -> str:
-    """Return the value of an option as it is typed: a text bare, a flag as a word."""
+    """Return the value of an option as typed: text without quotes, flag as a word."""
     if isinstance(value, bool):
         return str(value).lower()
     return value.value if isinstance(value, Text) else format_atom(value)
 
 
 def format_float(value: float) -> str:
-    """Return a float as the language writes it: digits and a point, no exponent."""
+    """Return a float in the form of the language: digits and a point, no exponent."""
     text = repr(value)
     if "e" not in text:
         return text
@@ -104,13 +104,13 @@ def format_float(value: float) -> str:
 
 
 _DECIMALS = 6
-"""How many decimals of a number are for people; sums of floats have noise behind."""
+"""The number of decimals shown to people; sums of floats have noise after them."""
 
 
 def readable(value: object) -> str:
-    """Return a value for people: as RAP text, numbers with at most 6 decimals.
+    """Return a value for people: RAP text, with at most 6 decimals in a number.
 
-    A number that would then be 0 and is not has 6 significant digits.
+    A nonzero number that would be rounded to 0 has 6 significant digits.
     """
     if type(value) is float and math.isfinite(value):
         shown = round(value, _DECIMALS) or float(f"{value:.{_DECIMALS}g}")
@@ -119,7 +119,7 @@ def readable(value: object) -> str:
 
 
 def format_list(parts: Iterable[object]) -> str:
-    """Values as a RAP list; nested tuples become nested lists."""
+    """Return values as a RAP list; nested tuples become nested lists."""
     words = [
         part
         if type(part) is str

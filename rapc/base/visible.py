@@ -1,4 +1,4 @@
-"""Text from elsewhere as it may be shown on a terminal."""
+"""Text of other authors in a form that is safe to show on a terminal."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ _TAB = "    "
 
 
 def visible(text: str) -> str:
-    """Return text whose control characters cannot act on a terminal."""
+    """Return a text with its control characters replaced."""
     if text.isprintable():
         return text
     return "".join(c if c.isprintable() else _stand_in(c) for c in text)
 
 
 def visible_lines(text: str) -> str:
-    """Return text of several lines, each of which can be shown."""
+    """Return a text of several lines with the control characters of each replaced."""
     return text if text.isprintable() else "\n".join(map(visible, text.split("\n")))
 
 

@@ -1,6 +1,6 @@
-"""Files that rapc writes: each is written whole, or stays as it was.
+"""Atomic writing of files: a file is written whole or stays unchanged.
 
-Not here: which line ends a RAP file gets (`rapc.parser.rewriting`).
+Not here: the line ends of RAP files (`rapc.parser.rewriting`).
 """
 
 from __future__ import annotations
@@ -16,17 +16,17 @@ from rapc.base.files import read_bytes
 from rapc.errors import WriteError, reason
 
 _PART = re.compile(r".+\.([1-9][0-9]{0,8})\.rapc-part")
-"""The name of a file that a process, of that number, has not yet written whole."""
+"""The name of a temporary file, with the number of the process that writes it."""
 
 
 def write_whole(file: str | Path, data: bytes) -> None:
     """Write a file whole or not at all; write to a device or a pipe directly.
 
-    A link stays one: the file that it leads to is written. A file that exists keeps its
-    mode, and its owner and group if the user may set them.
+    A link stays a link: its target is written. An existing file keeps its mode, and its
+    owner and group if the user may set them.
 
     Raises:
-        WriteError: if it cannot be written.
+        WriteError: if the file cannot be written.
     """
     try:
         if os.path.exists(file) and not os.path.isfile(file):
@@ -40,12 +40,12 @@ def write_whole(file: str | Path, data: bytes) -> None:
 def replace(file: Path, before: bytes, data: bytes) -> None:
     """Replace the content of a file, whole or not at all, if it is still `before`.
 
-    Mode, owner and group stay. A file that is read-only or has several hard links is
-    refused, as one that another program has changed is.
+    Mode, owner and group stay. A file is refused if it is read-only, has several hard
+    links, or was changed by a different program.
 
     Raises:
         LoadError: if the file is missing.
-        WriteError: if it is refused, or cannot be written.
+        WriteError: if the file is refused, or cannot be written.
     """
     try:
         status = os.stat(file)
@@ -61,12 +61,12 @@ def replace(file: Path, before: bytes, data: bytes) -> None:
 
 
 def changed(file: Path) -> WriteError:
-    """Return the error for a file that another program has changed meanwhile."""
+    """Return the error for a file changed meanwhile by a different program."""
     return WriteError(f"cannot write `{file}`: the file changed after rapc read it")
 
 
 def _put(file: str | Path, data: bytes, before: bytes | None) -> None:
-    """Write a file beside its place, then move it there, if it still is `before`."""
+    """Write a temporary file, then replace `file` if its content is still `before`."""
     target = Path(os.path.realpath(file))
     old = os.stat(target) if target.exists() else None
     part = Path(f"{target}.{os.getpid()}.rapc-part")
@@ -90,15 +90,15 @@ def _open(path: str, flags: int) -> int:
 
 
 def _open_privately(path: str, flags: int) -> int:
-    """Open a new file for its owner alone: the file that it replaces may be secret."""
+    """Open a new file only for its owner: the replaced file may be secret."""
     return os.open(path, flags, 0o600)
 
 
 def _give(file: str | Path, part: Path, old: os.stat_result, *, must: bool) -> None:
-    """Give a new file the owner, group and mode of the file that it replaces.
+    """Set the owner, group and mode of a new file to those of the replaced file.
 
     Raises:
-        WriteError: if the user may not set owner and group, and they `must` stay.
+        WriteError: if the user may not set owner and group, and `must` is true.
     """
     if _owner(os.stat(part)) != _owner(old):
         try:
@@ -116,7 +116,7 @@ def _owner(status: os.stat_result) -> tuple[int, int]:
 
 
 def remove_parts(files: Iterable[Path]) -> None:
-    """Remove the files that killed processes left half written beside some files."""
+    """Remove the temporary files that killed processes left beside some files."""
     for folder in {os.path.dirname(os.path.realpath(file)) for file in files}:
         with suppress(OSError), os.scandir(folder) as entries:  # may not be searched
             for entry in entries:
@@ -126,7 +126,7 @@ def remove_parts(files: Iterable[Path]) -> None:
 
 
 def _has_ended(process: int) -> bool:
-    """Whether there is no process of this number, other than this one."""
+    """Return whether a process has ended; true for the number of this process."""
     if os.name != "posix":  # where signal 0 would reach the process
         return False
     try:
