@@ -1,1 +1,1 @@
-"""The checker: passes over a linked library, and the driver that runs them."""
+"""The checker: checks of a linked library, and the driver that runs the checks."""

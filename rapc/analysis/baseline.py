@@ -1,11 +1,16 @@
-"""Findings that a project knows of and leaves for later: a baseline.
+"""Baseline: the findings that a project knows and leaves for later.
 
-A baseline is a JSON file with the fingerprints of findings and enough besides for a
-reader to see what they are. A finding that is in it is not reported; a new one is, on
-the same line too. A fingerprint stays the same while the text around a finding changes:
-it depends on the rule, the file as seen from the working folder, the line on which the
-finding stands, without its indent, and how many findings with all this in common stand
-before it: neither on its row nor on other lines.
+A baseline is a JSON file with the fingerprint of each finding, and with the rule, file
+and message for the reader. A finding in the baseline is not reported; a new finding is
+reported, even on the same line. A fingerprint stays the same when the text around the
+finding changes. The fingerprint depends on:
+
+- the rule,
+- the path of the file as seen from the working directory,
+- the text of the line of the finding, without its indent,
+- the number of earlier findings with the same rule, file and line text.
+
+Row and column are not part of the fingerprint.
 """
 
 from __future__ import annotations
@@ -25,11 +30,11 @@ FORMAT = 1
 
 
 class BaselineError(Error):
-    """A file that holds no baseline of this rapc."""
+    """A file that is not a baseline of this version of rapc."""
 
 
 class KnownFinding(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """One finding that is known."""
+    """One known finding."""
 
     fingerprint: str
     filename: str
@@ -43,11 +48,11 @@ class _File(msgspec.Struct, frozen=True, rename="kebab", forbid_unknown_fields=T
 
 
 def baseline_text(report: CheckReport, file: str) -> str:
-    """Return what a baseline file says of all findings of a report.
+    """Return the text of a baseline file with all findings of a report.
 
     Args:
         report: the report.
-        file: the file that the text is for; paths in it are seen from its folder.
+        file: the file for the text; paths in the text are relative to its folder.
     """
     root = os.path.dirname(os.path.abspath(file))
     rows = [
@@ -69,8 +74,8 @@ def read_baseline(file: Path) -> tuple[KnownFinding, ...]:
     """Return the findings in a baseline file.
 
     Raises:
-        BaselineError: for a file that holds none.
-        LoadError: for one that cannot be read.
+        BaselineError: if the file is not a baseline.
+        LoadError: if the file cannot be read.
     """
     content = read_text(file)
     try:
@@ -87,22 +92,22 @@ def read_baseline(file: Path) -> tuple[KnownFinding, ...]:
 
 
 class Compared(msgspec.Struct, frozen=True):
-    """A report beside a baseline."""
+    """The result of a comparison of a report with a baseline."""
 
-    #: The report, without the findings that are known.
+    #: The report without the known findings.
     report: CheckReport
-    #: How many were left out.
+    #: The number of findings left out.
     known: int
-    #: How many of the baseline were not found again.
+    #: The number of findings in the baseline that the report does not have.
     gone: int
 
 
 def compare(report: CheckReport, file: Path) -> Compared:
-    """Return a report without the findings that a baseline file knows.
+    """Return a report without the findings in a baseline file.
 
     Raises:
-        BaselineError: for a file that holds no baseline.
-        LoadError: for one that cannot be read.
+        BaselineError: if the file is not a baseline.
+        LoadError: if the file cannot be read.
     """
     known = {one.fingerprint for one in read_baseline(file)}
     root = os.path.dirname(os.path.abspath(file))
@@ -124,11 +129,11 @@ _LENGTH = 20
 
 
 def fingerprints(report: CheckReport, root: str = "") -> tuple[str, ...]:
-    """Return a fingerprint for each finding of a report, in their order.
+    """Return the fingerprint of each finding of a report, in the order of findings.
 
     Args:
         report: the report.
-        root: the folder from which paths are seen; the working folder if empty.
+        root: the folder that paths are relative to; empty for the working directory.
     """
     seen: Counter[tuple[str, str, str]] = Counter()
     prints = []

@@ -1,6 +1,6 @@
-"""What a check is, and what the checks of a library work on.
+"""Checks, facts, and the pass that holds the input of all checks.
 
-A check is a generator that yields findings by the rules that it owns:
+A check is a generator that yields findings of its rules:
 
     @check(UNKNOWN, needs_whole="form")
     def unknown_rap(run: Pass) -> Iterator[Diagnostic]:
@@ -9,9 +9,9 @@ A check is a generator that yields findings by the rules that it owns:
             ...
             yield UNKNOWN.at(use.span, f"no RAP is called `{use.name}`")
 
-A fact is a value about the library that several checks need. Checks ask for facts, not
-for each other. `rapc.analysis.registry` lists the checks; `rapc.analysis.driver` runs
-them and filters their findings.
+A fact is a value about the library that several checks need. A check requests facts,
+never other checks. `rapc.analysis.registry` lists the checks; `rapc.analysis.driver`
+runs the checks and filters the findings.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ from rapc.library.signatures import Signatures
 T = TypeVar("T")
 
 Whole = Literal["node", "method", "form"]
-"""How much around a finding must have been read for it to be sure."""
+"""The part of a form that must have been read for a finding to be certain."""
 
 
 class Fact(msgspec.Struct, Generic[T], frozen=True, eq=False):
-    """A value about a library, computed when a check asks for it first."""
+    """A value about a library, computed when the first check requests the value."""
 
     compute: Callable[[Pass], T]
 
@@ -43,18 +43,18 @@ class Check(msgspec.Struct, frozen=True, eq=False):
     """A generator of findings."""
 
     name: str
-    #: The rules that the findings break.
+    #: The rules of the findings.
     rules: tuple[Rule, ...]
     find: Callable[[Pass], Iterable[Diagnostic]]
-    #: What must have been read without a slip for a finding to be sure: the node that
-    #: it is about, its method, or all of the form.
+    #: The part that must have been read without a syntax error for a finding to be
+    #: certain: the node of the finding, its method, or the whole form.
     needs_whole: Whole
 
 
 def check(
     *rules: Rule, needs_whole: Whole = "node"
 ) -> Callable[[Callable[[Pass], Iterable[Diagnostic]]], Check]:
-    """Return a decorator that makes a generator of findings a check."""
+    """Return a decorator that turns a generator of findings into a check."""
 
     def made(find: Callable[[Pass], Iterable[Diagnostic]]) -> Check:
         return Check(find.__name__, rules, find, needs_whole)
@@ -68,13 +68,13 @@ def never(place: Span) -> bool:
 
 
 class Pass:
-    """One pass over a library: what its checks look at, and the facts computed so far.
+    """One pass over a library: the input of checks, and the facts computed so far.
 
     Args:
         library: the library.
         complete: whether every file that the library requires was found.
-        unsure: whether a slip of the pen may have to do with what is at a place.
-        required: the files that files require themselves, by their names.
+        unsure: whether a syntax error may affect the text at a place.
+        required: by file name, the files that the file itself requires.
     """
 
     def __init__(
@@ -92,7 +92,7 @@ class Pass:
         self._facts: dict[Fact[Any], object] = {}
 
     def result(self, fact: Fact[T]) -> T:
-        """Return the value of a fact, which is computed once."""
+        """Return the value of a fact; the value is computed once."""
         if fact not in self._facts:
             self._facts[fact] = fact.compute(self)
         return cast(T, self._facts[fact])

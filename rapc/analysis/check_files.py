@@ -1,9 +1,9 @@
 """Check files by path: a test file alone, all other files as one library.
 
-What the tests of a file run is what `rapc.library.loader` says. A finding that more
-than one of these libraries has, in a file that they share, is reported once. A file of
-the one library is judged there: what a test requires of it may be a part, in which only
-errors count, for they keep the test from being run.
+`rapc.library.loader` determines which files a test file runs with. A finding that two
+of these libraries have in a shared file is reported once. The library of all other
+files decides about the files in that library. A test may require a part of the
+library; there only errors count, because an error prevents the test from running.
 """
 
 from __future__ import annotations
@@ -28,16 +28,16 @@ def check_files(
     *,
     parser: Parse = parse,
 ) -> CheckReport:
-    """Check files and folders; test files are checked as they are run.
+    """Check files and folders; a test file is checked as it is run.
 
     Args:
         paths: files, folders (all `.rap` files below), `-` for standard input.
-        selection: the rules that may report; those that are not opt-in if None.
-        texts: what stands for the texts of some files, by name.
-        parser: what makes units of files.
+        selection: the rules that may report; None for all rules that are not opt-in.
+        texts: by file name, a text that replaces the text of the file.
+        parser: the function that parses a file.
 
     Raises:
-        LoadError: for what cannot be read.
+        LoadError: if a path cannot be read.
     """
     given = list(paths)
     loaded = _loads(given, texts, parser)
@@ -60,9 +60,9 @@ def _loads(
 
 
 def _judged(report: CheckReport, given: Sequence[str]) -> CheckReport:
-    """Return a report without what it says of suppressions in files that it requires.
+    """Return a report without findings about suppressions in required files.
 
-    What they silence may be due to files that nobody has named.
+    These suppressions may silence findings that depend on files outside the paths.
     """
     left = [
         one
@@ -76,14 +76,14 @@ def _judged(report: CheckReport, given: Sequence[str]) -> CheckReport:
 
 
 def _is_given(file: str, given: Sequence[str]) -> bool:
-    """Whether a file is among the paths that were named, or below one of them."""
+    """Return whether a file is one of the paths, or below one of the paths."""
     return file == loader.STANDARD_INPUT or any(lies_in(file, path) for path in given)
 
 
 def _joined(every: Sequence[CheckReport]) -> CheckReport:
-    """Return one report on the library and the test files; no finding occurs twice.
+    """Merge the reports on the library and the test files, without duplicates.
 
-    A suppression is unused if no library that holds its file has a use for it.
+    A suppression is unused if it is unused in every library that holds its file.
     """
     own = every[0].files
     files = {name: file for one in every for name, file in one.files.items()}

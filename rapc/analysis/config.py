@@ -1,8 +1,9 @@
 """The configuration of a project: `rapc.toml`, or `[tool.rapc]` in pyproject.toml.
 
-The nearest one counts: that of the folder named, else of the one above it, and so on.
-In one folder `rapc.toml` comes first. Nothing is merged. Files are read by
-`rapc.analysis.config_file`, which those who have none do without.
+The nearest configuration counts: first the named folder, then its parent folders. In
+one folder `rapc.toml` comes before pyproject.toml. Configurations are not merged.
+`rapc.analysis.config_file` reads the files; a project without a configuration does not
+import that module.
 """
 
 from __future__ import annotations
@@ -30,58 +31,58 @@ class Config(
     rename="kebab",
     kw_only=True,
 ):
-    """What a project says about checks and tests; rules are given by name or code."""
+    """The configuration of checks and tests; a rule is given by name or code."""
 
-    #: The rules that report; all that are not opt-in if None.
+    #: The rules that report; None for all rules that are not opt-in.
     select: tuple[str, ...] | None = None
-    #: Rules that report besides.
+    #: Rules that report in addition.
     extend_select: tuple[str, ...] = ()
     #: Rules that do not report.
     ignore: tuple[str, ...] = ()
-    #: Rules that do not report in some files, by patterns of names of files.
+    #: By pattern of file names, the rules that do not report in matching files.
     per_file_ignores: Mapping[str, tuple[str, ...]] = {}
-    #: Severities that differ from those of the rules.
+    #: Severities that differ from the default of the rule.
     severity: Mapping[str, Level] = {}
-    #: The least grave finding that makes the exit status 1.
+    #: The lowest severity that sets exit status 1.
     fail_level: Level | None = None
-    #: How findings are printed.
+    #: The output format of findings.
     output_format: str | None = None
-    #: The file of findings that are known, as seen from the configuration.
+    #: The baseline file, relative to the configuration.
     baseline: str | None = None
     #: A key without effect, accepted in configurations of earlier versions.
     cache_dir: str | None = None
-    #: The modules of which tests may name worlds; `rapc check` imports none.
+    #: Modules with worlds that tests may name; `rapc check` imports no module.
     world_modules: tuple[str, ...] = ()
 
 
 class Configured(msgspec.Struct, frozen=True):
-    """A configuration and the file that it stands in."""
+    """A configuration and its file."""
 
     config: Config = Config()
-    #: None if there is none.
+    #: None without a configuration.
     file: Path | None = None
 
     def beside(self, name: str | None) -> Path | None:
-        """Return the path of what it names, as seen from it."""
+        """Return the path of a named file, relative to the configuration."""
         if name is None or self.file is None:
             return None
         return self.file.parent / name
 
     def per_file(self) -> tuple[PerFile, ...]:
-        """Return what its `per-file-ignores` say.
+        """Return the value of `per-file-ignores`.
 
         Raises:
-            UnknownRuleError: for a word that is no rule.
+            UnknownRuleError: if a word is not a rule.
         """
         root = "" if self.file is None else str(self.file.parent)
         said = self.config.per_file_ignores
         return tuple(PerFile(p, chosen_rules(rules), root) for p, rules in said.items())
 
     def severities(self) -> Mapping[str, Severity]:
-        """Return what its `severity` says, by the names of rules.
+        """Return the value of `severity`, by the names of rules.
 
         Raises:
-            UnknownRuleError: for a word that is no rule.
+            UnknownRuleError: if a word is not a rule.
         """
         found = {}
         for word, level in self.config.severity.items():
@@ -93,7 +94,7 @@ class Configured(msgspec.Struct, frozen=True):
 def files(place: Path) -> Iterator[Path]:
     """Yield the files that may configure commands for a path, nearest first.
 
-    A pyproject.toml need not have a configuration in it.
+    A pyproject.toml in the result may have no configuration.
     """
     here = place.absolute()
     for folder in (here, *here.parents):

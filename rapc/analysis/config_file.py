@@ -1,4 +1,4 @@
-"""A file of configuration, read."""
+"""Reading a configuration file."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from rapc.errors import Error
 
 
 class ConfigError(Error):
-    """A configuration that cannot be used; the message names its file."""
+    """A configuration that cannot be used; the message names the file."""
 
 
 def read_config(file: Path) -> Configured | None:
     """Return the configuration in a file; None for a pyproject.toml without one.
 
     Raises:
-        ConfigError: for one that cannot be used.
-        LoadError: for a file that cannot be read.
+        ConfigError: if the configuration cannot be used.
+        LoadError: if the file cannot be read.
     """
     text = read_text(file)
     try:

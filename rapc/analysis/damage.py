@@ -1,16 +1,18 @@
-"""What a slip of the pen silences: findings that may be due to it, and no others.
+"""Findings that a syntax error may cause, and that are therefore withheld.
 
-From a form with a slip something was left out, so that passes may miss there what the
-author has written. How far that reaches depends on the pass (`Check.needs_whole`):
+The parser leaves out parts of a form with a syntax error. A check may then miss code
+that the author has written. The reach of the error depends on the check
+(`Check.needs_whole`):
 
-- A pass that looks at a `node` alone is silenced where the slip lies in that node, or
-  in the arguments of the declaration that the node is held against.
-- What a pass says about a `method` may be due to a slip in that method, or outside of
-  all methods; but not to one in another method.
-- Some need the whole `form`: a variable used only once may be used in what is lost.
+- `node`: the finding is withheld if the error lies in the node of the finding, or in
+  the arguments of the declaration that the check compares the node with.
+- `method`: the finding is withheld if the error lies in the same method, or outside of
+  all methods; an error in another method does not count.
+- `form`: the finding is withheld if the error lies anywhere in the form. For example, a
+  variable used only once may have a second use in the lost text.
 
-Where parentheses had to be put right nobody can say what belongs where: all findings in
-such a form are withheld.
+If the reader had to repair parentheses, the structure of the form is not certain. All
+findings in that form are withheld.
 """
 
 from __future__ import annotations
@@ -29,20 +31,20 @@ from rapc.parser.rules.slips import SLIP_RULES
 from rapc.parser.unit import SourceUnit
 
 _OF_FORMS = frozenset(rule.name for rule in (*FORM_RULES, *SLIP_RULES))
-"""The rules about forms whose parentheses are in order."""
+"""The rules about forms whose parentheses match."""
 
 
 class _Damaged(msgspec.Struct, frozen=True):
-    """A form from which something was left out."""
+    """A form with parts left out."""
 
     form: nodes.TopForm | nodes.DefineTest
-    #: Where the slips begin, ascending; none if the parentheses are not in order.
+    #: The start of each syntax error, ascending; empty if parentheses do not match.
     slips: tuple[int, ...]
-    #: Where its arguments are declared; empty if it declares none.
+    #: The span of the declared arguments; empty without a declaration of arguments.
     head: Span
 
     def lies_in(self, span: Span) -> bool:
-        """Whether a slip lies in a part of the form."""
+        """Return whether a syntax error lies in a part of the form."""
         at = bisect_left(self.slips, span.start)
         return at < len(self.slips) and self.slips[at] < span.end
 
@@ -53,10 +55,10 @@ class _Damaged(msgspec.Struct, frozen=True):
 
 
 class Damage:
-    """The forms of a library from which something was left out.
+    """The forms of a library with parts left out.
 
     Args:
-        units: its files as they were read, those at least that have slips.
+        units: the parsed files of the library, at least all files with syntax errors.
     """
 
     def __init__(self, units: Iterable[SourceUnit]) -> None:
@@ -66,32 +68,32 @@ class Damage:
                 self._forms[unit.file.name] = _damaged(unit)
 
     def silences(self, finding: Diagnostic, whole: Whole) -> bool:
-        """Whether a finding of a pass that needs so much may be due to a slip."""
+        """Return whether a finding of a check with this need may be due to an error."""
         if self.reaches(finding.span, whole):
             return True
         labels = [label.span for label in finding.labels]
         return any(self._head_is_damaged(label) for label in labels)
 
     def reaches(self, place: Span, whole: Whole = "node") -> bool:
-        """Whether a slip may have to do with what is found at a place."""
+        """Return whether a syntax error may affect the code at a place."""
         here = self._at(place)
         return here is not None and _reaches(here, place, whole)
 
     def lies_in(self, stretch: Span) -> bool:
-        """Whether a damaged form lies in a stretch of a text, or is around it."""
+        """Return whether a damaged form overlaps a span of text."""
         found = self._forms.get(stretch.file, [])
         at = bisect_left(found, stretch.end, key=lambda one: one.form.span.start) - 1
         return at >= 0 and stretch.start < found[at].form.span.end
 
     def _head_is_damaged(self, place: Span) -> bool:
-        """Whether a name at a place was declared with arguments that were lost."""
+        """Return whether the declaration of the name at a place has lost arguments."""
         there = self._at(place)
         if there is None or not there.head.start <= place.start < there.head.end:
             return False
         return not there.slips or there.lies_in(there.head)
 
     def _at(self, place: Span) -> _Damaged | None:
-        """The damaged form at a place; top-level forms do not overlap."""
+        """Return the damaged form at a place; top-level forms do not overlap."""
         found = self._forms.get(place.file, [])
         at = bisect_right(found, place.start, key=lambda one: one.form.span.start) - 1
         inside = at >= 0 and place.start < found[at].form.span.end
@@ -99,7 +101,7 @@ class Damage:
 
 
 def _reaches(here: _Damaged, place: Span, whole: Whole) -> bool:
-    """Whether slips in a form concern a finding there."""
+    """Return whether the syntax errors of a form affect a finding at a place."""
     if not here.slips or whole == "form":
         return True
     if whole == "node":
@@ -111,7 +113,7 @@ def _reaches(here: _Damaged, place: Span, whole: Whole) -> bool:
 
 
 def _damaged(unit: SourceUnit) -> list[_Damaged]:
-    """The damaged forms of a file, in the order of the text."""
+    """Return the damaged forms of a file, in the order of the text."""
     starts = sorted(d.span.start for d in unit.diagnostics if d.rule in _OF_FORMS)
     found = []
     for partial in unit.partial:
@@ -125,7 +127,7 @@ def _damaged(unit: SourceUnit) -> list[_Damaged]:
 
 
 def _head(source: SourceFile, form: nodes.TopForm | nodes.DefineTest) -> Span:
-    """Return where the arguments of a form are: a RAP's index, all of a declaration."""
+    """Return the span of the arguments: a RAP's index, or a whole declaration."""
     if isinstance(form, nodes.DefineTest):
         return Span(source.name, 0, 0)
     if not isinstance(form, nodes.DefineRap):

@@ -1,9 +1,8 @@
-"""Run the passes over what was loaded, and decide what becomes of their findings.
+"""Run the checks on a loaded library and filter the findings.
 
-Runs those that own a rule that the user wants, and those whose results are asked for;
-leaves out findings about forms that could not be read whole, applies suppressions and
-the user's selection, and sorts. Nothing of the checked code is executed or imported,
-and nothing is printed here.
+The driver runs each check that owns a selected rule. Then the driver leaves out
+findings about forms with syntax errors, applies suppressions and the user's selection,
+and sorts. The driver neither executes nor imports checked code, and prints no output.
 """
 
 from __future__ import annotations
@@ -28,43 +27,43 @@ from rapc.library.loader import UNRESOLVED, Loaded
 
 
 class Finding(msgspec.Struct, frozen=True):
-    """A diagnostic with the rule that it breaks."""
+    """A diagnostic with its rule."""
 
     rule: Rule
     diagnostic: Diagnostic
 
     @property
     def severity(self) -> Severity:
-        """Return how grave it is."""
+        """Return the severity of the finding."""
         return self.rule.severity
 
 
 class CheckReport(msgspec.Struct, frozen=True):
-    """What checking came to: the findings in the order of files and text."""
+    """The result of a check: the findings in the order of files and text."""
 
     findings: tuple[Finding, ...]
-    #: Every file that was read, by the name that spans carry.
+    #: Every file that was read, by the file name in spans.
     files: Mapping[str, SourceFile]
-    #: How many RAPs stand in each file that has some.
+    #: The number of RAPs in each file that has RAPs.
     raps_in: Mapping[str, int] = {}
 
     @property
     def raps(self) -> int:
-        """Return how many RAPs were checked."""
+        """Return the number of checked RAPs."""
         return sum(self.raps_in.values())
 
     def worst(self) -> Severity | None:
-        """The gravest severity found, or None."""
+        """Return the highest severity of the findings, or None."""
         return max((finding.severity for finding in self.findings), default=None)
 
 
 @gc_paused()
 def check_library(loaded: Loaded, selection: Selection | None = None) -> CheckReport:
-    """Check a loaded library; its own diagnostics are part of the report.
+    """Check a loaded library; the report includes the diagnostics of loading.
 
     Args:
-        loaded: what `rapc.library.loader` made of the files.
-        selection: the rules that may report; those that are not opt-in if None.
+        loaded: the result of `rapc.library.loader`.
+        selection: the rules that may report; None for all rules that are not opt-in.
     """
     chosen = selection or Selection(by_default())
     damage = Damage(loaded.units)
@@ -94,9 +93,9 @@ def _unsuppressed(
     chosen: Selection,
     damage: Damage,
 ) -> list[Diagnostic]:
-    """Return the findings left, with those about suppressions wrong or unused.
+    """Return the findings left, and findings about invalid or unused suppressions.
 
-    A suppression is not unused if a form lies in it that could not be read whole.
+    A suppression that covers a form with a syntax error does not count as unused.
     """
     units = {unit.file.name: unit for unit in loaded.units}
     written = [
@@ -114,9 +113,9 @@ def _unsuppressed(
 
 
 def check_tests(library: Library, tests: Iterable[DefineTest]) -> list[Finding]:
-    """Return the errors in tests of a library that was checked before.
+    """Return the errors in tests of a library that has been checked.
 
-    The library may be a compiled one: a RAP is read only where a test names it.
+    If the library is compiled, a RAP is read only if a test names the RAP.
     """
     run = Pass(msgspec.structs.replace(library, forms=(), tests=tuple(tests)))
     rules = registry.rules(errors_only=True)
@@ -125,9 +124,9 @@ def check_tests(library: Library, tests: Iterable[DefineTest]) -> list[Finding]:
 
 
 def _found(run: Pass, enabled: Collection[str]) -> Iterator[tuple[Diagnostic, Whole]]:
-    """Yield the findings that no other one hides, and what must be read whole for them.
+    """Yield the findings that no finding hides, and the need of each finding.
 
-    What a file says of all its tests is part of each, and found once.
+    The findings about declarations shared by all tests of a file are yielded once.
     """
     found: dict[tuple[str, Span, str], Diagnostic] = {}
     whole: dict[str, Whole] = {}
@@ -141,6 +140,6 @@ def _found(run: Pass, enabled: Collection[str]) -> Iterator[tuple[Diagnostic, Wh
 
 
 def order_of(order: Mapping[str, int], finding: Finding) -> tuple[int, int, int, str]:
-    """Return what findings are sorted by: the `order` of their files, then the text."""
+    """Return the sort key of a finding: the `order` of its file, then the position."""
     span = finding.diagnostic.span
     return order.get(span.file, -1), span.start, span.end, finding.rule.code

@@ -1,8 +1,8 @@
-"""What a RAP may do with all that lies below it, as a graph around it.
+"""The effects of a RAP and its descendants, as a graph around the RAP.
 
-What it may bring about is summed up in `rapc.analysis.facts.effects`. What it may
-sense, wait for, request, use and claim is gathered here, along the steps of its
-methods.
+`rapc.analysis.facts.effects` computes the facts that a RAP may assert or erase. This
+module collects, along the steps of methods, the facts, requests, events and things that
+the RAP may sense, wait for, request, use and claim.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ from rapc.library.library import Library
 
 
 class _Said(NamedTuple):
-    """What a RAP may do with something."""
+    """A thing, and the relation of the RAP to the thing."""
 
     verb: str
     kind: Kind
-    #: What tells it from others of its kind.
+    #: The label that distinguishes the vertex from others of its kind.
     name: str
     label: str
 
@@ -34,19 +34,20 @@ _VERBS = (
     *("senses", "asserts", "erases", "waits for", "requests", "enables"),
     *("uses", "claims", "not all is known of"),
 )
-"""What is told, in this order."""
+"""The relations, in the order of the graph."""
 
 
 def effects_of(library: Library, name: str) -> Graph:
-    """Return what a RAP may sense, assert, erase, wait for, request, use and claim.
+    """Return the facts, events, requests and things that a RAP may affect or need.
 
-    An argument that is not a constant wherever the fact is brought about is a `?`.
-    Requests are told with all results that they may have. The last names are those of
-    which the declarations do not say all.
+    The relations are: sense, assert, erase, wait for, request, use and claim. An
+    argument is written `?` unless the argument is a constant in every effect. A request
+    has all its possible results. The last names are those with incomplete
+    declarations.
 
     Args:
         library: the library.
-        name: the RAP, one of the library.
+        name: a RAP of the library.
     """
     drawing = GraphDrawing(f"effects of {name}")
     source = drawing.vertex("rap", name)
@@ -121,7 +122,7 @@ def _of_request(library: Library, request: nodes.Request) -> Iterator[_Said]:
 
 
 def _thing(verb: str, thing: nodes.Thing) -> _Said:
-    """Say what is done with a thing; whatever stands for a variable may be meant."""
+    """Return the relation to a thing; a variable may stand for any thing."""
     said = format_node(thing)
     return _Said(verb, "thing", said, said)
 

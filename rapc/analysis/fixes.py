@@ -1,15 +1,15 @@
-"""Carry out the fixes that findings bring, until there is none left to carry out.
+"""Apply the fixes of findings until no fix is left.
 
-Fixes may overlap, and one may bring others to light. So a round carries out fixes that
-do not touch each other, the library is checked again, and so on. Nothing is written
-here. A round keeps only the fixes that improve the library (`_is_better`). It tries the
-fixes in halves if all of them together do not improve the library: so a bad fix does
-not stop the good ones.
+Fixes may overlap, and a fix may uncover findings with further fixes. A round applies
+fixes that do not overlap, checks the library again, and the next round follows. This
+module writes no files. A round keeps only the fixes that improve the library
+(`_is_better`). If all fixes together do not improve the library, the round tries the
+fixes in halves, and a bad fix does not prevent the good ones.
 
-The checker withholds findings about a form in which parentheses do not match. So the
-fixes of the parser come first, and the next check may show faults that were withheld.
-If no later round repairs these faults, the other fixes begin with the best library
-before that.
+The checker withholds findings about a form in which parentheses do not match. For this
+reason the fixes of the parser come first, and the next check may report withheld
+faults. If no later round repairs these faults, the other fixes begin with the best
+library before that.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from rapc.parser.rules.table import RULES
 from rapc.parser.rules.text import TEXT_RULES
 
 _CHECKS = 100
-"""The most checks of one call: fixes that these do not reach are not carried out."""
+"""The maximum number of checks of one call; fixes left after that are not applied."""
 
 _Count = tuple[int, ...]
 """Numbers of findings, the most important one first."""
@@ -37,25 +37,25 @@ _Check = Callable[[Mapping[str, str]], CheckReport]
 
 
 class Mended(msgspec.Struct, frozen=True):
-    """What carrying out fixes came to."""
+    """The result of applying fixes."""
 
-    #: The texts that changed, by the names of their files.
+    #: The texts that changed, by file name.
     texts: Mapping[str, str]
     #: The report on the library with these texts.
     report: CheckReport
-    #: How many fixes were carried out.
+    #: The number of applied fixes.
     fixed: int
-    #: The fixes that were tried and not kept.
+    #: The fixes that were tried and rejected.
     refused: frozenset[Fix] = frozenset()
 
 
 def mend(check: _Check, allowed: Callable[[str], bool], *, unsafe: bool) -> Mended:
-    """Check a library, carry out fixes, and check it again, while there are any.
+    """Check a library and apply fixes repeatedly, until no fix is left.
 
     Args:
-        check: checks the library with other texts for some of its files.
-        allowed: whether the file of a name may be changed.
-        unsafe: whether fixes that may change the meaning are carried out as well.
+        check: checks the library, with other texts for some files.
+        allowed: whether the file with a name may be changed.
+        unsafe: whether to apply fixes that may change the meaning.
     """
     left = iter(range(_CHECKS))
 
@@ -91,13 +91,13 @@ def mend(check: _Check, allowed: Callable[[str], bool], *, unsafe: bool) -> Mend
 def _round(
     check: _Check, left: Iterator[int], before: Mended, fixes: Sequence[Fix]
 ) -> Mended:
-    """Carry out the fixes that improve a library; return it unchanged if none does.
+    """Apply the fixes that improve a library; return it unchanged if none does.
 
     Args:
         check: checks the library with other texts.
-        left: has one item for each check that may still be made.
-        before: the library that the fixes are for.
-        fixes: fixes that do not touch each other.
+        left: yields one item for each check that may still be made.
+        before: the library before the fixes.
+        fixes: fixes that do not overlap.
     """
     kept: list[Fix] = []
     now = before
@@ -118,7 +118,7 @@ def _round(
 def _applicable(
     findings: Iterable[Finding], allowed: Callable[[str], bool], unsafe: bool
 ) -> list[Fix]:
-    """Return the fixes that may be carried out, in the order of their findings."""
+    """Return the fixes that may be applied, in the order of findings."""
     wanted = {Applicability.SAFE, *([Applicability.UNSAFE] if unsafe else [])}
     fixes = (finding.diagnostic.fix for finding in findings)
     return [
@@ -132,7 +132,7 @@ def _applicable(
 
 
 def _apart(fixes: Iterable[Fix]) -> Iterator[Fix]:
-    """Yield the fixes that touch none of those before them."""
+    """Yield the fixes that overlap none of the preceding fixes."""
     taken: dict[str, list[tuple[int, int]]] = {}
     for fix in fixes:
         spans = [edit.span for edit in fix.edits]
@@ -143,14 +143,14 @@ def _apart(fixes: Iterable[Fix]) -> Iterator[Fix]:
 
 
 def _is_free(span: Span, taken: Sequence[tuple[int, int]]) -> bool:
-    """Whether a span touches none of some stretches that are sorted and lie apart."""
+    """Return whether a span overlaps none of some sorted, disjoint stretches."""
     at = bisect_right(taken, (span.start, span.end))
     before = at == 0 or taken[at - 1][1] < span.start
     return before and (at == len(taken) or span.end < taken[at][0])
 
 
 def _applied(fixes: Iterable[Fix], report: CheckReport) -> dict[str, str]:
-    """Return the texts of the files that some fixes change, changed."""
+    """Return the new texts of the files that some fixes change."""
     edits = sorted(
         (edit for fix in fixes for edit in fix.edits),
         key=lambda edit: (edit.span.file, edit.span.start),
@@ -169,9 +169,9 @@ def _applied(fixes: Iterable[Fix], report: CheckReport) -> dict[str, str]:
 def _is_better(
     before: CheckReport, after: CheckReport, most: Callable[[CheckReport], _Count]
 ) -> bool:
-    """Whether a library is better after fixes than before.
+    """Return whether a library is better after fixes than before.
 
-    A library is better if what counts `most` is less. If that is equal, no rule may
+    A library is better if the count `most` is lower. If the count is equal, no rule may
     report more errors, and there must be fewer errors, or as many errors and fewer
     findings.
     """
@@ -188,9 +188,9 @@ def _of_parser(report: CheckReport) -> _Count:
 
 
 def _of_reader_and_parser(report: CheckReport) -> _Count:
-    """Return the numbers of findings of the reader, and of reader and parser together.
+    """Return the number of findings of the reader, and of reader and parser together.
 
-    Where the reader finds an error, the parser withholds what else it finds.
+    Where the reader finds an error, the parser withholds its own findings.
     """
     return (
         sum(f.rule.name in _OF_READER for f in report.findings),

@@ -1,8 +1,8 @@
-"""Graphs of a library: its names, and which calls, asks, changes or claims which.
+"""Graphs of a library: names, and the calls, queries, effects and claims between them.
 
-`library_graph` makes one graph of networkx; `calls`, `monitors` and `things` are parts
-of it, and its algorithms answer `dependents`, `recursive` and `dominators`. How a graph
-is drawn is in `rapc.console.graphs`.
+`library_graph` returns one networkx graph. `calls`, `monitors` and `things` are parts
+of the graph; `dependents`, `recursive` and `dominators` use graph algorithms.
+`rapc.console.graphs` draws a graph.
 """
 
 from __future__ import annotations
@@ -32,11 +32,11 @@ Kind = Literal[
     "datum",
     "event",
 ]
-"""What a vertex stands for."""
+"""The kind of a vertex."""
 
 
 class GraphDrawing:
-    """A graph that is being made; what is added twice is there once."""
+    """A graph under construction; a duplicate vertex or edge is added once."""
 
     def __init__(self, title: str) -> None:
         self._title = title
@@ -44,13 +44,13 @@ class GraphDrawing:
         self._edges: dict[Edge, None] = {}
 
     def vertex(self, kind: Kind, name: str, label: str = "", group: str = "") -> str:
-        """Add a vertex, and return what edges call it."""
+        """Add a vertex and return its identifier for edges."""
         id = f"{kind} {name}"
         self._vertices.setdefault(id, Vertex(id, kind, label or name, group))
         return id
 
     def edge(self, source: str, target: str, label: str = "") -> None:
-        """Add an edge between two vertices that were added."""
+        """Add an edge between two vertices of the graph."""
         self._edges.setdefault(Edge(source, target, label))
 
     def done(self) -> Graph:
@@ -62,24 +62,25 @@ class GraphDrawing:
 
 
 class Relation(NamedTuple):
-    """One thing that a part of a library has to do with another."""
+    """A relation between two parts of a library."""
 
     source: tuple[Kind, str]
     #: `submits`, `calls`, `requests`, `enables`, `asks`, `waits for`, `notes`,
     #: `asserts`, `erases`, `may change`, `claims`, `uses`, `tells`.
     relation: str
     target: tuple[Kind, str]
-    #: The method that calls or claims; the clause that asks; the priority of a task.
+    #: The label: the method that calls or claims, the clause with the query, or the
+    #: priority of a task.
     label: str = ""
 
 
 def library_graph(library: Library) -> networkx.MultiDiGraph[str]:
-    """Return all that a library names as one directed graph.
+    """Return all names of a library and their relations as one directed graph.
 
-    A node is called `KIND NAME`, for example `rap fill-order`; its attributes are
-    `kind`, `name` and, where a form declares it, `file` and `row`. An edge leads from
-    the caller to the called, and likewise for what asks, changes or claims; its
-    attributes are `relation` and `label`, see `Relation`.
+    A node is called `KIND NAME`, for example `rap fill-order`. The attributes of a node
+    are `kind`, `name` and, where a form declares the name, `file` and `row`. An edge
+    leads from the part that calls, queries, changes or claims to the called or affected
+    part. The attributes of an edge are `relation` and `label`, see `Relation`.
     """
     import networkx  # noqa: PLC0415  # it takes longer to import than a check does
 
@@ -118,7 +119,7 @@ Declared = (
 
 
 def _declared(library: Library) -> Iterator[tuple[Kind, str, Declared]]:
-    """Yield what the forms of a library declare, with its kind and name."""
+    """Yield the declarations of a library, with kind and name."""
     tables: tuple[tuple[Kind, Iterable[Declared]], ...] = (
         ("agenda", library.agendas.values()),
         ("rap", library.raps.values()),
@@ -136,7 +137,7 @@ def _declared(library: Library) -> Iterator[tuple[Kind, str, Declared]]:
 
 
 def _relations(library: Library) -> Iterator[Relation]:
-    """Yield what the parts of a library have to do with each other."""
+    """Yield the relations between the parts of a library."""
     for agenda in library.agendas.values():
         for task in agenda.tasks:
             label = f"priority {task.priority}" if task.priority else ""
@@ -194,7 +195,7 @@ def _of_rap(library: Library, rap: nodes.DefineRap) -> Iterator[Relation]:
 def _asks(
     library: Library, source: tuple[Kind, str], formula: nodes.Formula, clause: str
 ) -> Iterator[Relation]:
-    """Yield the facts and queries that a formula names itself."""
+    """Yield the facts and named queries that a formula itself contains."""
     for part in subformulas(formula):
         if isinstance(part, nodes.Proposition) and part.name not in library.functions:
             kind: Kind = "query" if part.name in library.queries else "fact"
@@ -213,7 +214,7 @@ def _changes(
 def _of_rules(
     library: Library, source: tuple[Kind, str], rules: Iterable[nodes.Rule]
 ) -> Iterator[Relation]:
-    """Yield what the rules of a RAP or an event ask and change."""
+    """Yield the queries and effects of the rules of a RAP or an event."""
     for alternative in (one for rule in rules for one in rule.alternatives):
         yield from _asks(library, source, alternative.query, "rule")
         for action in alternative.actions:
@@ -226,7 +227,7 @@ _CALLS: dict[Kind, str] = {
     "skill": "enables",
     "rap": "calls",
 }
-"""The relation of a method to what it asks for."""
+"""The relation of a method to a RAP, primitive or skill that it calls or enables."""
 
 _CALLING = {"submits", *_CALLS.values()}
 
@@ -234,9 +235,9 @@ _CALLING = {"submits", *_CALLS.values()}
 def _edges(
     graph: networkx.MultiDiGraph[str], relations: Iterable[str]
 ) -> list[tuple[str, str, str, str]]:
-    """Return edges of some relations in the order of the text.
+    """Return the edges of some relations, in the order of the text.
 
-    Each is source, target, relation and label.
+    Each edge is a tuple of source, target, relation and label.
     """
     found = [
         (data["order"], source, target, data["relation"], data["label"])
@@ -252,7 +253,7 @@ def _drawn(
     edges: Iterable[tuple[str, str, str]],
     more: Iterable[str] = (),
 ) -> Graph:
-    """Return some edges, as source, target and label, and their nodes as a drawing."""
+    """Return a drawing of some edges (source, target, label) and their nodes."""
     drawing = GraphDrawing(title)
     for node in more:
         drawing.vertex(graph.nodes[node]["kind"], graph.nodes[node]["name"])
@@ -267,7 +268,7 @@ def _drawn(
 
 
 def calls(library: Library) -> Graph:
-    """Return which RAP asks for which RAPs, primitives and skills, by which methods."""
+    """Return the calls of RAPs, primitives and skills, by RAP and method."""
     graph = library_graph(library)
     edges = [(s, t, label) for s, t, _, label in _edges(graph, _CALLING)]
     agendas = [f"agenda {name}" for name in library.agendas]
@@ -276,7 +277,7 @@ def calls(library: Library) -> Graph:
 
 
 def monitors(library: Library) -> Graph:
-    """Return which facts wake which RAPs, and what is declared to bring them about."""
+    """Return the facts that wake each RAP, and the declared effects on facts."""
     graph = library_graph(library)
     woken = _edges(graph, ["waits for"])
     heard = {fact for _, fact, _, _ in woken}
@@ -291,7 +292,7 @@ def monitors(library: Library) -> Graph:
 
 
 def things(library: Library) -> Graph:
-    """Return which things methods claim, and primitives and skills use."""
+    """Return the things that methods claim and that primitives and skills use."""
     graph = library_graph(library)
     edges = [
         (source, thing, " ".join(filter(None, (relation, label))))
@@ -311,14 +312,14 @@ def everything(library: Library) -> Graph:
 
 
 def dependents(library: Library, name: str) -> Graph:
-    """Return all that depends on a name, directly or through others.
+    """Return all parts that depend on a name, directly or indirectly.
 
     Args:
         library: the library.
-        name: a name of the library, or `KIND NAME` where several kinds have it.
+        name: a name of the library, or `KIND NAME` if several kinds share the name.
 
     Raises:
-        KeyError: if the library does not name it.
+        KeyError: if the name is not in the library.
     """
     import networkx  # noqa: PLC0415
 
@@ -366,11 +367,11 @@ def recursive(library: Library) -> Graph:
 def dominators(library: Library, name: str) -> Graph:
     """Return the dominator tree of the calls below a RAP.
 
-    An edge leads from a RAP to the RAPs, primitives and skills that are only reached
-    through it, and not only through another one below it.
+    An edge leads from a RAP to each RAP, primitive and skill whose immediate dominator
+    is that RAP.
 
     Raises:
-        KeyError: if the library has no such RAP.
+        KeyError: if the library does not have the RAP.
     """
     import networkx  # noqa: PLC0415
 
@@ -398,7 +399,7 @@ def _all_relations(graph: networkx.MultiDiGraph[str]) -> set[str]:
 
 
 def facts_of(library: Library, formula: nodes.Formula) -> Iterator[str]:
-    """Yield the facts that a formula asks for, by way of named queries too."""
+    """Yield the facts that a formula queries, also through named queries."""
     parts = through(library, formula)
     asked = [part.name for part in parts if isinstance(part, nodes.Proposition)]
     for name in dict.fromkeys(asked):
@@ -407,7 +408,7 @@ def facts_of(library: Library, formula: nodes.Formula) -> Iterator[str]:
 
 
 def _asked(method: nodes.Method) -> Iterator[tuple[Kind, str]]:
-    """Yield what a method asks for: kinds and names."""
+    """Yield the kinds and names of the RAPs, primitives and skills a method calls."""
     body = method.body
     if isinstance(body, nodes.Primitive):
         yield "primitive", body.request.name
@@ -418,7 +419,7 @@ def _asked(method: nodes.Method) -> Iterator[tuple[Kind, str]]:
 
 
 def _called(rap: nodes.DefineRap, method: nodes.Method) -> str:
-    """Return what a method is called, or nothing for an only one without a name."""
+    """Return the label of a method; empty for a single method without a name."""
     if method.name is None and len(rap.methods) == 1:
         return ""
     return str(method.name) if method.name is not None else f"#{method.position}"
@@ -428,10 +429,10 @@ def _called(rap: nodes.DefineRap, method: nodes.Method) -> str:
 
 
 def task_nets(rap: nodes.DefineRap) -> Graph:
-    """Return the steps of each method of a RAP, and what orders and ends them.
+    """Return the steps of each method of a RAP, with their order and endings.
 
-    A solid arrow without a label is an order; labels name what else an annotation says:
-    the formula that a step protects, who ends whom, windows, signals.
+    A solid arrow without a label is an order. Labels name the other annotations: the
+    formula that a step protects, the step that ends another step, windows and signals.
     """
     drawing = GraphDrawing(rap.name)
     for method in rap.methods:
@@ -455,7 +456,7 @@ def task_nets(rap: nodes.DefineRap) -> Graph:
 
 
 def _arrows(tag: str, note: nodes.Annotation) -> Iterator[tuple[str, str, str]]:
-    """Yield the arrows of an annotation: from tag to tag, with a label."""
+    """Yield the arrows of an annotation: source tag, target tag and label."""
     if isinstance(note, nodes.For):
         yield tag, note.tag, "" if note.formula is None else format_node(note.formula)
     elif isinstance(note, nodes.UntilStart):

@@ -1,8 +1,8 @@
-"""Findings that hide others: a slip is reported, its consequences are not.
+"""Findings that hide others: the cause is reported, its consequences are not.
 
-Checks do not know of each other. A finding says what it is `about`; the rows of `HIDES`
-say which findings about the same are consequences. A finding that is hidden itself, or
-suppressed, still hides others.
+Checks do not depend on each other. A finding declares its subject (`about`). The rows
+of `HIDES` state which findings with the same subject are consequences. A finding that
+is itself hidden or suppressed still hides others.
 """
 
 from __future__ import annotations
@@ -17,12 +17,13 @@ from rapc.base.source import Span
 
 
 class Row(NamedTuple):
-    """One reason to hide findings: the rules that hide, and those that are hidden."""
+    """A row of `HIDES`: the rules that hide, and the rules that are hidden."""
 
     by: tuple[str, ...]
     hidden: tuple[str, ...]
-    #: What both are about: the same form; a name in it; a place that holds the other;
-    #: or a variable that nothing binds, one for each that the first finding lacks.
+    #: The subject that both findings share: the same form; a name in the form; a place
+    #: that contains the other place; or a variable that the first finding lists as
+    #: unbound.
     same: Literal["form", "name", "place", "lack"]
 
 
@@ -30,7 +31,7 @@ _CONSTANTS = ("misspelt-constant", "foreign-constant", "mixed-values")
 _RESOURCES = ("wrong-resource-kind", "not-a-resource")
 
 HIDES = (
-    # Where kinds are mixed up, so are the values.
+    # If kinds are mixed up, so are the values.
     Row(
         ("kinds-apart",),
         (
@@ -42,12 +43,12 @@ HIDES = (
         ),
         "form",
     ),
-    # A word that does not belong may be a variable that has lost its question mark.
+    # An unexpected word may be a variable without its question mark.
     Row((*_CONSTANTS, "wrong-kind"), ("unbound-variable", "marked-constant"), "name"),
-    # A fact in place of a computed value binds nothing, though it was meant to.
+    # A fact in place of a computed value binds no variable, against the intention.
     Row(("undeclared-function", "wrong-step-arity"), ("unbound-variable",), "name"),
     Row(("undeclared-function",), ("anonymous-variable",), "place"),
-    # The variable that was left out, or meant in place of an input, is not bound.
+    # A variable that was left out, or confused with an input, is not bound.
     Row(
         ("output-is-input", "wrong-fact-arity", "wrong-step-arity"),
         ("unbound-variable",),
@@ -58,28 +59,28 @@ HIDES = (
         ("not-a-resource", "marked-constant", "misspelt-variable"),
         "name",
     ),
-    # A resource that is taken for another one is used where that one should be.
+    # If two resources are confused, the wrong resource is used.
     Row(_RESOURCES, ("resource-as-value",), "name"),
     Row(_RESOURCES, ("idle-resource", "unread-resource"), "form"),
-    # What succeeds at once never chooses a method.
+    # A RAP that succeeds at once never chooses a method.
     Row(("succeeds-at-once",), ("unreachable-method", "hopeless-goal"), "form"),
     Row(("unheard-monitor",), ("endless-reaction",), "form"),
 )
-"""Which findings are consequences of others."""
+"""The findings that are consequences of other findings."""
 
 
 def with_hiders(rules: Collection[str]) -> frozenset[str]:
-    """Return some rules with those that may hide findings by them."""
+    """Return some rules together with the rules that may hide their findings."""
     rows = [row for row in HIDES if not set(row.hidden).isdisjoint(rules)]
     return frozenset(rules).union(*[row.by for row in rows])
 
 
 def visible(found: Sequence[Diagnostic], forms: Iterable[Span]) -> list[Diagnostic]:
-    """Return the findings that no other one hides.
+    """Return the findings that no other finding hides.
 
     Args:
         found: the findings.
-        forms: where the top-level forms are; they do not overlap.
+        forms: the spans of the top-level forms; spans do not overlap.
     """
     there = _Forms(forms)
     hidden: set[int] = set()
@@ -128,7 +129,7 @@ def _holds(place: Span, one: Diagnostic) -> bool:
 
 
 class _Forms:
-    """The top-level forms of a library, by their places."""
+    """The top-level forms of a library, by position."""
 
     def __init__(self, forms: Iterable[Span]) -> None:
         self._forms: dict[str, list[Span]] = {}
@@ -144,9 +145,9 @@ class _Forms:
         return own[at] if at >= 0 else None
 
     def names(self, one: Diagnostic) -> set[tuple[Span | None, str]]:
-        """Return the names that a finding is about, with their forms."""
+        """Return the names that a finding is about, with the form of each name."""
         return {(self.at(s.place), s.name) for s in one.about if s.name}
 
     def lacks(self, one: Diagnostic) -> list[Span | None]:
-        """Return the form of each variable that a finding lacks."""
+        """Return, for each unbound variable that a finding lists, its form."""
         return [self.at(s.place) for s in one.about if not s.name]

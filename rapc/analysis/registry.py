@@ -1,7 +1,7 @@
 """The checks and their rules.
 
-A module of checks is imported when one of its rules is wanted: before a library is run
-only errors count, and only the modules that find some are imported.
+A module of checks is imported when one of its rules is enabled. Before a library is
+run, only errors count, and only the modules that find errors are imported.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _WITH_ERRORS = (
     "tests",
     "variables",
 )
-"""The modules with a rule that finds errors, or hides some (`rapc.analysis.hiding`)."""
+"""The modules with a rule that finds or hides errors (`rapc.analysis.hiding`)."""
 
 _OTHERS = (
     "agendas",
@@ -48,7 +48,7 @@ _OTHERS = (
 
 @cache
 def checks(*, errors_only: bool = False) -> tuple[Check, ...]:
-    """Return all checks, or those of the modules that find errors."""
+    """Return all checks, or only those of the modules that find errors."""
     modules = _WITH_ERRORS if errors_only else (*_WITH_ERRORS, *_OTHERS)
     return tuple(
         one
@@ -63,8 +63,8 @@ def rules(*, errors_only: bool = False) -> Mapping[str, Rule]:
     """Return the rules of checks, reading and linking by name, in order of codes.
 
     Args:
-        errors_only: leave out the rules of modules that find no errors, and those about
-            suppressions.
+        errors_only: leave out the rules about suppressions, and the rules of modules
+            that find no errors.
     """
     every = [rule for one in checks(errors_only=errors_only) for rule in one.rules]
     every += (*parser.RULES, *library.RULES, *loader.RULES)
@@ -76,19 +76,19 @@ def rules(*, errors_only: bool = False) -> Mapping[str, Rule]:
 
 @cache
 def errors() -> frozenset[str]:
-    """Return the names of the rules that keep a library from being run."""
+    """Return the names of the rules that prevent a library from running."""
     every = rules(errors_only=True).values()
     found = (r for r in every if r.severity is Severity.ERROR and not r.opt_in)
     return frozenset(rule.name for rule in found)
 
 
 def are_errors(enabled: Collection[str]) -> bool:
-    """Whether all of some rules keep a library from being run."""
+    """Return whether all given rules prevent a library from running."""
     return errors().issuperset(enabled)
 
 
 def checks_for(enabled: Collection[str]) -> list[Check]:
-    """Return the checks that find, or hide, what the enabled rules may report."""
+    """Return the checks that find, or hide, the findings of the enabled rules."""
     among = checks(errors_only=are_errors(enabled))
     wanted = with_hiders(enabled)
     return [one for one in among if any(rule.name in wanted for rule in one.rules)]

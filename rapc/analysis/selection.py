@@ -1,8 +1,8 @@
-"""Which rules report, where, and how grave their findings are for one user.
+"""The selection: the rules that report, the files, and the severities of findings.
 
-A rule has a severity of its own; a user may change it, switch a rule off, or switch it
-off for some files. Command line and configuration (`rapc.analysis.config`) both end
-in one `Selection`.
+A rule has a default severity. A user may change the severity, disable a rule, or
+disable a rule for some files. The command line and the configuration
+(`rapc.analysis.config`) are both converted to one `Selection`.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from rapc.errors import Error
 
 
 class UnknownRuleError(Error):
-    """A word that is neither a rule's name nor its code; `near` may be meant."""
+    """An unknown rule name or code; `near` is a similar name."""
 
     def __init__(self, word: str, near: str | None) -> None:
         meant = f"did you mean `{near}`?" if near else ""
@@ -32,39 +32,39 @@ class UnknownRuleError(Error):
 class PerFile(msgspec.Struct, frozen=True):
     """Rules that do not report in some files."""
 
-    #: Of file names, with `*` (folders too), `?` and `[...]`: matched against the path
-    #: as seen from `root`, and against the last part of it.
+    #: Pattern of file names, with `*` (folders too), `?` and `[...]`: matched against
+    #: the path relative to `root`, and against the last part of the path.
     pattern: str
     #: Names of rules.
     rules: frozenset[str]
-    #: The folder from which paths are seen; the working folder if empty.
+    #: The folder that paths are relative to; empty for the working directory.
     root: str = ""
 
     def covers(self, file: str) -> bool:
-        """Whether the pattern is one of a file, by the name that spans carry."""
+        """Return whether the pattern matches a file, by the file name in spans."""
         path = seen_from(self.root, file)
         return any(fnmatchcase(n, self.pattern) for n in (path, PurePath(path).name))
 
 
 class Selection(msgspec.Struct, frozen=True):
-    """The rules that report, those that do not in some files, and severities."""
+    """The enabled rules, the exceptions for files, and the severities."""
 
     #: The names of the rules that report.
     enabled: frozenset[str]
-    #: Where some of them do not.
+    #: The rules that do not report in some files.
     per_file: tuple[PerFile, ...] = ()
-    #: Severities that differ from those of the rules, by the names of rules.
+    #: Severities that differ from the default, by the names of rules.
     severities: Mapping[str, Severity] = {}
 
     def chooses(self, found: Diagnostic) -> bool:
-        """Whether a finding is to be reported."""
+        """Return whether to report a finding."""
         if found.rule not in self.enabled:
             return False
         ignoring = (one for one in self.per_file if found.rule in one.rules)
         return not any(one.covers(found.span.file) for one in ignoring)
 
     def graded(self, rule: Rule) -> Rule:
-        """Return a rule with the severity that it has for this user."""
+        """Return a rule with the severity that the user has chosen."""
         wanted = self.severities.get(rule.name, rule.severity)
         if wanted is rule.severity:
             return rule
@@ -72,24 +72,24 @@ class Selection(msgspec.Struct, frozen=True):
 
 
 def by_default() -> frozenset[str]:
-    """Return the names of the rules that report if nobody chooses: all but opt-in."""
+    """Return the names of the rules enabled by default: all but opt-in rules."""
     return frozenset(n for n, rule in registry.rules().items() if not rule.opt_in)
 
 
 def errors() -> Selection:
-    """Return what chooses the rules that keep a library from being run."""
+    """Return the selection of the rules that prevent a library from running."""
     return Selection(registry.errors())
 
 
 ALL = "all"
-"""The word for all rules, those that are opt-in too; in capitals or not."""
+"""The word for all rules, including opt-in rules; upper or lower case."""
 
 
 def chosen_rules(words: Iterable[str]) -> frozenset[str]:
     """Return the names of rules given by name, by code, or by the word for all.
 
     Raises:
-        UnknownRuleError: as `rule_names`.
+        UnknownRuleError: if a word is not a rule.
     """
     given = list(words)
     named = rule_names(word for word in given if word.lower() != ALL)
@@ -98,10 +98,10 @@ def chosen_rules(words: Iterable[str]) -> frozenset[str]:
 
 
 def rule_names(words: Iterable[str]) -> frozenset[str]:
-    """Return the names of rules that are given by name or code.
+    """Return the names of rules given by name or code.
 
     Raises:
-        UnknownRuleError: for a word that no rule has as its name or code.
+        UnknownRuleError: if a word is neither the name nor the code of a rule.
     """
     known = _words()
     chosen = set()
@@ -115,6 +115,6 @@ def rule_names(words: Iterable[str]) -> frozenset[str]:
 
 @cache
 def _words() -> Mapping[str, str]:
-    """The names of all rules, by name and by code in lower case."""
+    """Return the names of all rules, by name and by code in lower case."""
     rules = registry.rules().values()
     return {word: r.name for r in rules for word in (r.name, r.code.lower())}

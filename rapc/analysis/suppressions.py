@@ -1,8 +1,8 @@
 """Comments that silence findings: `; rapc: ignore[name] reason`, `file-ignore`.
 
 An `ignore` before a form, or at the end of the form's first line, covers that form; a
-`file-ignore` covers its file. One that silences nothing is a finding itself, and so is
-one that names no rule.
+`file-ignore` covers its file. A suppression that silences no finding, or that names an
+unknown rule, is itself a finding.
 """
 
 from __future__ import annotations
@@ -68,27 +68,27 @@ names or codes of rules, separated by commas; anything else silences nothing."""
 )
 
 RULES = (UNUSED, BAD)
-"""The rules about suppressions themselves."""
+"""The rules about suppressions."""
 
 
 @cache
 def _meant() -> re.Pattern[str]:
-    """Return what finds comments that are meant as suppressions."""
+    """Return the pattern of comments that are meant as suppressions."""
     return re.compile(r";+\s*rapc:\s*(?P<what>.*)", re.IGNORECASE | re.DOTALL)
 
 
 @cache
 def _form() -> re.Pattern[str]:
-    """Return what finds the parts of a suppression."""
+    """Return the pattern of the parts of a suppression."""
     form = r"(?P<kind>ignore|file-ignore)\[(?P<rules>[^\]]*)\]"
     return re.compile(form, re.IGNORECASE)
 
 
 class Suppression(msgspec.Struct, frozen=True):
-    """One rule's name in one comment.
+    """One rule name in one comment.
 
-    `rule` is a rule's proper name; `comment` is where the comment stands, `covers` the
-    stretch whose findings it silences; `alone` if the comment names no other rule.
+    `rule` is the name of the rule; `comment` is the span of the comment; `covers` is
+    the span of silenced findings; `alone` is true if the comment names no other rule.
     """
 
     rule: str
@@ -100,12 +100,12 @@ class Suppression(msgspec.Struct, frozen=True):
 def find_suppressions(
     unit: SourceUnit, rules: Mapping[str, Rule]
 ) -> tuple[list[Suppression], list[Diagnostic]]:
-    """Return the suppressions of one file, and what is wrong with them.
+    """Return the suppressions of a file, and the findings about suppressions.
 
     Args:
         unit: the file.
-        rules: the rules that are known, by name: all, or without those about
-            suppressions, and then nothing is said of a name that is not among them.
+        rules: the known rules by name. Without the rules about suppressions, an unknown
+            name is not reported.
     """
     source = unit.file
     if not unit.comments:
@@ -143,9 +143,9 @@ def find_suppressions(
 def apply(
     found: Iterable[Diagnostic], suppressions: Sequence[Suppression]
 ) -> tuple[list[Diagnostic], list[Suppression]]:
-    """Return the findings left, and the suppressions that silenced none.
+    """Return the findings left, and the suppressions that silenced no finding.
 
-    The time is in proportion to the number of both, however they lie.
+    The time is proportional to the number of findings and suppressions.
     """
     covers: dict[tuple[str, str], list[Span]] = {}
     for one in sorted(suppressions, key=lambda one: one.covers.start):
@@ -165,14 +165,14 @@ def apply(
 
 
 def _silences(one: Suppression, places: Mapping[tuple[str, str], list[int]]) -> bool:
-    """Whether a suppression covers a finding, of those that begin at some places."""
+    """Return whether a suppression covers one of the findings at some positions."""
     starts = places.get((one.covers.file, one.rule), [])
     at = bisect_left(starts, one.covers.start)
     return at < len(starts) and starts[at] < one.covers.end
 
 
 def unused(suppression: Suppression, source: SourceFile) -> Diagnostic:
-    """The finding about a suppression that silences nothing."""
+    """Return the finding about a suppression that silences no finding."""
     comment = suppression.comment
     start = comment.start
     while start > 0 and source.text[start - 1] in " \t":
@@ -192,7 +192,7 @@ def unused(suppression: Suppression, source: SourceFile) -> Diagnostic:
 
 
 def _first_forms(unit: SourceUnit) -> Mapping[int, Span]:
-    """For each row on which a list begins, the outermost of those lists."""
+    """Return, for each row that a list begins on, the outermost of those lists."""
     source = unit.file
     starts: dict[int, Span] = {}
     for one in _lists(unit.data):
@@ -202,7 +202,7 @@ def _first_forms(unit: SourceUnit) -> Mapping[int, Span]:
 
 
 def _lists(data: Iterable[Datum]) -> Iterator[List]:
-    """All lists among some data and in them, in the order of the text."""
+    """Yield all lists among some data and inside the data, in the order of the text."""
     stack = list(data)[::-1]
     while stack:
         datum = stack.pop()
@@ -212,7 +212,7 @@ def _lists(data: Iterable[Datum]) -> Iterator[List]:
 
 
 def _rows_with_text(source: SourceFile) -> Sequence[int]:
-    """Return for each row, from 0, the first one from there on that holds code."""
+    """Return for each row, from 0, the first row from that row on with code."""
     last = len(source.line_starts)
     found = [last + 1] * (last + 2)
     for row in range(last, 0, -1):
@@ -226,7 +226,7 @@ def _covered(
     starts: Mapping[int, Span],
     below: Sequence[int],
 ) -> Span:
-    """The form that begins on the comment's line, else on the next one with text."""
+    """Return the form on the line of the comment, or on the next line with text."""
     at = source.position(comment.span.start)
     before = source.line(at.row)[: at.column - 1]
     row = at.row if before.strip() else below[at.row + 1]
