@@ -1,1 +1,1 @@
-"""What a library says, gathered once for all checks."""
+"""Facts about a library that several checks need; each fact is computed once."""

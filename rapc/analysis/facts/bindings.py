@@ -1,20 +1,26 @@
-"""Variables that formulas need and bind [L 2], and the sites that bind them.
+"""Variables that formulas need and bind [L 2], and the sites that bind variables.
 
-`BindingWalker` says what a formula needs and surely binds: `and` binds from left to
-right; of `or`, only what every branch that can succeed binds is surely bound; `not`
-exports nothing; comparisons, computed terms, tests of sets and functions used as tests
-bind nothing and need theirs bound; a named query does to the terms it is given what its
-formula does. Where these formulas stand and what is bound beforehand is for
-`rapc.analysis.facts.variables` to say.
+`BindingWalker` computes the variables that a formula needs and surely binds:
 
-A named query stands for its formula with terms put in for its arguments. Which
-arguments need a value, and which the formula surely binds, depends on those that have
-one where the name stands: so queries are walked once for each such set that comes up.
-What a query asks through others is worked out first, without recursion, however long
-the chain is. In a circle, which is reported elsewhere, a query is taken for a fact.
+- `and` binds from left to right.
+- `or` surely binds the variables that each branch that can succeed binds.
+- `not` exports no bindings.
+- Comparisons, computed terms, tests of sets and functions used as tests bind no
+  variables, and their variables must be bound.
+- A named query treats its terms as its formula treats the arguments.
 
-`sites` are the places where a variable gets a value, or may get one: slower and
-simpler, and asked only about RAPs in which something may be wrong.
+`rapc.analysis.facts.variables` determines the position of each formula and the
+variables bound before the formula.
+
+A named query stands for its formula, with terms in place of the arguments. The
+arguments that need a value, and the arguments that the formula surely binds, depend on
+the arguments that have a value at the use. For this reason a query is walked once for
+each set of arguments with values that occurs. The queries that a query uses are walked
+first, without recursion in Python, so that a chain of queries may be long. In a cycle,
+which another check reports, a query is treated like a fact.
+
+`sites` yields the places where a variable gets, or may get, a value. `sites` is slower
+and simpler, and is used only for RAPs that may have a fault.
 """
 
 from __future__ import annotations
@@ -37,22 +43,22 @@ from rapc.ir.schema import operands
 from rapc.ir.walk import FormulaAt, formulas
 
 Key = tuple[str, frozenset[str]]
-"""A query by its name, with those of its arguments that have a value."""
+"""The name of a query, and the arguments that have a value."""
 
 
 class QueryBindings(msgspec.Struct, frozen=True):
-    """What a query comes to where some of its arguments have a value."""
+    """The summary of a query for one set of arguments with values."""
 
-    #: The arguments that need a value and do not surely have one.
+    #: The arguments that need a value and do not surely have a value.
     needs: Set[str]
     #: The arguments that have a value wherever the query holds.
     binds: Set[str]
-    #: Whether it can hold at all.
+    #: Whether the query can hold.
     possible: bool
 
 
 class _UnknownError(Exception):
-    """A summary is asked for that has to be worked out first."""
+    """A request for a summary that must be computed first."""
 
     def __init__(self, key: Key) -> None:
         super().__init__(key)
@@ -60,15 +66,15 @@ class _UnknownError(Exception):
 
 
 Summarize = Callable[[nodes.DefineQuery, frozenset[str]], QueryBindings]
-"""Walks the formula of a query once, asking `Summaries.known` for others in it."""
+"""Walks the formula of a query once; calls `Summaries.known` for inner queries."""
 
 
 class Summaries:
-    """The summaries of the queries of a library, worked out when asked for.
+    """The summaries of the queries of a library, computed on request.
 
     Args:
         queries: the queries by name.
-        summarize: what walks one of them.
+        summarize: walks the formula of one query.
     """
 
     def __init__(
@@ -77,11 +83,11 @@ class Summaries:
         self.queries = queries
         self._summarize = summarize
         self._known: dict[Key, QueryBindings] = {}
-        #: What is being worked out, each for the sake of the one before it.
+        #: The pending summaries; each summary is needed by the preceding summary.
         self._asking: dict[Key, None] = {}
 
     def known(self, name: str, given: frozenset[str]) -> QueryBindings:
-        """Return what a query comes to where the arguments in `given` have a value."""
+        """Return the summary of a query if the arguments in `given` have a value."""
         key = (name, given)
         found = self._known.get(key)
         if found is not None:
@@ -92,7 +98,7 @@ class Summaries:
         return self._known[key]
 
     def _work_out(self, key: Key) -> None:
-        """Walk a query, after all others that its formula asks."""
+        """Walk a query, after all queries that its formula uses."""
         self._asking[key] = None
         while self._asking:
             name, given = here = next(reversed(self._asking))
@@ -109,12 +115,12 @@ class Summaries:
 
 
 def query_arguments(query: nodes.DefineQuery) -> Iterator[str]:
-    """The names of the arguments of a query."""
+    """Yield the names of the arguments of a query."""
     return (arg.variable.name for arg in query.args)
 
 
 class Bound(Container[str]):
-    """The names bound at some place: those of an outer place and some more."""
+    """The variables bound at a place: the variables of an outer place, and more."""
 
     __slots__ = ("names", "outer")
 
@@ -129,11 +135,11 @@ class Bound(Container[str]):
 
 
 class Findings:
-    """What was noticed while formulas and terms were walked through.
+    """The faults found during a walk of formulas and terms.
 
-    `unbound` are variables that need a value and are not surely bound, `anonymous`
-    those that are a bare `?` where a value is needed, `ages` the `believe` forms
-    that bind an age; all in the order in which they are met.
+    `unbound` are variables that need a value and are not surely bound; `anonymous` are
+    bare `?` where a value is needed; `ages` are the `believe` forms that bind an age.
+    Each list is in the order of the walk.
     """
 
     def __init__(self) -> None:
@@ -143,12 +149,12 @@ class Findings:
 
 
 class BindingWalker:
-    """Walks formulas and terms of one library.
+    """A walk of the formulas and terms of one library.
 
     Args:
-        functions: the declared functions; a pattern of that name is a test.
-        queries: the named queries; a pattern of that name stands for a formula.
-        findings: where what is noticed goes.
+        functions: the declared functions; a pattern with such a name is a test.
+        queries: the named queries; a pattern with such a name stands for a formula.
+        findings: receives the faults.
     """
 
     def __init__(
@@ -162,11 +168,11 @@ class BindingWalker:
         self.summaries = Summaries(queries, self._summarize)
 
     def apart(self) -> BindingWalker:
-        """Return a walker of the same library with findings of its own."""
+        """Return a walker of the same library with separate findings."""
         return BindingWalker(self.functions, self.summaries.queries, Findings())
 
     def value(self, term: nodes.Term, bound: Bound) -> None:
-        """A place that needs a value: note what is not bound in it."""
+        """Record the unbound variables of a term that needs a value."""
         if type(term) is nodes.Var:
             if term.name == "?":
                 self.findings.anonymous.append(term)
@@ -177,12 +183,12 @@ class BindingWalker:
                 self.value(arg, bound)
 
     def values(self, terms: Iterable[nodes.Term], bound: Bound) -> None:
-        """Several places that need values."""
+        """Record the unbound variables of terms that need values."""
         for term in terms:
             self.value(term, bound)
 
     def match(self, terms: Iterable[nodes.Term], bound: Bound) -> None:
-        """Terms matched with values: computed ones need, variables bind."""
+        """Match terms with values: a computed term needs a value, a variable binds."""
         fresh = []
         for term in terms:
             if type(term) is nodes.Var:
@@ -193,14 +199,14 @@ class BindingWalker:
         bound.names.update(fresh)
 
     def formula(self, formula: nodes.Formula, bound: Bound) -> bool:
-        """Walk a formula, adding to `bound` what it surely binds.
+        """Walk a formula, and add the variables that are surely bound to `bound`.
 
-        Returns False if it can have no solution.
+        Returns False if the formula cannot have a solution.
         """
         return _VISITS.get(type(formula), _as_declared)(self, formula, bound)
 
     def query(self, use: nodes.Proposition, bound: Bound) -> bool:
-        """Walk the formula that a name stands for, with its terms put in."""
+        """Walk the formula of a named query, with terms in place of the arguments."""
         query = self.summaries.queries[use.name]
         terms = dict(zip(query_arguments(query), use.args, strict=False))
         unbound = [
@@ -227,7 +233,7 @@ class BindingWalker:
     def _summarize(
         self, query: nodes.DefineQuery, given: frozenset[str]
     ) -> QueryBindings:
-        """Walk the formula of a query where some of its arguments have a value."""
+        """Walk the formula of a query with values for some of the arguments."""
         kept, self.findings = self.findings, Findings()
         try:
             bound = Bound(None, given)
@@ -254,7 +260,7 @@ def _pattern(walker: BindingWalker, formula: nodes.Proposition, bound: Bound) ->
 
 
 def _as_declared(walker: BindingWalker, formula: nodes.Formula, bound: Bound) -> bool:
-    """A formula of which its operands say all there is to know."""
+    """Walk a formula whose operands alone determine the bindings."""
     inner = operands(formula)
     if inner.used:
         walker.values(inner.used, bound)
@@ -299,15 +305,16 @@ _VISITS: Mapping[type, Callable[..., bool]] = {
     nodes.Not: _not,
     nodes.Believe: _believe,
 }
-"""Kinds of formulas of which there is more to know than their operands say."""
+"""The types of formulas with a rule of their own for bindings."""
 
 
 class Site(msgspec.Struct, frozen=True):
-    """One place that binds a variable.
+    """A place that binds a variable.
 
-    `clause` is the clause's name, or `input`, `resource` or `step`, or one of `SIGNALS`
-    for a signal that ends a step; `method` and `step` (its position) say where it is in
-    a method; `negated` places lie inside a `not`, `branch` places in an `or`.
+    `clause` is the name of the clause, or `input`, `resource` or `step`, or a value of
+    `SIGNALS` for a signal that ends a step. `method` and `step` (its position) locate
+    the place in a method. A `negated` place lies inside a `not`, a `branch` place in an
+    `or`.
     """
 
     name: str
@@ -320,7 +327,7 @@ class Site(msgspec.Struct, frozen=True):
 
     @property
     def what(self) -> str:
-        """The place in words."""
+        """Return the place in words."""
         if self.step is not None and self.method is not None:
             assert isinstance(self.method.body, nodes.TaskNet)
             return f"step `{self.method.body.steps[self.step].tag}`"
@@ -330,11 +337,11 @@ class Site(msgspec.Struct, frozen=True):
 _WORDS = {"input": "an input", "resource": "a resource"}
 
 SIGNALS = {"succeed": "a signal that ends", "fail": "a signal that fails"}
-"""What a signal that ends a step is called, by the mode of its `wait-for`."""
+"""The name of a signal that ends a step, by the mode of its `wait-for`."""
 
 
 def sites(rap: nodes.DefineRap, functions: Container[str]) -> Iterator[Site]:
-    """All places of a RAP that bind a variable, in the order of evaluation."""
+    """Yield all places of a RAP that bind a variable, in the order of evaluation."""
     for variable in rap.inputs:
         yield Site(variable.name, variable.span, "input")
     for resource in rap.resources:
@@ -395,7 +402,7 @@ def _terms(place: Site, terms: tuple[nodes.Term, ...]) -> Iterator[Site]:
 def sites_by_name(
     rap: nodes.DefineRap, functions: Container[str]
 ) -> Mapping[str, Sequence[Site]]:
-    """Return the places of a RAP that bind variables, by the names of these."""
+    """Return the places of a RAP that bind variables, by variable name."""
     found: dict[str, list[Site]] = {}
     for site in sites(rap, functions):
         found.setdefault(site.name, []).append(site)
@@ -403,7 +410,7 @@ def sites_by_name(
 
 
 class MayBeBound:
-    """Tells which variables of a RAP may have values where a formula is asked.
+    """The variables of a RAP that may have values before a formula is evaluated.
 
     Args:
         rap: the RAP.
@@ -416,7 +423,7 @@ class MayBeBound:
         self._sites: Mapping[str, Sequence[Site]] | None = None
 
     def at(self, place: FormulaAt) -> Container[str]:
-        """Return the variables that may have values before a formula is asked."""
+        """Return the variables that may have values before a formula is evaluated."""
         return _BoundBefore(self, place)
 
     def sites(self, name: str) -> Sequence[Site]:
@@ -427,10 +434,10 @@ class MayBeBound:
 
 
 class _BoundBefore(Container[str]):
-    """The variables that may have values before a formula is asked [L 3.64, 3.67].
+    """The variables that may have values before a formula is evaluated [L 3.64, 3.67].
 
-    Steps share the variables of their method: what any of them has bound may be there
-    when a condition of another one is asked, or a constraint of the method.
+    Steps share the variables of their method. A binding by one step may be available to
+    the conditions of the other steps, and to the constraints of the method.
     """
 
     def __init__(self, bound: MayBeBound, place: FormulaAt) -> None:
@@ -457,7 +464,7 @@ class _BoundBefore(Container[str]):
 _KEPT_BACK = {
     clause.word for clause in (*clauses.RAP, *clauses.METHOD) if not clause.hands_on
 }
-"""The clauses whose bindings stay theirs."""
+"""The clauses whose bindings are local to the clause."""
 
 
 def whole_formulas(
@@ -480,7 +487,7 @@ def whole_formulas(
 def rules_over_memory(
     form: nodes.MemoryRule | nodes.EventRule,
 ) -> Iterator[tuple[Sequence[nodes.Rule], set[str]]]:
-    """Yield rules that run together, with the variables that have values there."""
+    """Yield rules that run together, with the variables that have values before."""
     if isinstance(form, nodes.EventRule):
         yield form.rules, names_of(form.args)
         return
@@ -492,5 +499,5 @@ def rules_over_memory(
 
 
 def names_of(terms: Iterable[nodes.Term]) -> set[str]:
-    """Return the names of the variables among some terms, but for bare `?`."""
+    """Return the names of the variables in some terms, except bare `?`."""
     return {t.name for t in terms if isinstance(t, nodes.Var) and not t.anonymous}

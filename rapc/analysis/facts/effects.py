@@ -1,16 +1,21 @@
-"""What RAPs call, request and bring about, and which of them never end.
+"""Calls, requests and effects of RAPs, and the RAPs that never end.
 
-`Effects` holds for each RAP every fact that something below it may put into memory or
-take out of it, as far as declarations say so (`:on`, `:tells`), and whether that is all
-there is. It is not where a primitive does not say what its `okay` does, where skills
-are enabled or signals awaited, where a method is empty or a step has no RAP. Rules over
-memory add to the RAPs that they are about; with rules over events nothing is certain.
-It holds failures and events, too; the failures that the interpreter itself gives a task
-are in `rapc.analysis.checks.results`.
+`Effects` holds, for each RAP, the facts that the RAP and its descendants may assert or
+erase as far as declared (`:on`, `:tells`), and whether these facts are complete. The
+facts are not complete in these cases:
 
-`done` returns guaranteed effects: facts that hold, or do not, once a goal has been
-reached. That is what its RAP declares as `effects`, asks for in `succeed` or, without
-that, what all of its primitives do if they end `okay`.
+- a primitive does not declare the effects of `okay`,
+- a method enables skills or waits for signals,
+- a method is empty, or a step has no RAP.
+
+Rules over memory add to the effects of their RAP. With rules over events no effect is
+certain. `Effects` also holds failures and events; `rapc.analysis.checks.results` has
+the failures that the interpreter itself sets on a task.
+
+`done` returns guaranteed effects: facts that hold, or do not hold, after a goal has
+been reached. Guaranteed effects are the declared `effects` of the RAP and the facts
+that its `succeed` clause queries. Without a `succeed` clause, the common effects of all
+its primitives that end `okay` count.
 """
 
 from __future__ import annotations
@@ -41,14 +46,14 @@ from rapc.library.library import Library
 
 
 def calls_of(rap: nodes.DefineRap) -> tuple[str, ...]:
-    """Return the RAPs that a RAP asks for, each once."""
+    """Return the RAPs that the steps of a RAP call, each once."""
     return tuple(dict.fromkeys(s.goal.name for m in rap.methods for s in steps(m)))
 
 
 def reached(library: Library, names: Iterable[str]) -> dict[str, nodes.DefineRap]:
-    """Return the RAPs called `names` and all that their steps lead to.
+    """Return the RAPs called `names`, and all RAPs that their steps reach.
 
-    Others are not looked at: a compiled library need not read them.
+    Other RAPs are not looked at: a compiled library need not read the other RAPs.
     """
     raps = library.raps
     found = reachable(names, lambda name: calls_of(raps[name]) if name in raps else ())
@@ -56,7 +61,7 @@ def reached(library: Library, names: Iterable[str]) -> dict[str, nodes.DefineRap
 
 
 def below_agendas(library: Library) -> dict[str, nodes.DefineRap]:
-    """Return the RAPs that tasks of agendas lead to."""
+    """Return the RAPs that tasks of agendas reach."""
     agendas = library.agendas.values()
     return reached(library, [one.goal.name for a in agendas for one in a.tasks])
 
@@ -64,11 +69,11 @@ def below_agendas(library: Library) -> dict[str, nodes.DefineRap]:
 # --- what a request or a rule does --------------------------------------------------
 
 Values = tuple[object, ...]
-"""The arguments of a fact: constants, or None where they are not known."""
+"""The arguments of a fact: constants, or None for unknown arguments."""
 
 
 class Effect(msgspec.Struct, frozen=True, gc=False):
-    """A fact that may come or, if `gone`, go."""
+    """A fact that may be asserted or, if `gone`, erased."""
 
     name: str
     values: Values
@@ -78,7 +83,7 @@ class Effect(msgspec.Struct, frozen=True, gc=False):
 def request_effects(
     library: Library, request: nodes.Request
 ) -> tuple[list[Effect], bool]:
-    """Return what a request may do with any result, and whether that is all."""
+    """Return the possible effects of a request, and whether no effect is missing."""
     form = library.primitives.get(request.name)
     if form is None:
         return [], False
@@ -99,7 +104,7 @@ def request_effects(
 
 
 def rule_effects(rules: Iterable[nodes.Rule]) -> Iterator[Effect]:
-    """Yield what rules over memory may do."""
+    """Yield the possible effects of rules over memory."""
     for rule in rules:
         for alternative in rule.alternatives:
             for action in alternative.actions:
@@ -108,7 +113,7 @@ def rule_effects(rules: Iterable[nodes.Rule]) -> Iterator[Effect]:
 
 
 def request_done(library: Library, request: nodes.Request) -> list[Literal]:
-    """Return what a request surely does if it ends `okay`."""
+    """Return the guaranteed effects of a request that ends `okay`."""
     form = library.primitives.get(request.name)
     if form is None:
         return []
@@ -145,7 +150,7 @@ def _values(fact: nodes.Proposition, given: Mapping[str, object]) -> Values:
 
 
 class _Outcome(msgspec.Struct, frozen=True, gc=False):
-    """A failure or an event of a RAP; without a name any one, known or not."""
+    """A failure or an event of a RAP; without a name, any failure or event."""
 
     kind: OneOf["effect", "failure", "event"]
     name: str = ""
@@ -160,12 +165,12 @@ _Item = Effect | _Outcome
 
 
 class Effects:
-    """What the RAPs of a library may bring about, with all that lies below them.
+    """The possible effects of the RAPs of a library, including all descendants.
 
     Args:
         library: the library.
-        unread: the RAPs of which nothing is known for sure.
-        broken: the RAPs of which not all effects are known.
+        unread: the RAPs without any certain knowledge.
+        broken: the RAPs with incomplete knowledge of effects.
     """
 
     def __init__(
@@ -193,30 +198,30 @@ class Effects:
         self._below = Reachable(self._own, calls)
 
     def of(self, name: str) -> Sequence[Effect] | None:
-        """Return all that a RAP may bring about; None if that is not known."""
+        """Return all possible effects of a RAP; None if some are unknown."""
         return self.known(name) if self._is_whole([name]) else None
 
     def known(self, name: str) -> Sequence[Effect]:
-        """Return what is known that a RAP may bring about, whether it is all or not."""
+        """Return the known possible effects of a RAP, complete or not."""
         return _effects(self._below.items([name]))
 
     def is_open(self, name: str) -> bool:
-        """Whether a RAP may itself do more than what is known, steps aside."""
+        """Return whether a RAP itself, without its steps, may have unknown effects."""
         return _ANY_EFFECT in self._own[name]
 
     def of_method(self, method: nodes.Method) -> tuple[Sequence[Effect], bool]:
-        """Return what is known that a method may bring about, and whether it is all."""
+        """Return the known effects of a method, and whether no effect is missing."""
         own = list(self._of_method(method))
         below = [step.goal.name for step in steps(method)]
         found = dict.fromkeys(_effects([*own, *self._below.items(below)]))
         return list(found), _ANY_EFFECT not in own and self._is_whole(below)
 
     def fails_with(self, name: str, failure: str) -> bool:
-        """Whether a task of the RAP `name` may fail with `failure`, a symbol."""
+        """Return whether a task of the RAP `name` may fail with `failure`, a symbol."""
         return self._may(name, _ANY_FAILURE, _Outcome("failure", failure))
 
     def tells(self, name: str, event: str) -> bool:
-        """Whether skills of the RAP `name`, or below it, may tell `event`."""
+        """Return whether skills of the RAP `name`, or below, may emit `event`."""
         return self._may(name, _ANY_EVENT, _Outcome("event", event))
 
     def _may(self, name: str, *outcomes: _Outcome) -> bool:
@@ -230,7 +235,7 @@ class Effects:
         )
 
     def _of_method(self, method: nodes.Method) -> Iterator[_Item]:
-        """Yield what a method does, its steps aside."""
+        """Yield the effects of a method itself, without its steps."""
         library, body = self._library, method.body
         if does_nothing(method):
             yield from _ANYTHING
@@ -278,7 +283,7 @@ def _effects(items: Iterable[_Item]) -> list[Effect]:
 
 
 def _of_waits(waits: Iterable[nodes.WaitFor]) -> Iterator[_Outcome]:
-    """Yield the events that are awaited, and the failures by them."""
+    """Yield the events of waits, and the failures that the waits may cause."""
     for wait in waits:
         yield _Outcome("event", wait.signal)
         if wait.mode == "fail":
@@ -286,7 +291,7 @@ def _of_waits(waits: Iterable[nodes.WaitFor]) -> Iterator[_Outcome]:
 
 
 def does_nothing(method: nodes.Method) -> bool:
-    """Whether a method leaves it to others, or to be written later."""
+    """Return whether a method has no action of its own."""
     return isinstance(method.body, nodes.TaskNet) and not method.body.steps
 
 
@@ -298,11 +303,11 @@ def _run(run: Pass) -> Effects:
 
 
 _NAMING = nodes.For | nodes.UntilStart | nodes.UntilEnd
-"""The annotations that name a step and nothing else."""
+"""The annotations that only name a step."""
 
 
 def _is_broken(rap: nodes.DefineRap) -> bool:
-    """Whether a task-net of a RAP lacks a step that it names, or has the RAP itself."""
+    """Return whether a task-net names a missing step, or calls its own RAP."""
     for method in rap.methods:
         tags = {step.tag for step in steps(method)}
         for step in steps(method):
@@ -315,18 +320,18 @@ def _is_broken(rap: nodes.DefineRap) -> bool:
 
 
 EFFECTS = Fact(_run)
-"""What each RAP may bring about, from what is declared of primitives."""
+"""The possible effects of each RAP, from the declarations of primitives."""
 
 
 # --- RAPs that never end ------------------------------------------------------------
 
 
 def endless(raps: Mapping[str, nodes.DefineRap]) -> Mapping[str, Span]:
-    """Return those of `raps` that stand by for good, each with the clause that says so.
+    """Return the RAPs of `raps` that never end, each with the clause that is the cause.
 
-    Steps for other RAPs count as done some time. A RAP without `succeed` is done when a
-    method has ended well: never, if each of its methods has a step that is never done
-    and that nothing ends.
+    A step for another RAP counts as a step that ends. A RAP without `succeed` ends when
+    a method has succeeded. Such a RAP never ends if each of its methods has a step that
+    never ends, and no annotation ends that step.
     """
     found: dict[str, Span] = {}
     for rap in raps.values():
@@ -356,7 +361,7 @@ def endless(raps: Mapping[str, nodes.DefineRap]) -> Mapping[str, Span]:
 
 
 class NeverDone(Container[str]):
-    """The RAPs that never end well by themselves; all are looked at when one is asked.
+    """The RAPs that never succeed by themselves; all are computed on the first query.
 
     Args:
         raps: the RAPs of a library.
@@ -384,7 +389,7 @@ def _endless_step(method: nodes.Method, found: Mapping[str, Span]) -> Span | Non
 
 
 def may_end(note: nodes.Annotation) -> bool:
-    """Whether an annotation of a step may end it before it is done."""
+    """Return whether an annotation of a step may end the step early."""
     if isinstance(note, nodes.WaitFor):
         return note.mode != "proceed"
     return isinstance(note, nodes.UntilStart | nodes.UntilEnd | nodes.Window)
@@ -394,7 +399,7 @@ def may_end(note: nodes.Annotation) -> bool:
 
 
 def done(library: Library, goal: nodes.Goal) -> list[Literal]:
-    """Return what surely comes of a goal that is reached, in the caller's terms."""
+    """Return the guaranteed effects of a reached goal, in the terms of the caller."""
     rap = library.raps.get(goal.name)
     if rap is None:
         return []
@@ -406,7 +411,7 @@ def done(library: Library, goal: nodes.Goal) -> list[Literal]:
 
 
 def _of_methods(library: Library, rap: nodes.DefineRap) -> list[Literal]:
-    """Return what every method of a RAP brings about, if each is a primitive."""
+    """Return the common effects of all methods of a RAP, if each is a primitive."""
     every: list[list[Literal]] = []
     for method in rap.methods:
         if not isinstance(method.body, nodes.Primitive):
@@ -422,7 +427,7 @@ def _literal(effect: nodes.DeclaredEffect) -> Literal:
 
 
 def put_in(found: Sequence[Literal], given: Mapping[str, nodes.Term]) -> list[Literal]:
-    """Return facts with terms for their variables, without those that keep some."""
+    """Return facts with terms for variables; drop facts with other variables."""
     made = []
     for one in found:
         if all(variable.name in given for variable in variables(one.formula)):
@@ -434,10 +439,10 @@ def put_in(found: Sequence[Literal], given: Mapping[str, nodes.Term]) -> list[Li
 
 
 def done_by_method(library: Library, method: nodes.Method) -> list[Literal]:
-    """Return what surely holds when a method has ended well.
+    """Return the facts that surely hold after a method has succeeded.
 
-    Of a task-net that is what its steps bring about, without facts of which more than
-    one step has something to say, and without steps that may be ended before.
+    For a task-net, the facts are the guaranteed effects of its steps. Contradictory
+    facts of two steps, and steps that may be ended early, are left out.
     """
     if isinstance(method.body, nodes.Primitive):
         return request_done(library, method.body.request)
@@ -450,14 +455,14 @@ def done_by_method(library: Library, method: nodes.Method) -> list[Literal]:
 
 
 def _ends(note: nodes.Annotation) -> bool:
-    """Whether an annotation may end its step well before its work is done."""
+    """Return whether an annotation may end its step well before the work is done."""
     if isinstance(note, nodes.WaitFor):
         return note.mode == "succeed"
     return isinstance(note, nodes.UntilStart | nodes.UntilEnd)
 
 
 def may_establish(library: Library, one: Literal, done: Sequence[Effect]) -> bool:
-    """Whether anything done may make a literal hold, or it is not known."""
+    """Return whether an effect may make a literal hold; True if unknown."""
     fact = one.formula
     if isinstance(fact, nodes.Believe):
         fact = fact.pattern
@@ -474,7 +479,7 @@ def may_establish(library: Library, one: Literal, done: Sequence[Effect]) -> boo
 def _serves(
     library: Library, effect: Effect, fact: nodes.Proposition, holds: bool
 ) -> bool:
-    """Whether an effect may make a fact hold, or keep it from holding."""
+    """Return whether an effect may make a fact hold, or keep the fact from holding."""
     if effect.name != fact.name:
         return False
     property_ = library.properties.get(fact.name)
@@ -496,7 +501,7 @@ def _is_declared(library: Library, name: str) -> bool:
 
 
 def things_needed(library: Library, method: nodes.Method) -> Iterator[nodes.Thing]:
-    """Yield what a method asks for before it starts, if no variable stands in it."""
+    """Yield the things that a method claims before the start, without variables."""
     asked = [*method.claims]
     if isinstance(method.body, nodes.Primitive):
         form = library.primitives.get(method.body.request.name)

@@ -1,8 +1,8 @@
 """The index of a library: each node by its type, each name with its uses.
 
-The index holds the nodes of all forms, in the order of the text, each
-with its parent, which tells what part it plays, and with the top-level form that it
-stands in. What a name means is for `rapc.library.signatures` to say.
+The index holds the nodes of all forms, in the order of the text. Each node has its
+parent, which determines the role of the node, and its top-level form.
+`rapc.library.signatures` determines the meaning of a name.
 """
 
 from __future__ import annotations
@@ -31,54 +31,54 @@ Form = nodes.TopForm | nodes.DefineTest
 
 
 class Occurrence(msgspec.Struct, Generic[N], frozen=True, gc=False):
-    """A node where it stands."""
+    """A node with its parent and its top-level form."""
 
     node: N
-    #: The node that holds it.
+    #: The parent of the node.
     parent: nodes.Node
-    #: The top-level form that it stands in.
+    #: The top-level form around the node.
     owner: Form
 
 
 VariableAt = tuple[nodes.Var, nodes.Node, Form]
-"""A variable where it stands: what holds it, and the top-level form."""
+"""A variable with its parent and its top-level form."""
 
 
 _FactAt = tuple[nodes.Proposition, nodes.Node, Form]
 
 
 class NameUse(msgspec.Struct, frozen=True, gc=False):
-    """A place where a name is used that somebody has to declare."""
+    """A use of a name that requires a declaration."""
 
     use: Use
     name: str
-    #: How many arguments (inputs of a RAP) stand behind the name.
+    #: The number of arguments (inputs of a RAP) after the name.
     count: int
-    #: What the name stands in.
+    #: The node that contains the name.
     node: nodes.Pattern | nodes.Goal | nodes.Call | nodes.WaitFor | nodes.EventRule
-    #: The top-level form that it stands in.
+    #: The top-level form around the name.
     owner: Form
-    #: How many outputs of a RAP are taken; None where none are named.
+    #: The number of outputs of a RAP that are taken; None where no outputs are named.
     outputs: int | None = None
 
     @property
     def span(self) -> Span:
-        """The list that the name heads, or what else holds the name."""
+        """Return the list that the name heads, or the other node with the name."""
         return self.node.span
 
     def place(self, files: Mapping[str, SourceFile]) -> Span:
-        """Return where the name stands, or what holds it if it heads no list."""
+        """Return the span of the name, or of its node if the name heads no list."""
         heads = not isinstance(self.node, nodes.WaitFor | nodes.EventRule)
         return word_span(files, self.span, 0) if heads else self.span
 
 
 class NamedKind(msgspec.Struct, frozen=True, gc=False):
-    """A place where a kind is named."""
+    """A use of the name of a kind."""
 
     kind: str
-    #: What names it.
+    #: The node that names the kind.
     span: Span
-    #: The top-level form that it stands in.
+    #: The top-level form around the name.
     owner: Form
 
 
@@ -94,7 +94,7 @@ class Index:
     """
 
     def __init__(self, library: Library) -> None:
-        #: For each type of node: the node, its parent, its form; `of` makes more of it.
+        #: By node type: the node, its parent and its form; `of` makes occurrences.
         self._rows: dict[type, list[tuple[nodes.Node, nodes.Node, Form]]] = {
             kind: [] for kind in CHILDREN
         }
@@ -131,7 +131,7 @@ class Index:
         return found
 
     def uses_of(self, use: Use, name: str) -> Sequence[NameUse]:
-        """Return the places where a name is used in one way, in the order of uses."""
+        """Return the uses of a name in one way, in the order of uses."""
         if self._by_name is None:
             self._by_name = {}
             for one in self.uses():
@@ -139,13 +139,13 @@ class Index:
         return self._by_name.get((use, name), ())
 
     def uses(self) -> Sequence[NameUse]:
-        """Return each place where a declared name is used; gathered once."""
+        """Return each use of a declared name; the uses are collected once."""
         if self._uses is None:
             self._uses = tuple(self._gathered())
         return self._uses
 
     def variables(self) -> Sequence[tuple[Form, Mapping[str, Sequence[VariableAt]]]]:
-        """Return the forms that have variables, with these by name; gathered once."""
+        """Return the forms that have variables, with the variables by name."""
         if self._variables is None:
             names: dict[str, list[VariableAt]] = {}
             self._variables = []
@@ -171,7 +171,7 @@ class Index:
                     yield from () if declared else uses
 
     def kinds(self) -> Sequence[NamedKind]:
-        """Return each place where a kind is named; gathered once."""
+        """Return each use of the name of a kind; the uses are collected once."""
         if self._kinds is None:
             self._kinds = tuple(_named_kinds(self))
         return self._kinds
@@ -226,7 +226,7 @@ def _named_kinds(index: Index) -> Iterator[NamedKind]:
 
 
 def _child_at(node: nodes.Node, offset: int) -> nodes.Node | None:
-    """The part of a node that an offset lies in."""
+    """Return the child of a node at an offset."""
     for field in CHILDREN[type(node)]:
         value = getattr(node, field)
         for child in value if type(value) is tuple else (value,):
@@ -240,11 +240,11 @@ def _run(run: Pass) -> Index:
 
 
 INDEX = Fact(_run)
-"""Gathers every node of the library by its type."""
+"""All nodes of the library by type."""
 
 
 Uses = Counter[tuple[Use, str]]
-"""How often a name is used in one way, be it declared or not."""
+"""The number of uses of a name in one way, whether declared or not."""
 
 
 def _count(run: Pass) -> Uses:
@@ -252,7 +252,7 @@ def _count(run: Pass) -> Uses:
 
 
 USES = Fact(_count)
-"""Counts how often each name is used."""
+"""The number of uses of each name."""
 
 
 # --- how a name is used -----------------------------------------------------------
@@ -273,7 +273,7 @@ def _signal_use(node: nodes.WaitFor | nodes.EventRule, owner: Form) -> NameUse:
 
 
 def _goal_use(found: Occurrence[nodes.Goal]) -> NameUse:
-    """A step takes every output; a rule and a test need not name any."""
+    """Return the use of a RAP; a step takes every output, other goals need not."""
     goal, parent = found.node, found.parent
     outputs: int | None = len(goal.outputs)
     if type(parent) is nodes.Succeeds:
@@ -284,7 +284,7 @@ def _goal_use(found: Occurrence[nodes.Goal]) -> NameUse:
 
 
 def _row_uses(row: nodes.ScriptRow, owner: Form) -> Iterator[NameUse]:
-    """The facts of a row, of which its node alone tells which are erased."""
+    """Yield the facts of a row; only the row node knows which facts are erased."""
     for fact in row.asserts:
         yield NameUse("asserted", fact.name, len(fact.args), fact, owner)
     for fact in row.erases:
@@ -292,7 +292,7 @@ def _row_uses(row: nodes.ScriptRow, owner: Form) -> Iterator[NameUse]:
 
 
 def _use(fact: nodes.Proposition, parent: nodes.Node) -> Use | None:
-    """Say how a proposition in `parent` is used; None where `parent` tells better."""
+    """Return the use of a proposition; None if `parent` itself yields the use."""
     if type(parent) is nodes.Method:
         asked = any(fact is formula for _, formula in held(METHOD, parent))
         return "test" if asked else "asserted"
@@ -310,7 +310,7 @@ _USES: Mapping[type, Use | None] = {
     nodes.Asserts: "asserted",
     nodes.Erases: "erased",
 }
-"""The uses of propositions that their parents alone tell; all others are tests."""
+"""The uses of propositions by type of parent; all other propositions are tests."""
 
 _SENT: Mapping[type[nodes.Pattern], Use] = {
     nodes.Request: "primitive",
@@ -318,4 +318,4 @@ _SENT: Mapping[type[nodes.Pattern], Use] = {
     nodes.Skill: "skill",
     nodes.Signal: "event",
 }
-"""The uses of what is sent to a world or comes from it."""
+"""The uses of names that are sent to a world or received from a world."""

@@ -1,16 +1,16 @@
-"""The kinds of variables and of the inputs of RAPs that nobody declared.
+"""Inferred kinds of variables and of RAP inputs without a declared kind.
 
-A variable that stands where an argument was declared with a kind has a value of that
-kind. What is so learned of the inputs of a RAP holds for the steps that ask for it, and
-from there for the variables of other RAPs; three rounds lead far enough.
+A variable at an argument with a declared kind has a value of that kind. The kinds
+inferred for the inputs of a RAP apply to the steps that call the RAP, and from these
+steps to the variables of the calling RAPs. The inference runs for three rounds.
 
-Only what holds together is put together: the conjuncts of one clause, or those of
-`repeat-while` and a context with the steps or the request of the method. A branch of an
-`or` is another case, in which an input may be of another kind, and is left out; so is
-what one method takes an input for where another takes it for something else.
+Only formulas that hold together are combined: the conjuncts of one clause, or the
+conjuncts of `repeat-while` and a context with the steps or the request of the method. A
+branch of an `or` is left out, because an input may have a different kind in each
+branch. Kinds that two methods infer differently for an input are left out, too.
 
-`item` is any name. Values that a closed kind lists may be items, too; where all of a
-library but one place holds the two apart, that place is taken for a slip.
+`item` is any name. The values of a closed kind may be items, too. If all uses in the
+library but one distinguish the closed kind from `item`, that use counts as a fault.
 """
 
 from __future__ import annotations
@@ -32,32 +32,32 @@ from rapc.library.signatures import Signatures
 
 
 class Learned(msgspec.Struct, frozen=True, gc=False):
-    """A kind, and the place that tells it."""
+    """A kind, and the place that implies the kind."""
 
     kind: str
     span: Span
 
 
 class KindClash(msgspec.Struct, frozen=True):
-    """A variable of one kind that stands where another is wanted."""
+    """A variable of one kind at a place that requires another kind."""
 
     variable: nodes.Var
-    #: The kind that is wanted where it stands.
+    #: The kind that the place requires.
     wanted: str
-    #: Its kind, with another place that tells it.
+    #: The kind of the variable, with the other place that implies the kind.
     known: Learned
-    #: The list in which it stands.
+    #: The list that contains the variable.
     use: nodes.Pattern | nodes.Goal
     #: The top-level form.
     form: nodes.TopForm
-    #: The closed kind whose values seem to be no items; None if the kinds are apart.
+    #: The closed kind whose values seem not to be items; None if the kinds differ.
     no_items: str | None = None
 
 
 class InferredKinds(msgspec.Struct, frozen=True):
-    """What is learned of a library."""
+    """The inferred kinds of a library."""
 
-    #: By RAP: for each input the kind that its use tells, or None.
+    #: By RAP: for each input the inferred kind, or None.
     inputs: Mapping[str, Sequence[Learned | None]]
     clashes: Sequence[KindClash]
 
@@ -84,7 +84,7 @@ def _run(run: Pass) -> InferredKinds:
 
 
 INFERRED = Fact(_run)
-"""Works out of which kinds variables and inputs are that nobody declared."""
+"""The kinds of variables and inputs without a declared kind."""
 
 
 # --- what holds together -----------------------------------------------------------
@@ -112,7 +112,7 @@ def _scopes(rap: nodes.DefineRap) -> Iterator[_Scope]:
 
 
 def _facts(formula: nodes.Formula) -> Iterator[nodes.Proposition]:
-    """The facts of a formula that are not in a branch of an `or`."""
+    """Yield the facts of a formula outside the branches of an `or`."""
     waiting = [formula]
     while waiting:
         for literal in literals(waiting.pop()):
@@ -129,7 +129,7 @@ def _facts(formula: nodes.Formula) -> Iterator[nodes.Proposition]:
 
 
 class _Learning:
-    """What is known of the inputs of RAPs so far."""
+    """The kinds of the inputs of RAPs inferred so far."""
 
     def __init__(self, signatures: Signatures) -> None:
         self.inputs: dict[str, Sequence[Learned | None]] = {}
@@ -137,7 +137,7 @@ class _Learning:
         self._kinds: Kinds = signatures.kinds
 
     def learn(self, scopes: Sequence[tuple[nodes.DefineRap, Sequence[_Scope]]]) -> bool:
-        """Learn the kinds of inputs by their uses; return whether any is new."""
+        """Infer the kinds of inputs from uses; return whether a kind is new."""
         new = False
         for rap, there in scopes:
             told: dict[str, list[Learned]] = {}
@@ -158,9 +158,10 @@ class _Learning:
     def clashes(
         self, rap: nodes.DefineRap, scopes: Sequence[_Scope]
     ) -> Iterator[KindClash]:
-        """Yield the variables that are of two kinds, one for each scope.
+        """Yield the variables with two kinds, at most one for each scope.
 
-        What the clauses of the RAP tell of its inputs holds in its methods too.
+        The kinds that the clauses of a RAP imply for its inputs also apply in its
+        methods.
         """
         inputs = {v.name for v in rap.inputs}
         declared = {one.variable: Learned(one.kind, one.span) for one in rap.kinds}
@@ -196,7 +197,7 @@ class _Learning:
         return None
 
     def _no_items(self, one: str, other: str) -> str | None:
-        """Return which of two kinds lists what are no items, if the other is `item`."""
+        """Return the kind of two with values that are no items; the other is `item`."""
         if one == other or "item" not in (one, other):
             return None
         kind = other if one == "item" else one
@@ -204,18 +205,18 @@ class _Learning:
         return kind if closed and "item" not in self._kinds.above(kind) else None
 
     def _is_declared(self, use: _Use) -> bool:
-        """Whether the checks of kinds compare a declared variable with this use."""
+        """Return whether the checks of kinds compare a declared variable with a use."""
         return not isinstance(use, nodes.Goal) or use.name not in self.inputs
 
     def _told(self, use: _Use) -> Iterator[tuple[nodes.Var, Learned]]:
-        """Yield the variables of a use with the kinds that are wanted of them."""
+        """Yield the variables of a use with the required kinds."""
         kinds = self.wanted(use)
         for term, kind in zip(use.args, kinds, strict=False):
             if kind is not None and isinstance(term, nodes.Var) and not term.anonymous:
                 yield term, Learned(kind, term.span)
 
     def wanted(self, use: _Use) -> Sequence[str | None]:
-        """Return the kinds of the arguments that a use wants, None where not known."""
+        """Return the required kinds of the arguments of a use; None where unknown."""
         table = self._signatures.table(_TABLES.get(type(use), "test"))
         declared = table.get(use.name)
         if declared is None or declared.args is None:
@@ -224,7 +225,8 @@ class _Learning:
             return ()
         own = [arg.kind for arg in declared.args]
         if isinstance(use, nodes.Goal):
-            # Those of the last definition, if there are two; `declared` is the first.
+            # If a name has two definitions, the last counts here; `declared` is the
+            # first.
             learned = self.inputs.get(use.name, ())
             for at, one in enumerate(learned[: len(own)]):
                 if own[at] is None and one is not None:
@@ -232,7 +234,7 @@ class _Learning:
         return own
 
     def _most_general(self, told: Sequence[Learned]) -> Learned | None:
-        """The kind of which all others are, or None if there is none among them."""
+        """Return the kind that includes all other kinds; None without that kind."""
         for one in told:
             if all(
                 one.kind in (other.kind, *self._kinds.above(other.kind))
@@ -247,4 +249,4 @@ _TABLES: Mapping[type, Literal["goal", "primitive", "skill"]] = {
     nodes.Request: "primitive",
     nodes.Skill: "skill",
 }
-"""The uses whose names are no predicates."""
+"""The types of uses whose names are not predicates."""

@@ -1,27 +1,27 @@
-"""Formulas as conjunctions of literals: entailment, contradiction, facts asked for.
+"""Formulas as conjunctions of literals: entailment, contradiction, queried facts.
 
-A literal is a formula that is to hold, or that is to have no solution. Which literals
-follow from others is a search (`follows`), which cannot hold together is a sum over
-the literals in order (`Conjunction`). Both say yes only where that is certain.
+A literal is a formula that is to hold, or that is to have no solution. `follows`
+searches for the literals that entail a conjunction. `Conjunction` adds literals in
+order and finds contradictions. Both return a result only where the result is certain.
 
-A conjunction follows if some choice of its own variables makes each of its literals one
-of those that hold. So `(at ?any)` follows from `(at home)`. And a formula that has no
-solution rules out the literals from which it follows.
+A conjunction follows if some choice of its own variables turns each of its literals
+into a literal that holds. For example, `(at ?any)` follows from `(at home)`. A formula
+that has no solution rules out the literals that entail the formula.
 
-An example: a RAP with `(succeed (at ?place))` comes to choose a method only where this
-has no solution. A context `(and (at ?place) (open ?door))` lets it follow, with nothing
-to choose for `?place`, an input: the method is never chosen.
+Example: a RAP with `(succeed (at ?place))` chooses a method only if this formula has no
+solution. A context `(and (at ?place) (open ?door))` entails the formula, and no value
+is chosen for `?place`, an input. For this reason the method is never chosen.
 
-Variables with the same name are one variable, unless they are listed as free: whatever
-a free variable stands for will do. A variable takes a value only where memory has a
-fact for it: the default of a property holds of an index that is known, and no query
-or function says of what it holds [L 2.21].
+Variables with the same name are one variable, unless the variables are listed as free.
+A free variable may stand for any value. A variable takes a value only where memory has
+a fact with the value: the default of a property holds for a known index, and no query
+or function states its subjects [L 2.21].
 
-A denial follows from another one the other way round: `(not (at ?place))` follows from
-`(not (at ?))`, for `(at ?)` follows from `(at ?place)`.
+A denial follows from another denial in the opposite direction: `(not (at ?place))`
+follows from `(not (at ?))`, because `(at ?)` follows from `(at ?place)`.
 
-Two literals contradict each other if one fact is asked and denied, if a property has
-two values, or if no value passes both of two tests.
+Two literals contradict each other in three cases: one fact is queried and denied; a
+property has two values; no value passes both of two tests.
 """
 
 from __future__ import annotations
@@ -50,18 +50,18 @@ class Literal(msgspec.Struct, frozen=True):
 
     @property
     def span(self) -> Span:
-        """Return where the formula stands."""
+        """Return the span of the formula."""
         return self.formula.span
 
     @property
     def written(self) -> str:
-        """Return the literal in RAP."""
+        """Return the literal as RAP text."""
         written = format_formula(self.formula)
         return written if self.holds else f"(not {written})"
 
 
 def fact_name(literal: Literal) -> str:
-    """Return the name of the fact that a literal is about; nothing if about none."""
+    """Return the name of the fact of a literal; empty for a literal without a fact."""
     fact = literal.formula
     return fact.name if isinstance(fact, nodes.Proposition) else ""
 
@@ -80,14 +80,14 @@ def literals(formula: nodes.Formula | None) -> Iterator[Literal]:
 
 
 def is_never(formula: nodes.Formula | None) -> bool:
-    """Whether a formula says itself that it never holds: `nil`, `(not true)`."""
+    """Return whether a formula is never true by its form: `nil`, `(not true)`."""
     if isinstance(formula, nodes.Not):
         return isinstance(formula.part, nodes.Truth) and formula.part.value
     return isinstance(formula, nodes.Truth) and not formula.value
 
 
 def apart(formula: nodes.Formula, kept: Container[str], mark: str) -> nodes.Formula:
-    """Return a formula whose variables that are not kept have names of their own."""
+    """Return a formula with new names for the variables that are not kept."""
     new = {n: nodes.Var(f"{n}{mark}") for n in variable_names(formula) if n not in kept}
     return substitute(formula, new) if new else formula
 
@@ -98,9 +98,9 @@ def entails(
     given: Container[str],
     relations: Relations,
 ) -> bool:
-    """Whether a formula surely holds where literals do.
+    """Return whether a formula surely holds where the literals `held` hold.
 
-    Its variables that are not given may have any value.
+    The variables of the formula that are not in `given` may have any value.
     """
     wanted = apart(formula, given, "@wanted")
     free = {name for name in variable_names(wanted) if name not in given}
@@ -108,13 +108,13 @@ def entails(
 
 
 def number_of(term: nodes.Term | None) -> Number | None:
-    """Return the number that a term is; None for other terms."""
+    """Return the number of a term; None for other terms."""
     value = term.value if isinstance(term, nodes.Const) else None
     return value if isinstance(value, int | float) else None
 
 
 def holds_between(op: str, left: Number, right: Number) -> bool:
-    """Whether a test of two numbers holds."""
+    """Return whether a comparison of two numbers is true."""
     match op:
         case "<":
             return left < right
@@ -140,14 +140,14 @@ def follows(
     relations: Relations,
     given: Container[str] | None = None,
 ) -> list[Literal] | None:
-    """Return the literals from which a conjunction follows, or None if it may not.
+    """Return the literals that entail a conjunction, or None if none is found.
 
     Args:
         wanted: the literals of the conjunction.
-        held: what holds, in the order in which it is asked.
-        free: the variables of `wanted` for which anything will do.
+        held: the literals that hold, in the order of evaluation.
+        free: the variables of `wanted` that may have any value.
         relations: the propositions and properties.
-        given: the variables of `held` that have values before; None: all of them.
+        given: the variables of `held` that have values before; None for all.
     """
     if not wanted or len(wanted) > len(held) + LIMITS.true_literals:
         return None
@@ -160,7 +160,7 @@ _Choice = dict[str, nodes.Term]
 
 
 def has_a_chance(goal: Literal, held: Iterable[Literal]) -> bool:
-    """Whether a literal holds by itself, or one that holds looks like it."""
+    """Return whether a literal is always true, or has a similar literal in `held`."""
     return _is_true(goal) or any(may_be(goal, other) for other in held)
 
 
@@ -169,7 +169,7 @@ def _is_true(goal: Literal) -> bool:
 
 
 def may_be(goal: Literal, other: Literal) -> bool:
-    """Whether a literal is of the kind and name that another has, whatever the rest."""
+    """Return whether two literals have the same type and name, in any other respect."""
     if goal.holds is not other.holds:
         return False
     one, two = goal.formula, _fact(goal, other)
@@ -181,7 +181,7 @@ def may_be(goal: Literal, other: Literal) -> bool:
 
 
 def _fact(goal: Literal, other: Literal) -> nodes.Formula:
-    """Return what a literal says; what is believed of a fact, where one is wanted."""
+    """Return the formula of a literal; the pattern of a belief if a fact is wanted."""
     fact = other.formula
     if type(fact) is nodes.Believe and type(goal.formula) is nodes.Proposition:
         return fact.pattern if other.holds else fact
@@ -189,7 +189,7 @@ def _fact(goal: Literal, other: Literal) -> nodes.Formula:
 
 
 class _Aim(msgspec.Struct, frozen=True):
-    """What is to follow, from what, and which variables may stand for anything."""
+    """The wanted literals, the literals that hold, and the free variables."""
 
     wanted: Sequence[Literal]
     held: Sequence[Literal]
@@ -197,23 +197,23 @@ class _Aim(msgspec.Struct, frozen=True):
 
 
 class _Match(msgspec.Struct, frozen=True):
-    """What is known where a wanted literal is held against one that holds."""
+    """The state of a comparison of a wanted literal with a literal that holds."""
 
-    #: The variables of the wanted one that may take a value.
+    #: The variables of the wanted literal that may take a value.
     free: Container[str]
-    #: The variables of the other one that have no value where it is asked.
+    #: The variables of the other literal without a value at the evaluation.
     late: Container[str]
-    #: What variables have taken so far.
+    #: The values chosen for variables so far.
     choice: _Choice
 
 
 class _Search:
-    """A search for values of free variables, with a bound on its work.
+    """A search for values of free variables, with a limit on its work.
 
     Args:
         relations: the propositions and properties.
-        given: the variables of what holds that have values before; None: all.
-        tries: how many pairs of literals may be held against each other.
+        given: the variables of `held` that have values before; None for all.
+        tries: the maximum number of pairs of literals to compare.
     """
 
     def __init__(
@@ -224,7 +224,7 @@ class _Search:
         self._left = tries
 
     def find(self, aim: _Aim) -> list[Literal] | None:
-        """Return the literals that the wanted ones become, or None."""
+        """Return the literals that match the wanted literals, or None."""
         used: list[Literal] = []
         return used if self._find(aim, 0, {}, used) else None
 
@@ -257,7 +257,7 @@ class _Search:
     def _denies(
         self, goal: Literal, other: Literal, aim: _Aim, choice: _Choice
     ) -> bool:
-        """Whether a denial follows from another: what it denies leads to the other."""
+        """Return whether a denial follows from another denial."""
         denied = list(literals(substitute(goal.formula, choice)))
         inner = _Search(self._relations, None, self._left)
         late = self._late(other, aim.held)
@@ -267,11 +267,11 @@ class _Search:
         return found
 
     def _late(self, held: Literal, before: Iterable[Literal]) -> set[str]:
-        """The variables of what holds that have no value where it is asked."""
+        """Return the variables of a held literal without a value at the evaluation."""
         return set() if self._given is None else unbound(held, before, self._given)
 
     def _alike(self, one: object, two: object, match: _Match) -> bool:
-        """Whether a wanted formula is one that holds, by a choice of variables."""
+        """Return whether a wanted formula equals a held formula, by a choice."""
         if isinstance(one, nodes.Proposition) and isinstance(two, nodes.Proposition):
             return self._one_fact(one, two, match)
         if isinstance(one, nodes.Believe) and isinstance(two, nodes.Believe):
@@ -294,7 +294,7 @@ class _Search:
     def _one_fact(
         self, one: nodes.Proposition, two: nodes.Proposition, match: _Match
     ) -> bool:
-        """Whether a fact is another one; a default holds of a known index alone."""
+        """Return whether a fact equals a held fact; a default needs a known index."""
         choice, declared = match.choice, self._relations.get(one.name)
         if one.name != two.name or declared is None:
             return one.name == two.name and _same_row(one.args, two.args, None, choice)
@@ -305,9 +305,9 @@ class _Search:
         )
 
     def _one_age(self, one: nodes.Believe, two: nodes.Believe, match: _Match) -> bool:
-        """Whether an age is another one.
+        """Return whether a wanted age follows from a held age.
 
-        A variable without a value takes the age of a fact that is stored; one with a
+        A variable without a value takes the age of a stored fact. A variable with a
         value is a bound, and no fact is younger than its own age [L 2.51, 2.56].
         """
         choice, age, other = match.choice, one.age, two.age
@@ -322,7 +322,7 @@ class _Search:
         return self._is_stored(two.pattern) and _same(age, other, match.free, choice)
 
     def _is_stored(self, fact: nodes.Proposition) -> bool:
-        """Whether memory has a fact where one holds: no default can be meant."""
+        """Return whether a fact that holds is stored in memory, not a default."""
         declared = self._relations.get(fact.name)
         if declared is None or not declared.is_property:
             return declared is not None
@@ -338,12 +338,12 @@ class _Search:
 def unbound(
     literal: Literal, held: Iterable[Literal], given: Container[str]
 ) -> set[str]:
-    """Return the variables of a literal that have no value where it is asked.
+    """Return the variables of a literal that have no value at the evaluation.
 
     Args:
         literal: the literal.
-        held: what is asked before it, up to the literal itself if it is among them.
-        given: the variables that have values before all of that.
+        held: the literals evaluated before, up to `literal` itself if present.
+        given: the variables that have values before the first literal.
     """
     own = {name for name in variable_names(literal.formula) if name not in given}
     for other in held if own else ():
@@ -367,14 +367,14 @@ def _same_row(
 def _same(
     one: object, two: object, free: Container[str] | None, choice: _Choice
 ) -> bool:
-    """Whether two terms, or formulas, are one by a choice of variables.
+    """Return whether two terms, or formulas, are equal by a choice of variables.
 
     Args:
-        one: what is wanted.
-        two: what holds.
-        free: the variables that may take what is there; None: nothing may, not even
-            a bare `?`.
-        choice: what variables have taken; what they take here is put in.
+        one: the wanted term.
+        two: the term that holds.
+        free: the variables that may take a value; None: no variable may, not even a
+            bare `?`.
+        choice: the values of variables; new values are added.
     """
     if isinstance(one, nodes.Var):
         if one.name in choice or one.name not in (free or ()):
@@ -397,17 +397,17 @@ def _same(
 
 
 class Clash(msgspec.Struct, frozen=True):
-    """Two literals that never hold together, the later one in the text second."""
+    """Two literals that never hold together; the second is later in the text."""
 
     first: Literal
     second: Literal
 
 
 def may_clash(found: Sequence[Literal]) -> bool:
-    """Whether some literals may contradict each other, as far as their names tell.
+    """Return whether some literals may contradict each other, by their names.
 
-    Two facts of one name may, or two tests of one term, or what has no solution and
-    literals that look like all of its parts.
+    Candidates are two facts of one name, two tests of one term, or a denied formula and
+    literals that resemble all of its parts.
     """
     topics: set[object] = set()
     for literal in found:
@@ -431,11 +431,11 @@ def may_clash(found: Sequence[Literal]) -> bool:
 
 
 class _Denial(msgspec.Struct, frozen=True):
-    """What has no solution, and the literals that then do not all hold."""
+    """A formula without a solution, and the literals that cannot all hold."""
 
     literal: Literal
     wanted: Sequence[Literal]
-    #: The variables of `wanted` that have no value: whatever they stand for will do.
+    #: The variables of `wanted` without a value; any value will do.
     free: Container[str]
 
 
@@ -444,7 +444,7 @@ class Conjunction:
 
     Args:
         relations: the propositions and properties.
-        given: the variables that have values before the first literal is asked.
+        given: the variables that have values before the first literal is evaluated.
     """
 
     def __init__(self, relations: Relations, given: Container[str]) -> None:
@@ -452,14 +452,14 @@ class Conjunction:
         self._relations = relations
         self._given = given
         self._denials: list[_Denial] = []
-        #: By name: the first fact that holds, and what says so.
+        #: By name: the first fact that holds, and its literal.
         self._earliest: dict[str, tuple[nodes.Proposition, Literal]] = {}
-        #: By name and arguments of a property: the first literal that says its value.
+        #: By name and arguments of a property: the first literal with its value.
         self._values: dict[tuple[object, ...], Literal] = {}
         self._numbers: dict[nodes.Term, list[tuple[nodes.Compare, Literal]]] = {}
 
     def add(self, literal: Literal) -> Clash | None:
-        """Put in a literal; return what it contradicts, if it does."""
+        """Add a literal; return the literal that contradicts it, if any."""
         if len(self.held) >= LIMITS.conjunction:
             return None
         found = self._against(literal)
@@ -483,7 +483,7 @@ class Conjunction:
         return self._denied(literal) if self._denials else None
 
     def _ruled_out(self, literal: Literal) -> Literal | None:
-        """A literal from which a formula that has no solution would follow."""
+        """Return a held literal that a new denial contradicts, if any."""
         own = unbound(literal, self.held, self._given)
         new = {name: nodes.Var(f"{name}@not") for name in own}
         wanted = list(literals(substitute(literal.formula, new)))
@@ -495,7 +495,7 @@ class Conjunction:
         return used[-1] if used else None
 
     def _denied(self, literal: Literal) -> Literal | None:
-        """A formula without a solution that a new literal makes follow."""
+        """Return a denied formula that follows with the new literal."""
         for denial in self._denials:
             if not any(may_be(goal, literal) for goal in denial.wanted):
                 continue
@@ -505,7 +505,7 @@ class Conjunction:
         return None
 
     def _follows(self, denial: _Denial, held: Sequence[Literal]) -> list[Literal]:
-        """Return the literals from which the denied formula follows, if it does."""
+        """Return the literals that entail the denied formula, or an empty list."""
         return (
             follows(denial.wanted, held, denial.free, self._relations, self._given)
             or []
@@ -527,9 +527,9 @@ class Conjunction:
     def _first(
         self, declared: Signature, fact: nodes.Proposition, literal: Literal
     ) -> Literal | None:
-        """Return the first literal that says the value of what a fact is about.
+        """Return the first literal with a value for the subject of a fact.
 
-        None if the fact does not say which thing it is about, or which value.
+        None if the fact does not determine the subject or the value.
         """
         args = declared.full(fact.args)
         if len(args) != declared.most or any(_is_open(term) for term in args):
@@ -547,7 +547,7 @@ class Conjunction:
 
 
 def _apart(first: Literal, value: nodes.Term, declared: Signature) -> bool:
-    """Whether an earlier fact of the same property has another constant."""
+    """Return whether an earlier fact of the same property has a different constant."""
     fact = first.formula
     if isinstance(fact, nodes.Believe):
         fact = fact.pattern
@@ -559,7 +559,7 @@ def _apart(first: Literal, value: nodes.Term, declared: Signature) -> bool:
 
 
 def _stands_for_another(fact: nodes.Proposition, values: Iterable[nodes.Const]) -> bool:
-    """Whether an item can have two values: `external` is where the robot is [L 7]."""
+    """Return whether a location is `external`, that is, the robot's place [L 7]."""
     return fact.name == "location" and any(v.value == "external" for v in values)
 
 
@@ -571,7 +571,7 @@ _TURNED: Mapping[str, str] = {"<": ">", ">": "<", "<=": ">=", ">=": "<="}
 
 
 def _turned(test: nodes.Compare) -> nodes.Compare:
-    """Return a test with its constant, if it has one, to the right."""
+    """Return a test with its constant, if there is a constant, on the right."""
     if isinstance(test.left, nodes.Const) and not isinstance(test.right, nodes.Const):
         op = _TURNED.get(test.op, test.op)
         return nodes.Compare(op, test.right, test.left, span=test.span)  # type: ignore[arg-type]  # a turned test has one of the six words
@@ -579,7 +579,7 @@ def _turned(test: nodes.Compare) -> nodes.Compare:
 
 
 def _exclude(one: nodes.Compare, other: nodes.Compare) -> bool:
-    """Whether no value passes two tests of one term."""
+    """Return whether no value passes two tests of one term."""
     if one.right == other.right:
         return (one.op, other.op) in _OPPOSITE or (other.op, one.op) in _OPPOSITE
     if not isinstance(one.right, nodes.Const) or not isinstance(
@@ -605,11 +605,11 @@ _OPPOSITE = {
     ("<", ">="),
     ("<=", ">"),
 }
-"""Tests of the same two terms of which at most one holds."""
+"""Pairs of tests of the same two terms that never hold together."""
 
 
 def _misses(value: Atom, test: nodes.Compare) -> bool:
-    """Whether a constant does not pass a test against another constant."""
+    """Return whether a constant fails a test against another constant."""
     assert isinstance(test.right, nodes.Const)
     bound = test.right.value
     if test.op in ("=", "n="):
@@ -619,7 +619,7 @@ def _misses(value: Atom, test: nodes.Compare) -> bool:
 
 
 def contradict(signatures: Signatures, one: Literal, other: Literal) -> bool:
-    """Whether two literals never hold together, whatever their variables are."""
+    """Return whether two literals never hold together, for any values of variables."""
     given = variable_names(one.formula, other.formula)
     both = Conjunction(signatures.relations, given)
     both.add(one)
@@ -630,7 +630,7 @@ def contradict(signatures: Signatures, one: Literal, other: Literal) -> bool:
 
 
 def is_computed(library: Library, name: str) -> bool:
-    """Whether a name is that of a function or a query, not of facts."""
+    """Return whether a name is the name of a function or a query, not of a fact."""
     return name in library.functions or name in library.queries
 
 
@@ -646,7 +646,7 @@ _PLAIN = (
 
 
 def is_known(library: Library, formula: nodes.Formula) -> bool:
-    """Whether a formula asks about facts alone, through queries too."""
+    """Return whether a formula queries only facts, also through named queries."""
     return all(
         isinstance(one, _PLAIN)
         and not (isinstance(one, nodes.Proposition) and one.name in library.functions)
@@ -655,12 +655,12 @@ def is_known(library: Library, formula: nodes.Formula) -> bool:
 
 
 def asked_through(library: Library, formula: nodes.Formula) -> set[str] | None:
-    """Return the names that a formula asks for; None if it asks not facts alone."""
+    """Return the names of the queried facts; None if not only facts are queried."""
     return asked_by(library, formula) if is_known(library, formula) else None
 
 
 def asked_by(library: Library, formula: nodes.Formula) -> set[str]:
-    """The names of the facts that a formula asks, through queries too."""
+    """Return the names of the facts that a formula queries, also through queries."""
     return {
         one.name
         for one in through(library, formula)
@@ -669,7 +669,7 @@ def asked_by(library: Library, formula: nodes.Formula) -> set[str]:
 
 
 def through(library: Library, formula: nodes.Formula) -> Iterator[nodes.Formula]:
-    """Yield the parts of a formula, and those of the queries that it names."""
+    """Yield the parts of a formula, and the parts of the queries in the formula."""
     waiting, seen = [formula], set[str]()
     while waiting:
         for one in subformulas(waiting.pop()):
@@ -682,17 +682,17 @@ def through(library: Library, formula: nodes.Formula) -> Iterator[nodes.Formula]
 
 
 class Always:
-    """Tells formulas that hold whatever memory holds.
+    """Formulas that hold for any content of memory.
 
     Args:
-        signatures: what is declared.
+        signatures: the declarations.
     """
 
     def __init__(self, signatures: Signatures) -> None:
         self._relations = signatures.predicates
 
     def holds(self, formula: nodes.Formula, given: set[str]) -> bool:
-        """Whether a formula always holds where the variables `given` have values."""
+        """Return whether a formula always holds if variables `given` have values."""
         bound = set(given)
         return all(
             literal.holds and self._one(literal.formula, bound)

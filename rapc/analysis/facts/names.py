@@ -1,8 +1,8 @@
-"""Uses of names that do not meet their declaration.
+"""Uses of names that do not match their declaration.
 
-The signature table (`rapc.library.signatures`) says what is wrong; here each fault gets
-its place. The checks of `unknown-rap`, `undeclared-predicate`, `functions`,
-`primitives`, `signals` and their like choose the faults that are theirs.
+The signature table (`rapc.library.signatures`) finds the faults; this module adds the
+position of each fault. The checks of `unknown-rap`, `undeclared-predicate`,
+`functions`, `primitives`, `signals` and similar rules select their faults.
 """
 
 from __future__ import annotations
@@ -32,11 +32,11 @@ from rapc.library.signature import Signature
 from rapc.library.signatures import Fault, Use
 
 _SHOWN = 2
-"""How many places are shown besides the first one."""
+"""The maximum number of places shown after the first place."""
 
 
 class Misuse(msgspec.Struct, frozen=True):
-    """A use of a name, and what is wrong with it."""
+    """A use of a name, and its fault."""
 
     used: NameUse
     fault: Fault
@@ -46,7 +46,7 @@ class Misuses(msgspec.Struct, frozen=True):
     """All misuses of a library."""
 
     found: Sequence[Misuse]
-    #: Tells how often names are used: only where something is wrong is it asked.
+    #: Returns the number of uses of a name; called only if there is a fault.
     uses: Callable[[], Uses]
 
 
@@ -66,28 +66,28 @@ def _run(run: Pass) -> Misuses:
 
 
 MISUSES = Fact(_run)
-"""Holds every use of a name against its declaration."""
+"""The comparison of every use of a name with its declaration."""
 
 
 def misuses(run: Pass, uses: Container[Use], sort: str) -> Iterator[Misuse]:
-    """Yield the faults of one sort in some uses, in the order of the text by use."""
+    """Yield the faults of one sort in some uses, in the order of uses."""
     for one in run.result(MISUSES).found:
         if one.used.use in uses and one.fault.sort == sort:
             yield one
 
 
 def declared_at(run: Pass, signature: Signature) -> Span:
-    """Return where a name of the library is declared."""
+    """Return the span of the declaration of a name of the library."""
     if signature.kind == "RAP":
         return signature.span
     return word_span(run.library.files, signature.span, 1)
 
 
 class UnknownNames:
-    """The uses of unknown names: one finding for each name, however often it is used.
+    """The uses of unknown names, with one finding for each name.
 
     Args:
-        rule: the rule they break.
+        rule: the rule of the findings.
     """
 
     def __init__(self, rule: Rule) -> None:
@@ -98,16 +98,16 @@ class UnknownNames:
     def add(
         self, fault: Fault, span: Span, owner: Form, about: Iterable[Subject] = ()
     ) -> None:
-        """Note one more use of an unknown name, in the top-level form `owner`.
+        """Record a use of an unknown name in the top-level form `owner`.
 
-        A test is run by itself, so each has findings of its own.
+        A test is run alone; for this reason each test has separate findings.
         """
         test = id(owner) if type(owner) is nodes.DefineTest else 0
         self._uses.setdefault((fault.message, test), []).append((fault, span))
         self._about.setdefault(fault.message, []).extend(about)
 
     def findings(self, run: Pass) -> Iterator[Diagnostic]:
-        """Yield the findings, unless names may be unknown for want of a file."""
+        """Yield the findings, unless a missing file may declare the names."""
         if not run.complete:
             return
         for uses in self._uses.values():
@@ -140,7 +140,7 @@ class UnknownNames:
 
 
 def _unused(run: Pass, meant: Signature | None) -> Iterator[Label]:
-    """Show the declaration that may be meant, if nothing uses its name."""
+    """Yield a label at the declaration with a similar name, if the name is unused."""
     if meant is None or meant.kind not in _SAME:
         return
     uses = run.result(MISUSES).uses()
@@ -156,13 +156,13 @@ _SAME: Mapping[str, Sequence[Use]] = {
     "primitive": ("primitive",),
     **dict.fromkeys(("proposition", "property", "function", "query"), _OF_FACTS),
 }
-"""For each kind of declaration the uses of its name."""
+"""By type of declaration, the uses of its name."""
 
 
 # --- the fix for a name -----------------------------------------------------------
 
 _WORD = r"[^\s()\";']"
-"""What a name is made of, in regular expressions."""
+"""The characters of a name, as a regular expression."""
 
 
 def renaming(
@@ -171,15 +171,16 @@ def renaming(
     meant: str | None,
     places: Iterable[Span],
 ) -> Fix | None:
-    """Return the fix that writes another name at some places, or None.
+    """Return the fix that replaces a name at some places, or None.
 
-    A name with too many other letters (`is_slip`) may be a question, but is not a fix.
+    A name with too many different letters (`is_slip`) may appear in a question, but not
+    in a fix.
 
     Args:
         files: the files of the library.
-        name: the name that stands there.
-        meant: the name that may be meant; None if there is none.
-        places: the names themselves, or stretches in which the name stands once.
+        name: the name in the text.
+        meant: the correct name; None without a candidate.
+        places: the spans of the names, or spans in which the name occurs once.
     """
     if not meant or not is_slip(name, meant):
         return None
@@ -193,7 +194,7 @@ def renaming(
 
 
 def _word(source: SourceFile | None, name: str, place: Span) -> Span | None:
-    """Return where a name stands at a place; None if that is not certain."""
+    """Return the span of a name at a place; None if the span is not certain."""
     if source is None:
         return None
     whole = rf"(?<!{_WORD}){re.escape(name)}(?!{_WORD})"

@@ -1,12 +1,13 @@
 """Sets and counters (T 4.8): their first values, and their use in all RAPs below.
 
-A set without a beginning is empty when its task begins, a counter stands at its number,
-at 0 if none is given (T 4.8.1). Nothing but what the task's methods ask for changes
-them, so what has to hold before the first method is asked of these values.
+A set without an initial value is empty when its task starts. A counter has its declared
+number, or 0 (T 4.8.1). Only the steps and requests of the task's methods change these
+values. A condition that is evaluated before the first method is therefore evaluated
+with the first values.
 
-A step hands on a resource as an input (T 4.8.2). What its RAP does with that, and what
-the RAPs below do, is summed up by input: which words change it, and whether it is asked
-about.
+A step passes a resource as an input (T 4.8.2). The use of the input in the called RAP
+and in its descendants is summarised by input: the operations that change the resource,
+and whether a formula queries the resource.
 """
 
 from __future__ import annotations
@@ -24,10 +25,11 @@ from rapc.library.library import Library
 
 
 class FirstValues:
-    """The values of the resources of one RAP as its task begins.
+    """The values of the resources of one RAP when its task starts.
 
     Args:
-        resources: what the RAP declares; those that begin as another one are not known.
+        resources: the declared resources; a resource that starts as a copy of another
+            resource has no known value.
     """
 
     def __init__(self, resources: Iterable[nodes.Resource]) -> None:
@@ -41,7 +43,7 @@ class FirstValues:
                 self._sets.add(one.variable.name)
 
     def fails(self, formula: nodes.Formula | None) -> Literal | None:
-        """Return a literal of a conjunction that does not hold at first, if any."""
+        """Return a literal of a conjunction that does not hold at the start, if any."""
         if not self._counters and not self._sets:
             return None
         for literal in literals(formula):
@@ -50,7 +52,7 @@ class FirstValues:
         return None
 
     def holds(self, formula: nodes.Formula) -> bool:
-        """Whether all parts of a conjunction are about resources, and hold at first."""
+        """Return whether a conjunction is about resources only, and holds at first."""
         if not self._counters and not self._sets:
             return False
         found = [self._holds(literal) for literal in literals(formula)]
@@ -82,23 +84,23 @@ class FirstValues:
 
 
 class Flow(msgspec.Struct):
-    """What becomes of a resource, or of an input that may be one."""
+    """The use of a resource, or of an input that may be a resource."""
 
     changes: list[nodes.ResourceChange]
-    #: Where it is asked about.
+    #: The places that query the resource.
     asked: list[nodes.Var]
-    #: The inputs that it is handed on to, by RAP and position.
+    #: The inputs that receive the resource, by RAP and position.
     given: list[tuple[str, int]]
-    #: Whether something else is made of it, so that nobody knows what becomes of it.
+    #: Whether the resource is used in a way that the check cannot follow.
     escapes: bool = False
 
 
 Flows = Mapping[tuple[int, str], Flow]
-"""By the `id` of a RAP and the name of a variable in it."""
+"""By the `id` of a RAP and the name of a variable in the RAP."""
 
 
 def flows(index: Index) -> Flows:
-    """Return what each RAP itself does with its resources and inputs."""
+    """Return the use that each RAP itself makes of its resources and inputs."""
     found: dict[tuple[int, str], Flow] = {}
     declared: set[int] = set()
     for rap in index.of(nodes.DefineRap):
@@ -123,7 +125,7 @@ def flows(index: Index) -> Flows:
 
 
 def overall_use(flow: Flow, every: Flows, library: Library) -> Flow:
-    """Return what becomes of a resource here and in all that it is handed on to."""
+    """Return the use of a resource in a RAP and in all RAPs that receive it."""
     total = Flow(list(flow.changes), list(flow.asked), list(flow.given), flow.escapes)
     waiting, seen = list(flow.given), set(flow.given)
     while waiting and not total.escapes:

@@ -1,8 +1,9 @@
-"""Thresholds of checks that compare a form with the rest of the library, and limits.
+"""Thresholds and limits of checks that compare a form with the rest of the library.
 
-The thresholds are tuned on the mutants of `bench.mutation`: they decide what is taken
-for a slip. A false alarm is traced to one of them. The limits decide nothing of that
-kind: they keep the time in proportion to the text where a text is unlike any library.
+The thresholds are tuned on the mutants of `bench.mutation` and decide which differences
+count as faults. A false positive is traced to a threshold. The limits do not decide
+about faults: the limits keep the running time proportional to the size of the text,
+even for unusual texts.
 """
 
 from __future__ import annotations
@@ -11,64 +12,68 @@ import msgspec
 
 
 class Thresholds(msgspec.Struct, frozen=True):
-    """How much of a library has to speak for a finding."""
+    """The evidence in a library that a finding requires."""
 
-    #: Letters of a word, at least, for another word to be close to it.
+    #: Minimum number of letters of a word that may be close to another word.
     close_word: int = 5
-    #: Letters of a variable with its mark, at least, for another to be close to it: one
-    #: that lacks a letter may be shorter by that.
+    #: Minimum number of letters of a variable, with its mark, that may be close to
+    #: another variable; a variable that lacks a letter may be shorter by one.
     close_variable: int = 5
-    #: Letters of a thing, at least, for another thing to be close to it.
+    #: Minimum number of letters of a thing that may be close to another thing.
     close_thing: int = 3
-    #: Other constants at a place that make it a place of their sort, if a number or a
-    #: text is among the two sorts.
+    #: Minimum number of other constants of one sort at a place for the sort to be
+    #: expected there, if one of the two sorts is a number or a text.
     same_sort: int = 2
     #: The same for words and truth values: a property may have a word or none.
     same_sort_of_words: int = 4
-    #: Forms in which a constant beside a bare `?` has to stand in the place of that.
+    #: Minimum number of forms in which a constant beside a bare `?` stands at the place
+    #: of the `?`.
     swapped_beside_any: int = 3
-    #: Uses of one declared name, none of them as declared, that make one finding.
+    #: Minimum number of uses of a declared name, all different from the declaration,
+    #: that are reported in one finding.
     all_misused: int = 3
-    #: Failures that are worth telling apart, and methods that are a choice.
+    #: Minimum number of failures that are worth distinguishing, and of methods that are
+    #: a choice.
     failures_alike: int = 2
-    #: The share of primitives that have to say what they do, as a fraction.
+    #: Minimum share of primitives that must declare effects, as a fraction.
     described: tuple[int, int] = (3, 4)
-    #: Methods of a RAP; if more ask for the name of an item, all of them should.
+    #: Number of methods of a RAP; if more methods query the name of an item, all
+    #: should.
     unnamed_item: int = 3
 
 
 class Limits(msgspec.Struct, frozen=True):
-    """How far a check looks."""
+    """Upper limits for the search of a check."""
 
-    #: Pairs of literals that are compared for one entailment.
+    #: Pairs of literals compared for one entailment.
     entailment_pairs: int = 300
-    #: Literals of a conjunction that hold by themselves.
+    #: Literals of a conjunction that are always true.
     true_literals: int = 8
-    #: Literals of a conjunction in which contradictions are looked for.
+    #: Literals of a conjunction that are searched for contradictions.
     conjunction: int = 24
-    #: Inputs to which a resource is followed.
+    #: Inputs through which a resource is followed.
     resource_inputs: int = 200
-    #: Callers that what is learned of an input is handed on to, one above another.
+    #: Levels of callers that receive the knowledge about an input.
     kind_rounds: int = 3
-    #: RAPs that priorities of steps are added up for, one below another.
+    #: Levels of RAPs for which priorities of steps are added.
     priority_depth: int = 20
     #: Places of a variable in one form.
     places: int = 12
     #: Arguments of a name that are compared with each other.
     arguments: int = 6
-    #: Constants of a place that are compared with a variable's name.
+    #: Constants of a place that are compared with the name of a variable.
     constants_of_place: int = 4
     #: Steps that change or need one fact.
     steps_of_fact: int = 20
-    #: Calls that a constraint is followed down.
+    #: Levels of calls through which a constraint is followed.
     constraint_depth: int = 5
     #: Goals below the steps of one method.
     goals_below: int = 200
     #: Standing tasks of an agenda that are compared with each other.
     standing_tasks: int = 40
-    #: RAPs, with what is held above them, below a task.
+    #: RAPs below a task, counted with the conditions of their ancestors.
     claims_below: int = 400
-    #: RAPs that a walk leads through back to its start, and steps that it takes.
+    #: RAPs on a path that returns to its start, and steps of that path.
     walk_depth: int = 6
     walk_steps: int = 80
 

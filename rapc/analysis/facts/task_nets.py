@@ -1,8 +1,8 @@
-"""The order of every task-net: tags, and what comes before what.
+"""The order of every task-net: tags, and the steps before each step.
 
-Order comes from `for` annotations and from windows that name a step; `until` delays
-nothing [L 4.1, 4.2]. Which variables that order binds is in
-`rapc.analysis.facts.variables`.
+Order comes from `for` annotations and from windows that name a step; `until` does not
+delay a step [L 4.1, 4.2]. `rapc.analysis.facts.variables` determines the variables that
+the order binds.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from rapc.analysis.check import Fact, Pass
 from rapc.ir import nodes
 
 CLOCKS = ("now", "absolute")
-"""What a window may refer to besides a step."""
+"""The names in a window that are not steps."""
 
 
 class StepOrder(msgspec.Struct, frozen=True):
-    """One step before another, by positions in the text, and what says so."""
+    """An order of two steps, by positions in the text, and the reason for the order."""
 
     before: int
     after: int
@@ -28,13 +28,13 @@ class StepOrder(msgspec.Struct, frozen=True):
 
 
 class Net(msgspec.Struct, frozen=True):
-    """A task-net's order, by positions in the text.
+    """The order of a task-net, by positions in the text.
 
-    `order` lists the steps so that each follows what it waits for; it is None if they
-    wait in a circle. `edges` holds, for each step, what puts others before it, in the
-    order of the text. `early` are the steps that another one or a signal may end
-    before they have done their work; `by_until` are those of them that another step
-    may end, even before the steps that they follow have ended [L 4.33].
+    `order` lists the steps, each after the steps that it waits for; `order` is None if
+    steps wait for each other in a cycle. `edges` holds, for each step, the reasons to
+    be after other steps, in the order of the text. `early` are the steps that another
+    step or a signal may end early. `by_until` are the steps of `early` that another
+    step may end, even before the preceding steps have ended [L 4.33].
     """
 
     order: tuple[int, ...] | None
@@ -43,36 +43,37 @@ class Net(msgspec.Struct, frozen=True):
     by_until: frozenset[int]
     #: The first step of each tag.
     tags: Mapping[str, int]
-    #: Annotations whose tag names no step.
+    #: Annotations with the tag of no step.
     unknown: tuple[nodes.Annotation, ...] = ()
-    #: Steps that wait for each other, if there is no order.
+    #: Steps that wait for each other in a cycle, if there is no order.
     circle: tuple[int, ...] = ()
 
     @property
     def has_doubles(self) -> bool:
-        """Whether two steps have one tag."""
+        """Return whether two steps have the same tag."""
         return len(self.tags) < len(self.edges)
 
     @property
     def is_broken(self) -> bool:
-        """Whether a tag names no step, or two: the order is not sure."""
+        """Return whether a tag names no step or two steps; the order is uncertain."""
         return bool(self.unknown) or self.has_doubles
 
     def is_before(self, one: int, other: int) -> bool:
-        """Whether a step is ordered before another, directly or not."""
+        """Return whether a step is before another step, directly or indirectly."""
         return _is_before(self.edges, one, other, frozenset())
 
     def has_ended(self, one: int, other: int) -> bool:
-        """Whether a step has surely ended when another begins.
+        """Return whether a step has surely ended when another step begins.
 
-        A step between them that `until` ends early says nothing of those before it.
+        If `until` may end a step on the path early, the steps before that step may
+        still run.
         """
         return _is_before(self.edges, one, other, self.by_until)
 
     def reach(self) -> tuple[list[int], list[int]]:
-        """Return for each step those before it and those after it, as sets of bits.
+        """Return for each step the steps before and the steps after, as bit sets.
 
-        All of these are empty where steps wait for each other in a circle.
+        All sets are empty if steps wait for each other in a cycle.
         """
         before = [0] * len(self.edges)
         after = [0] * len(self.edges)
@@ -90,7 +91,7 @@ Edges = Sequence[Sequence[StepOrder]]
 
 
 def _is_before(edges: Edges, one: int, other: int, avoid: Container[int]) -> bool:
-    """Whether a path of order leads from one step to another, not through some."""
+    """Return whether the order leads from a step to another, around some steps."""
     seen: set[int] = set()
     waiting = [other]
     while waiting:
@@ -104,7 +105,7 @@ def _is_before(edges: Edges, one: int, other: int, avoid: Container[int]) -> boo
 
 
 Nets = Mapping[int, Net]
-"""The net of each task-net node, by the node's `id`."""
+"""The order of each task-net, by the `id` of the node."""
 
 
 def _run(run: Pass) -> Nets:
@@ -121,13 +122,13 @@ TASK_NETS = Fact(_run)
 
 
 def sure_net(run: Pass, method: nodes.Method) -> Net | None:
-    """Return the order of the steps of a method, if it has one that is sure."""
+    """Return the order of the steps of a method, if the order is certain."""
     net = run.result(TASK_NETS).get(id(method.body))
     return None if net is None or net.is_broken or net.order is None else net
 
 
 def sure_nets(run: Pass) -> Iterator[tuple[nodes.DefineRap, nodes.Method, Net]]:
-    """Yield the methods whose steps have an order that is sure, with it."""
+    """Yield the methods whose steps have a certain order, with the order."""
     for rap in run.library.raps.values():
         for method in rap.methods:
             net = sure_net(run, method)
@@ -167,9 +168,9 @@ def _net(net: nodes.TaskNet) -> Net:
 def _ended_by_until(
     net: nodes.TaskNet, tags: Mapping[str, int], edges: Edges
 ) -> frozenset[int]:
-    """The steps that an `until` may end early.
+    """Return the steps that an `until` may end early.
 
-    It cannot end a step that has ended when the step it speaks of begins.
+    An `until` cannot end a step that has ended before the named step begins.
     """
     marked = {at: named for at, step in enumerate(net.steps) if (named := _ends(step))}
     return frozenset(
@@ -190,7 +191,7 @@ def _ends(step: nodes.Step) -> list[str]:
 
 
 def _ended_by_signal(step: nodes.Step) -> bool:
-    """Whether a signal may end a step well."""
+    """Return whether a signal may end a step well."""
     return any(
         isinstance(note, nodes.WaitFor) and note.mode == "succeed"
         for note in step.annotations
@@ -198,7 +199,7 @@ def _ended_by_signal(step: nodes.Step) -> bool:
 
 
 def tag_of(annotation: nodes.Annotation) -> str | None:
-    """The tag an annotation speaks of, if it speaks of one."""
+    """Return the tag that an annotation names, or None."""
     if type(annotation) is nodes.For:
         return annotation.tag
     if type(annotation) is nodes.UntilStart or type(annotation) is nodes.UntilEnd:
@@ -209,7 +210,7 @@ def tag_of(annotation: nodes.Annotation) -> str | None:
 
 
 def _order(edges: Edges) -> tuple[tuple[int, ...] | None, tuple[int, ...]]:
-    """Return the steps in order, or None and a circle of steps."""
+    """Return the steps in order, or None and a cycle of steps."""
     if all(edge.before < at for at, into in enumerate(edges) for edge in into):
         return tuple(range(len(edges))), ()
     graph = {at: [edge.before for edge in into] for at, into in enumerate(edges)}

@@ -1,12 +1,12 @@
-"""Argument places of a library: the terms, constants and kinds at each of them.
+"""Argument places of a library: the terms, constants and kinds at each place.
 
 A place is an argument of a predicate, a RAP, a primitive, a skill, an event or a datum.
-Two places are linked in a form where one variable stands at both: what is told of the
-values at one holds for the other. Declarations take part as forms of their own, with
-their variables. Kinds of places are declared, or learned from the use of an input.
+Two places are linked in a form if one variable occurs at both places: knowledge of the
+values at one place applies to the other place. A declaration counts as a form, with its
+own variables. The kind of a place is declared, or inferred from the use of an input.
 
-Checks that compare a form with all others, where else a constant stands or which places
-go together, read these tables and never walk over other forms themselves.
+A check that compares a form with all other forms reads these tables, and does not walk
+over other forms itself.
 """
 
 from __future__ import annotations
@@ -33,25 +33,25 @@ from rapc.library.signatures import Use
 class Place(NamedTuple):
     """An argument place: `Place("predicate", "location", 1)` is the value of a fact."""
 
-    #: The space of names, a value of `SPACES`.
+    #: The name space, a value of `SPACES`.
     space: str
     name: str
-    #: The argument's number, from 0.
+    #: The index of the argument, from 0.
     position: int
 
 
 class Constant(msgspec.Struct, frozen=True, gc=False):
-    """A constant where it stands, at a place or beside a variable."""
+    """A constant at a place, or compared with a variable."""
 
     const: nodes.Const
-    #: As it is written, so that a text has its quotes.
+    #: The constant as written: a text includes its quotes.
     written: str
-    #: The top-level form that it stands in.
+    #: The top-level form around the constant.
     form: Form
-    #: With how many arguments it stands at its place; 0 if it is compared with a
+    #: The number of arguments at the place; 0 if the constant is compared with a
     #: variable.
     count: int
-    #: The place that it is at, or those of the variable that it is compared with.
+    #: The place of the constant, or the places of the compared variable.
     places: tuple[Place, ...]
 
 
@@ -67,7 +67,7 @@ SPACES: Mapping[Use, str] = {
     "skill": "skill",
     "event": "event",
 }
-"""The space of names in which a name used so is looked up."""
+"""The name space for each use of a name."""
 
 _USES: Mapping[str, Use] = {s: use for use, s in reversed([*SPACES.items()])}
 
@@ -77,7 +77,7 @@ _DECLARED: Mapping[str, type[nodes.Node]] = {
     "datum": nodes.DeclareDatum,
     "skill": nodes.DeclareSkill,
 }
-"""The declarations that say more of their arguments than that there are so many."""
+"""The declarations with more information on arguments than their number."""
 
 _WithArguments = (
     nodes.DefineQuery | nodes.DeclarePrimitive | nodes.DeclareDatum | nodes.DeclareSkill
@@ -85,15 +85,15 @@ _WithArguments = (
 
 
 class Usage:
-    """The argument places of a library, with what stands at them.
+    """The argument places of a library, with the terms at each place.
 
     Args:
         run: the pass.
-        wrong: the ids of the nodes that are left out.
+        wrong: the ids of the nodes to leave out.
     """
 
     def __init__(self, run: Pass, wrong: Container[int] = ()) -> None:
-        #: The constants at places in the order of uses, then those that are compared.
+        #: The constants at places, in the order of uses, then the compared constants.
         self.constants: list[Constant] = []
         self._library = run.library
         self._signatures = run.signatures
@@ -130,19 +130,19 @@ class Usage:
     # --- places -----------------------------------------------------------------------
 
     def row(self, space: str, name: str, count: int) -> Sequence[Place]:
-        """Return the first places of a name: as many as are wanted, or more."""
+        """Return the first places of a name: at least `count` places."""
         found = self._rows.setdefault((space, name), [])
         while len(found) < count:
             found.append(Place(space, name, len(found)))
         return found
 
     def of(self, form: Form, name: str) -> Collection[Place]:
-        """Return the places at which a variable stands in a form, each once."""
+        """Return the places of a variable in a form, each once."""
         _, names = self._of.get(id(form), (form, {}))
         return names.get(name, ())
 
     def kinds(self, places: Sequence[Place]) -> tuple[str, ...]:
-        """Return the kinds of places of which one is known, each once."""
+        """Return the known kinds of some places, each once."""
         for place in places:
             if place not in self._kinds:
                 self._kinds[place] = self._kind(place)
@@ -152,9 +152,9 @@ class Usage:
     def together_elsewhere(
         self, one: Place, other: Place, form: Form | None = None
     ) -> int:
-        """Return in how many forms but one a variable stands at both places.
+        """Return the number of other forms with a variable at both places.
 
-        A declaration counts as two RAPs do.
+        A declaration counts like two RAPs.
         """
         pair = (one, other)
         forms = self._together.get(pair)
@@ -174,7 +174,7 @@ class Usage:
 
     @cached_property
     def _at(self) -> dict[Place, dict[tuple[int, str], Form]]:
-        """The variables at each place, with their forms."""
+        """Return the variables at each place, with their forms."""
         found: dict[Place, dict[tuple[int, str], Form]] = {}
         for key, (form, names) in self._of.items():
             for name, there in names.items():
@@ -183,7 +183,7 @@ class Usage:
         return found
 
     def _forms_with_both(self, one: Place, other: Place) -> Mapping[int, int]:
-        """Return the forms in which a variable stands at both, and how each counts."""
+        """Return the forms with a variable at both places, each with its weight."""
         if one == other:
             return {}
         small, large = sorted((self._at.get(p, {}) for p in (one, other)), key=len)
@@ -198,7 +198,7 @@ class Usage:
         form: Form,
         count: int,
     ) -> None:
-        """Note the terms at the places of a name."""
+        """Record the terms at the places of a name."""
         _, own = self._of.setdefault(id(form), (form, {}))
         row = self.row(space, name, len(terms))
         for place, term in zip(row, terms, strict=False):
@@ -217,7 +217,7 @@ class Usage:
     # --- constants --------------------------------------------------------------------
 
     def standing(self, written: str) -> Sequence[Constant]:
-        """Return where a constant stands, in the order of files."""
+        """Return the occurrences of a constant, in the order of files."""
         return self._by_word.get(written, ())
 
     def at(self, place: Place) -> Sequence[Constant]:
@@ -225,7 +225,7 @@ class Usage:
         return self._by_place.get(place, ())
 
     def beside_elsewhere(self, written: str, place: Place, form: Form) -> int:
-        """Return in how many forms but one a constant itself stands at a place."""
+        """Return the number of other forms with a constant itself at a place."""
         pair = (written, place)
         forms = self._beside.get(pair)
         if forms is None:
@@ -235,18 +235,18 @@ class Usage:
         return len(forms) - (id(form) in forms)
 
     def words(self) -> Iterator[str]:
-        """Yield the constants that are used or listed, as they are written."""
+        """Yield the constants that are used or declared, as written."""
         yield from dict.fromkeys((*self._by_word, *self._listed))
 
     def count(self, written: str) -> int:
-        """Return how often a constant stands in the library.
+        """Return the number of occurrences of a constant in the library.
 
-        Where a declaration lists it, it counts twice.
+        An occurrence in a declaration counts twice.
         """
         return len(self.standing(written)) + 2 * len(self._listed.get(written, ()))
 
     def counts(self, written: str) -> tuple[Counter[Place], Counter[str]]:
-        """Return how often a constant stands at places, and at those of kinds."""
+        """Return the number of occurrences of a constant by place and by kind."""
         found = self._counts.get(written)
         if found is None:
             found = self._counts[written] = Counter(), Counter()
@@ -257,7 +257,7 @@ class Usage:
         return found
 
     def sorts(self, place: Place) -> Counter[str]:
-        """Return how many constants of each sort stand at a place."""
+        """Return the number of constants of each sort at a place."""
         found = self._sorts.get(place)
         if found is None:
             every = [sort_of(one.written) for one in self.at(place)]
@@ -274,7 +274,7 @@ class Usage:
 
     @cached_property
     def _listed(self) -> Mapping[str, Sequence[str]]:
-        """The constants that declarations list, with their kinds; a result has none."""
+        """Return the declared constants with their kinds; a result has no kind."""
         found: dict[str, list[str]] = {}
         for name, form in self._library.kinds.items():
             for value in form.values or ():
@@ -286,7 +286,7 @@ class Usage:
 
     @cached_property
     def _by_word(self) -> Mapping[str, Sequence[Constant]]:
-        """Where each constant stands, in the order of files."""
+        """Return the occurrences of each constant, in the order of files."""
         order: dict[str, int] = {}
         for form in (*self._library.forms, *self._library.tests):
             order.setdefault(form.span.file, len(order))
@@ -306,7 +306,7 @@ class Usage:
 
 
 _SINGLE = (nodes.DefineRap, nodes.DefineTest)
-"""The forms that count once."""
+"""The types of forms that count once."""
 
 
 def _usage(run: Pass) -> Usage:
@@ -315,7 +315,7 @@ def _usage(run: Pass) -> Usage:
 
 
 USAGE = Fact(_usage)
-"""What stands at places, uses that do not meet their declaration aside."""
+"""The terms at places, without uses that do not match their declaration."""
 
 
 def _census(run: Pass) -> Usage:
@@ -323,20 +323,21 @@ def _census(run: Pass) -> Usage:
 
 
 CENSUS = Fact(_census)
-"""What stands at places, in all uses of names."""
+"""The terms at places, in all uses of names."""
 
 
 TRUTH = ("true", "false", "t", "nil")
-"""Constants that answer a question."""
+"""The truth values."""
 
 PLAIN = ("unknown", *TRUTH, "okay")
-"""Constants that stand anywhere."""
+"""The constants that may occur at any place."""
 
 
 def sort_of(written: str) -> str:
-    """Return the sort of a constant by how it is written; nothing for `unknown`.
+    """Return the sort of a constant by its spelling; empty for `unknown`.
 
-    A number is one, a text has quotes, and `true` or `nil` are truth values.
+    The sorts are numbers, texts with quotes, truth values such as `true` or `nil`, and
+    words.
     """
     if written[:1] == '"':
         return "text"

@@ -1,14 +1,20 @@
-"""Variables that lack a value in some order of the steps.
+"""Variables without a value in some order of the steps.
 
-Every clause is walked with what is bound where it stands [L 3.64]
-to [L 3.68]: inputs and resources everywhere; besides, in a method, what
-`repeat-while` and its context surely bind; in a step, what steps ordered before it
-hand out, what `for` formulas pointing at it or at those bind, and the signals that
-they wait for. A step that an `until` may end early surely hands nothing on, not even
-what steps before it did: they may be running still. A step that a signal may end hands
-on what each way to end binds: its own work, if that can end it, and each such signal.
-How a formula binds is in `rapc.analysis.facts.bindings`; what is said of it is in the
-checks of `unbound-variable`, `anonymous-variable` and `age-in-monitor`.
+Every clause is walked with the variables that are bound at the clause [L 3.64]
+to [L 3.68]:
+
+- everywhere: inputs and resources;
+- in a method: also the variables that `repeat-while` and its context surely bind;
+- in a step: also the bindings of the steps ordered before, the bindings of the `for`
+  formulas that point at the step or at these steps, and the signals that the steps
+  wait for.
+
+A step that an `until` may end early surely passes on no bindings, not even the bindings
+of the steps before, because those steps may still run. A step that a signal may end
+passes on the common bindings of all possible ends: its own work, if the work can end
+the step, and each such signal. `rapc.analysis.facts.bindings` determines the variables
+that a formula binds; the checks of `unbound-variable`, `anonymous-variable` and
+`age-in-monitor` report the findings.
 """
 
 from __future__ import annotations
@@ -34,7 +40,7 @@ from rapc.ir import clauses, nodes
 class Missing(msgspec.Struct, frozen=True):
     """A variable that needs a value and is not surely bound.
 
-    `clause` says where it stands: the clause's name; `step` is its step's position.
+    `clause` is the name of the clause; `step` is the position of the step.
     """
 
     variable: nodes.Var
@@ -44,7 +50,7 @@ class Missing(msgspec.Struct, frozen=True):
 
 
 class Bindings(msgspec.Struct, frozen=True):
-    """What all clauses of a library lack.
+    """The variables without a value in all clauses of a library.
 
     `missing` is by the `id` of the RAP, rule or test; `anonymous` are bare `?` where a
     value is needed; `ages` are the `believe` forms of monitors that bind an age.
@@ -88,13 +94,13 @@ def _run(run: Pass) -> Bindings:
 
 
 BINDINGS = Fact(_run)
-"""Works out which variables lack a value, in any order that a task-net allows."""
+"""The variables without a value, for any order that a task-net allows."""
 
 
 class _Walk:
-    """The walk through the RAPs and rules: who is asked, and what was noted so far.
+    """The walk through the RAPs and rules, with the results so far.
 
-    `missing` is what the form at hand lacks, `ages` those that monitors bind.
+    `missing` holds the faults of the current form, `ages` the ages that monitors bind.
     """
 
     def __init__(
@@ -109,7 +115,7 @@ class _Walk:
     def note(
         self, clause: str, method: nodes.Method | None = None, step: int | None = None
     ) -> None:
-        """Say where what was found since the last note stands."""
+        """Assign the faults since the last call to a clause."""
         found = self.walker.findings.unbound
         if not found:
             return
@@ -123,7 +129,7 @@ class _Walk:
         clause: str,
         method: nodes.Method | None = None,
     ) -> None:
-        """Walk terms of a clause that need values."""
+        """Walk the terms of a clause that need values."""
         self.walker.values(terms, bound)
         self.note(clause, method)
 
@@ -215,7 +221,7 @@ def _task_net(
 def _cyclic_net(
     walk: _Walk, method: nodes.Method, body: nodes.TaskNet, base: Bound
 ) -> None:
-    """Steps in a circle: each may use what any of them binds, to find the rest."""
+    """Walk steps in a cycle: each step may use the bindings of all steps."""
     net = walk.nets[id(body)]
     everything = Bound(base)
     quiet = _Walk(walk.walker.apart(), walk.nets, walk.never_done)
@@ -227,7 +233,7 @@ def _cyclic_net(
 
 
 def _step(walk: _Walk, step: nodes.Step, bound: Bound, net: Net, at: int) -> None:
-    """Walk all that a step says; what it surely binds is bound afterwards."""
+    """Walk all clauses of a step, and add the sure bindings to `bound`."""
     for note in step.annotations:
         if type(note) is nodes.Window:
             walk.walker.values((note.start, note.stop), bound)
@@ -244,7 +250,7 @@ def _step(walk: _Walk, step: nodes.Step, bound: Bound, net: Net, at: int) -> Non
 
 
 def _formulas(walk: _Walk, net: Net, at: int, bound: Bound) -> None:
-    """Walk the `for` formulas pointing at a step; what they surely bind is bound."""
+    """Walk the `for` formulas that point at a step, and add the sure bindings."""
     for edge in net.edges[at]:
         annotation = edge.annotation
         if type(annotation) is nodes.For and annotation.formula is not None:
@@ -255,7 +261,7 @@ def _formulas(walk: _Walk, net: Net, at: int, bound: Bound) -> None:
 
 
 def _signals(step: nodes.Step) -> set[str]:
-    """The variables of the signals that a step waits for before it begins."""
+    """Return the variables of the signals that a step waits for before the start."""
     names: set[str] = set()
     for annotation in step.annotations:
         if type(annotation) is nodes.WaitFor and annotation.mode == "proceed":
@@ -264,7 +270,7 @@ def _signals(step: nodes.Step) -> set[str]:
 
 
 def _sure_at_the_end(walk: _Walk, step: nodes.Step, bound: set[str]) -> set[str]:
-    """The variables that have values however a step ends, which a signal may end."""
+    """Return the variables with values at each possible end of a step."""
     ways = [
         names_of(note.args)
         for note in step.annotations
@@ -276,10 +282,10 @@ def _sure_at_the_end(walk: _Walk, step: nodes.Step, bound: set[str]) -> set[str]
 
 
 class _OrderedBindings:
-    """What steps hand to those ordered after them, as sets of bits.
+    """The bindings that steps pass to the steps ordered after, as bit sets.
 
-    Long chains of steps would otherwise take time and memory quadratic in names; a
-    set is dropped once every step that follows directly has been seen.
+    With sets of names, a long chain of steps would need quadratic time and memory. A
+    bit set is dropped after every direct successor has been processed.
     """
 
     def __init__(self, base: Bound, net: Net) -> None:
@@ -293,7 +299,7 @@ class _OrderedBindings:
                 self._left[before] += 1
 
     def before(self, at: int) -> _Names:
-        """The names surely bound by the steps that are ordered before one."""
+        """Return the names surely bound by the steps ordered before a step."""
         here, into = 0, self._edges[at]
         for before in {edge.before for edge in into} if into else ():
             here |= self._sets.get(before, 0)
@@ -303,7 +309,7 @@ class _OrderedBindings:
         return _Names(self._base, self._bits, here)
 
     def after(self, at: int, before: _Names, sure: Iterable[str]) -> None:
-        """Note what a step, just seen, surely has bound when it ends."""
+        """Record the sure bindings at the end of the step just processed."""
         if self._left[at]:
             here = before.set
             for name in sure:
@@ -312,7 +318,7 @@ class _OrderedBindings:
 
 
 class _Names(Container[str]):
-    """The names of some bits, and all of a base."""
+    """The names of some bits, and all names of a base."""
 
     def __init__(self, base: Bound, bits: Mapping[str, int], chosen: int) -> None:
         self._base = base
@@ -340,7 +346,7 @@ def _rules(walk: _Walk, rules: Iterable[nodes.Rule], bound: Bound) -> None:
 
 
 def _test(walk: _Walk, test: nodes.DefineTest) -> None:
-    """Bind a row's request for what the row does, a formula for itself."""
+    """Walk a test: bind a row's request for its effects, and a formula for itself."""
     for row in test.script:
         bound = Bound(None, names_of(row.request.args))
         told = (*row.asserts, *row.erases, *row.data, *row.signals)
