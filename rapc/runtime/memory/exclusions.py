@@ -1,11 +1,12 @@
-"""What `:excludes` says of facts: which cannot stand beside which (docs/memory.md).
+"""Exclusions: pairs of facts that cannot be in memory together (docs/memory.md).
 
-A property that has a value excludes the facts of a pattern; its own arguments are
-the pattern's variables, every other variable is free. It works both ways. What goes
-when one of two comes, or when a merge brings them together, is for others to say.
+A property that has a value excludes the facts of a pattern; the arguments of the
+property are the pattern's variables, every other variable is free. An exclusion works
+in both directions.
 
-A fact that excludes others may itself have gone when its item turns out to be another
-one, of which an older fact is known. So the last assertion of such a fact is kept.
+A fact that excludes others may itself be gone when a merge brings up an older fact.
+Therefore the exclusions keep the last assertion of each of these facts. Not here: the
+choice between two facts that exclude each other (`memory`, `recognition.merging`).
 """
 
 from __future__ import annotations
@@ -19,13 +20,13 @@ from rapc.runtime.memory.facts import PREFIX, FactStore
 from rapc.world import Time
 
 Pattern = tuple[Atom | None, ...]
-"""The facts of a name; None for any argument."""
+"""The facts of a name; None matches any argument."""
 
 Excluded = tuple[Pattern, ...]
-"""All facts that a fact excludes."""
+"""The patterns of all facts that a fact excludes."""
 
 Past = tuple[Fact, Time]
-"""A fact that was asserted at a time, and perhaps has gone since."""
+"""A fact with the time of its assertion; the fact may be gone."""
 
 Shape = tuple[str | nodes.Const, ...]
 """The arguments of one side: constants, and the names of variables."""
@@ -41,7 +42,7 @@ class _Side:
         self.args = args
 
     def bound(self, fact: Fact) -> dict[str, Atom] | None:
-        """Return what the variables stand for in a fact, or None for another fact."""
+        """Return the values of the variables in a fact, or None without a match."""
         if fact[0] != self.name or len(fact) != len(self.args) + 1:
             return None
         found: dict[str, Atom] = {}
@@ -54,7 +55,7 @@ class _Side:
         return found
 
     def pattern(self, bound: dict[str, Atom]) -> Pattern:
-        """Return the facts of this side that go with what the other side has bound."""
+        """Return the pattern of this side's facts with the other side's bindings."""
         args = [
             arg.value if isinstance(arg, nodes.Const) else bound.get(arg)
             for arg in self.args
@@ -63,7 +64,7 @@ class _Side:
 
 
 class Exclusions:
-    """The exclusions of a library, asked of facts in a store."""
+    """The exclusions of a library, evaluated over the facts of a store."""
 
     def __init__(
         self,
@@ -86,7 +87,7 @@ class Exclusions:
         return bool(self._pairs)
 
     def of(self, fact: Fact) -> Sequence[Fact]:
-        """The facts in memory that cannot stand beside a fact, oldest first."""
+        """Return the facts in memory that a fact excludes, oldest first."""
         return list(
             dict.fromkeys(
                 found
@@ -109,9 +110,9 @@ class Exclusions:
         return tuple([pattern for _, pattern in self._patterns(fact)])
 
     def asserted(self, fact: Fact, time: Time) -> None:
-        """Keep when a fact was asserted, if it excludes facts of an item.
+        """Record the time of an assertion, if the fact excludes facts of an item.
 
-        Of several facts that exclude the same the last one is kept.
+        Of several facts with the same exclusions only the last assertion is kept.
         """
         excluded = self.excluded(fact)
         for item in items_of(excluded):
@@ -142,7 +143,7 @@ class Exclusions:
         )
 
     def load(self, state: Iterable[tuple[str, Iterable[Past]]]) -> None:
-        """Hold the past assertions that `state` returned, and no others."""
+        """Replace the past assertions by those that `state` returned."""
         self._past = {
             item: {self.excluded(fact): (fact, time) for fact, time in known}
             for item, known in state
@@ -150,13 +151,13 @@ class Exclusions:
 
 
 def items_of(excluded: Excluded) -> Iterable[str]:
-    """The items of indistinct classes that stand in patterns."""
+    """Return the items of indistinct classes in patterns."""
     parts = dict.fromkeys(part for pattern in excluded for part in pattern[1:])
     return [p for p in parts if type(p) is str and p.startswith(PREFIX)]
 
 
 def _owner(declared: nodes.DeclareProperty, exclusion: nodes.Exclusion) -> _Side:
-    """The side that declares; without a list it has the pattern's first variable."""
+    """Return the side that declares; by default with the pattern's first variable."""
     names: Sequence[str]
     if declared.args is not None:
         names = [arg.variable.name for arg in declared.args[:-1]]

@@ -1,11 +1,12 @@
-"""The facts of memory: stored once, by name; indexed by the arguments that are asked.
+"""The facts of memory: stored once, by name; indexed by arguments in queries.
 
-Every index keeps its facts in the order of their last assertion, so whichever index
-a query takes, answers come in one order [L 2.11, 2.13]. Whether a fact may be
-asserted is for `rapc.runtime.memory.memory` to say.
+Every index keeps its facts in the order of their last assertion. Therefore the order of
+solutions does not depend on the index [L 2.11, 2.13]. Whether a fact may be asserted is
+decided in `rapc.runtime.memory.memory`.
 
-`Mentions` finds the facts that speak of an item. What becomes of these facts when items
-turn out to be one, or are forgotten, is for `rapc.runtime.memory.recognition.merging`.
+`Mentions` finds the facts that mention an item.
+`rapc.runtime.memory.recognition.merging` changes these facts when items merge or are
+forgotten.
 """
 
 from __future__ import annotations
@@ -19,22 +20,22 @@ from rapc.library.signature import Signature
 from rapc.world import Time
 
 NEVER: Time = float("-inf")
-"""The stamp of what was never asserted: older than any (docs/memory.md)."""
+"""The stamp of a fact that was never asserted: older than any (docs/memory.md)."""
 
 PREFIX = "item-"
-"""How the memory names of items of indistinct classes begin."""
+"""The prefix of the memory names of items of indistinct classes."""
 
 Bucket = dict[Fact, None]
-"""The facts that have one value in one place, oldest assertion first."""
+"""The facts that have one value in one position, oldest assertion first."""
 
 
 class FactTable:
     """The facts of one name.
 
     `stamps` holds the time of each fact's last assertion, in the order of these
-    assertions. For a property `values` holds the fact that is asserted by its index:
-    the one argument before the value, or the tuple of them where there are more or
-    none. `length` is that of all facts, None where the declaration does not say.
+    assertions. For a property `values` holds the asserted fact by its index: the one
+    argument before the value, or the tuple of arguments if there are more or none.
+    `length` is the length of all facts, None if the declaration does not state it.
     These dicts stay the same objects for the life of the table.
     """
 
@@ -50,9 +51,10 @@ class FactTable:
         self._indexes: dict[int, dict[Atom, Bucket]] = {}
 
     def index(self, at: int) -> dict[Atom, Bucket]:
-        """The facts by their argument in a place, counted from 1.
+        """Return the facts by their argument in a position, counted from 1.
 
-        It is built when first asked for, and from then on kept up with the facts.
+        The table builds an index on first use, and updates the index with the facts
+        from then on.
         """
         found = self._indexes.get(at)
         if found is None:
@@ -66,8 +68,8 @@ class FactTable:
     def bucket(self, known: list[tuple[int, Atom]]) -> Iterable[Fact]:
         """Return the smallest indexed superset of the facts that match, oldest first.
 
-        `known` has the arguments to match, each with its position. An index is built
-        for the first of them where there is none for any.
+        `known` has the arguments to match, each with its position. If none of the
+        positions has an index, the table builds an index for the first one.
         """
         if not known:
             return self.stamps
@@ -76,7 +78,7 @@ class FactTable:
         return min(found, key=len)
 
     def add(self, fact: Fact, time: Time) -> Fact | None:
-        """Store or refresh a fact; the fact it replaces is removed and returned."""
+        """Store or refresh a fact; remove and return the fact that it replaces."""
         stamps, replaced = self.stamps, None
         if fact in stamps:
             del stamps[fact]
@@ -99,7 +101,7 @@ class FactTable:
         return replaced
 
     def remove(self, fact: Fact) -> None:
-        """Remove a fact that is there."""
+        """Remove a fact of the table."""
         del self.stamps[fact]
         if self.is_property:
             del self.values[fact[1] if len(fact) == 3 else fact[1:-1]]
@@ -115,7 +117,7 @@ class FactTable:
                     del bucket[fact]
 
     def load(self, facts: Iterable[tuple[Fact, Time]]) -> None:
-        """Hold these facts and no others, oldest assertion first.
+        """Replace the facts, which are in the order of their assertion.
 
         The dicts stay the same objects: compiled queries have them in hand.
         """
@@ -128,7 +130,7 @@ class FactTable:
 
 
 class _Tables(dict[Atom, FactTable]):
-    """The tables of a store by name. One that is looked up is made if there is none."""
+    """The tables of a store by name; a look-up creates a missing table."""
 
     def __init__(self, relation: Callable[[str], Signature | None]) -> None:
         super().__init__()
@@ -150,40 +152,40 @@ class FactStore:
         self.tables = _Tables(relation)
 
     def __contains__(self, fact: object) -> bool:
-        """Whether a fact is stored."""
+        """Return whether a fact is stored."""
         table = self.tables.get(fact[0])  # type: ignore[index]
         return table is not None and fact in table.stamps
 
     def __iter__(self) -> Iterator[Fact]:
-        """All facts, name by name."""
+        """Yield all facts, name by name."""
         for table in self.tables.values():
             yield from table.stamps
 
     def load(self, tables: Iterable[tuple[Atom, Iterable[tuple[Fact, Time]]]]) -> None:
-        """Hold these facts and no others, name by name, oldest assertion first."""
+        """Replace all facts, name by name, oldest assertion first."""
         for table in self.tables.values():
             table.load(())
         for name, facts in tables:
             self.table(name).load(facts)
 
     def table(self, name: Atom) -> FactTable:
-        """The facts of a name, now and later: there is one table for each."""
+        """Return the facts of a name, now and later: each name has one table."""
         return self.tables[name]
 
     def stamp(self, fact: Fact) -> Time | None:
-        """The time of a fact's last assertion, or None."""
+        """Return the time of a fact's last assertion, or None."""
         table = self.tables.get(fact[0])
         return None if table is None else table.stamps.get(fact)
 
     def asserted(self, index: Fact) -> Fact | None:
-        """The fact of a property that begins with all of it but the value, or None."""
+        """Return the fact of a property with these leading arguments, or None."""
         table = self.tables.get(index[0])
         if table is None:
             return None
         return table.values.get(index[1] if len(index) == 2 else index[1:])
 
     def starting(self, prefix: Fact) -> list[Fact]:
-        """The facts that start with a prefix, oldest first."""
+        """Return the facts that start with a prefix, oldest first."""
         table = self.tables.get(prefix[0])
         if table is None:
             return []
@@ -197,7 +199,7 @@ class FactStore:
         return [fact for fact in table.bucket(known) if fact[:size] == prefix]
 
     def matching(self, pattern: tuple[Atom | None, ...]) -> list[Fact]:
-        """The facts that match a pattern (None: anything), oldest first."""
+        """Return the facts that match a pattern (None: anything), oldest first."""
         table = self.tables.get(pattern[0])  # type: ignore[arg-type]
         if table is None:
             return []
@@ -219,9 +221,9 @@ def _is_item(part: Atom) -> bool:
 
 
 class Mentions:
-    """The facts in memory by the items that stand in their arguments.
+    """The facts in memory by the items in their arguments.
 
-    Facts of all names stand in one order, that of their last assertion.
+    Facts of all names are in one order, that of their last assertion.
     """
 
     __slots__ = ("_facts",)
@@ -230,14 +232,14 @@ class Mentions:
         self._facts: dict[Atom, dict[Fact, None]] = {}
 
     def added(self, fact: Fact) -> None:
-        """Enter a fact that was asserted, perhaps again: now it is the youngest."""
+        """Add an asserted fact as the youngest, even if it was in memory before."""
         for part in filter(_is_item, fact[1:]):
             known = self._facts.setdefault(part, {})
             known.pop(fact, None)
             known[fact] = None
 
     def removed(self, fact: Fact) -> None:
-        """Strike a fact out that is no longer there."""
+        """Remove a fact that is gone."""
         for part in filter(_is_item, fact[1:]):
             known = self._facts.get(part, {})
             known.pop(fact, None)
@@ -249,7 +251,7 @@ class Mentions:
         return tuple((str(name), tuple(facts)) for name, facts in self._facts.items())
 
     def load(self, state: Iterable[tuple[str, Iterable[Fact]]]) -> None:
-        """Hold the facts that `state` returned, and no others."""
+        """Replace the facts by those that `state` returned."""
         self._facts = {name: dict.fromkeys(facts) for name, facts in state}
 
     def of(self, name: str) -> list[Fact]:

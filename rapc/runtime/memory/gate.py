@@ -1,4 +1,4 @@
-"""Memory as handlers, hosts, functions and solvers read and change it [T A.3-A.5]."""
+"""The interface of memory for handlers, hosts, functions and solvers [T A.3-A.5]."""
 
 from __future__ import annotations
 
@@ -30,15 +30,15 @@ from rapc.runtime.memory.recognition.sets import UNKNOWN, Description, Expectati
 from rapc.world import Time
 
 _BY_HANDLERS = ("class", "location")
-"""What an introduced item has from `introduce`, `move` and `lose`."""
+"""An introduced item in `introduce`, `move` and `lose`."""
 
 
 Answers = Callable[[str | Formula, Mapping[str, Atom] | None], list[dict[str, Any]]]
-"""Returns all answers to a formula in which some variables have values."""
+"""A function that returns all solutions of a formula with some variables bound."""
 
 
 class MemoryView:
-    """Memory to be read: what functions, default functions and solvers are given."""
+    """Read access to memory, for functions, default functions and solvers."""
 
     def __init__(self, memory: Memory, recorder: Recorder) -> None:
         self._memory = memory
@@ -46,18 +46,18 @@ class MemoryView:
 
     @property
     def now(self) -> Time:
-        """The time of the clock."""
+        """Return the time of the clock."""
         return self._recorder.time
 
     @property
     def place(self) -> Atom | None:
-        """The robot's own place: the one last given to `arrive`."""
+        """Return the robot's own place: the last argument of `arrive`."""
         return self._memory.place
 
     def query(self, *pattern: Atom | None) -> list[Fact]:
-        """The facts that match, oldest first; None matches anything.
+        """Return the facts that match, oldest first; None matches anything.
 
-        Defaults are not consulted, and `external` is what is stored as such.
+        The method ignores defaults, and matches `external` only as the stored symbol.
         """
         try:
             return self._memory.facts.matching(self._memory.canonical(pattern))
@@ -66,7 +66,7 @@ class MemoryView:
             raise
 
     def value(self, *index: Atom) -> Atom | None:
-        """The asserted value of a property for an index, or None."""
+        """Return the asserted value of a property for an index, or None."""
         try:
             fact = self._memory.facts.asserted(self._memory.canonical(index))
         except (IndexError, TypeError):
@@ -77,7 +77,7 @@ class MemoryView:
     def count(self, kind: str, place: Atom) -> int:
         """Return how many items of a class memory expects at a place [T 2.3.3].
 
-        Of an indistinct class it is the size of its expectation set.
+        For an indistinct class the number is the size of its expectation set.
         """
         memory = self._memory
         try:
@@ -95,14 +95,15 @@ class MemoryView:
         return sum(1 for item in found if item is not None and item.kind == kind)
 
     def kind(self, item: Atom) -> str | None:
-        """The class under which an item was introduced; None for a plain symbol."""
+        """Return the introducing class of an item; None for a plain symbol."""
         found = self._memory.items.known.get(str(self._memory.items.canonical(item)))
         return None if found is None else found.kind
 
     def spread(self, name: str, *places: int) -> float:
-        """Return how many facts of a name share arguments in some places, on average.
+        """Return how many facts of a name share arguments in positions, on average.
 
-        Places count from 1; without any, how many facts of that name there are.
+        Positions count from 1. Without positions, return the number of facts of that
+        name.
         """
         need_atoms((name, *places), "the facts")
         facts = self._memory.facts.table(name).stamps
@@ -110,7 +111,7 @@ class MemoryView:
         return len(facts) / len(kinds) if kinds else 0
 
     def age(self, *fact: Atom) -> Time | None:
-        """Time units since a fact was last asserted, or None."""
+        """Return the time units since a fact was last asserted, or None."""
         try:
             stamp = self._memory.facts.stamp(self._memory.canonical(fact))
         except (IndexError, TypeError):
@@ -120,7 +121,7 @@ class MemoryView:
 
 
 class MemoryBatch:
-    """Changes of memory that belong together; made by `Gate.batch`."""
+    """A group of changes of memory; made by `Gate.batch`."""
 
     __slots__ = ("_access", "_depth")
 
@@ -138,7 +139,7 @@ class MemoryBatch:
 
 
 def _tests_of(signatures: Signatures) -> dict[Atom, tuple[tuple[int, Test], ...]]:
-    """Return which arguments of facts are held to a kind, by the facts' name."""
+    """Return the arguments of facts that have declared kinds, by the facts' name."""
     found: dict[Atom, tuple[tuple[int, Test], ...]] = {}
     for name, relation in signatures.relations.items():
         args = enumerate(relation.args or (), 1)
@@ -150,14 +151,14 @@ def _tests_of(signatures: Signatures) -> dict[Atom, tuple[tuple[int, Test], ...]
 
 
 class Gate(MemoryView):
-    """What handlers do to memory: the `HandlerMemory` of `rapc.world`.
+    """Write access to memory, for handlers: the `HandlerMemory` of `rapc.world`.
 
-    Nobody observes the memory yet.
+    A new gate has no observers of memory.
 
     Args:
         library: the linked library.
-        signatures: what it declares.
-        recorder: is told of facts and items.
+        signatures: the declarations of the library.
+        recorder: receives the events about facts and items.
         comparators: every comparator in Python that the library names.
         max_layers: how many layers an expectation set keeps.
     """
@@ -182,20 +183,20 @@ class Gate(MemoryView):
             memory, recorder, tuple(classes), scores, max_layers, sets
         )
         self._counted: dict[Atom, None] = {}
-        #: For the names of facts whose arguments have declared kinds, the places of
-        #: these arguments, each with what tells whether a value is of its kind.
+        #: For the names of facts whose arguments have declared kinds, the positions of
+        #: these arguments, each with a test of the kind.
         self._of_kinds = _tests_of(signatures)
         self._batch = MemoryBatch(self)
-        #: What is to be looked at before the batch ends: `rapc.strict` does.
+        #: A check before the end of a batch; `rapc.strict` sets it.
         self.closing: list[Callable[[], None]] = []
-        #: Answers what handlers ask; the interpreter sets it.
+        #: The evaluation of handlers' queries; the interpreter sets it.
         self.answers: Answers | None = None
 
     def observe(self, *others: Observer) -> None:
-        """Register all that is told of changes: the recogniser, then `others`.
+        """Register all observers of memory: the recogniser, then `others`.
 
-        The one place where observers of memory are registered; without indistinct
-        classes there is nothing to recognise.
+        Only this method registers observers of memory. Without indistinct classes the
+        gate registers no recogniser.
         """
         first = () if self.memory.mentions is None else (self.recognizer,)
         self.memory.observe(*first, *others)
@@ -203,25 +204,26 @@ class Gate(MemoryView):
     def ask(
         self, formula: str | Formula, given: Mapping[str, Atom] | None = None
     ) -> list[dict[str, Any]]:
-        """Return all answers to a formula: see `HandlerMemory.ask`.
+        """Return all solutions of a formula: see `HandlerMemory.ask`.
 
         Raises:
-            ValueError: for what is no formula, or asks for undeclared names.
+            ValueError: for an invalid formula, or a query of undeclared names.
         """
         if self.answers is None:
             raise ValueError("formulas can be asked in a run alone")
         return self.answers(formula, given)
 
     def batch(self) -> MemoryBatch:
-        """Return what belongs together, for a `with`: the data of one result, say.
+        """Return a batch of changes (as the data of one result) for a `with` statement.
 
-        At its end items are recognised, then surplus ones leave the places where all
-        accessible ones are known. A batch in a batch is a part of it.
+        At the end of the batch the gate recognises items, then removes surplus items
+        from the places where all accessible items are known. An inner batch is a part
+        of the outer one.
         """
         return self._batch
 
     def end_batch(self) -> None:
-        """End the outermost batch: recognise items, and lose those that nobody saw."""
+        """End the outermost batch: recognise items, and lose the unseen items."""
         while self.closing:
             self.closing.pop(0)()
         self.recognise()
@@ -234,17 +236,17 @@ class Gate(MemoryView):
             self.recognise()
 
     def drop_batch(self) -> None:
-        """Forget what a batch that broke off has left to be done."""
+        """Discard the outstanding work of a batch that was aborted."""
         self._counted.clear()
         self.closing.clear()
 
     def recognise(self) -> None:
-        """Recognise what can be recognised, if any description has changed."""
+        """Recognise items, if a description has changed."""
         if self.recognizer.unsettled:
             self.recognizer.settle()
 
     def assert_fact(self, *fact: Atom) -> None:
-        """Assert a fact now, all of its arguments stated.
+        """Assert a fact now, with all of its arguments.
 
         Raises:
             FactError: as `assert_for`, and for a property without its value.
@@ -252,17 +254,17 @@ class Gate(MemoryView):
         self.assert_for("handler", fact, whole=True)
 
     def erase(self, *prefix: Atom) -> None:
-        """Erase every fact that starts so. Raises FactError as `erase_for`."""
+        """Erase all facts that start with `prefix`. Raises FactError as `erase_for`."""
         self.erase_for("handler", prefix)
 
     def assert_for(self, by: str, fact: Fact, *, whole: bool = False) -> None:
         """Assert a fact now, on behalf of `by`: a handler or the host.
 
-        With `whole` the value `true` of a property may not be left out.
+        With `whole` the value `true` of a property may not be omitted.
 
         Raises:
-            FactError: if the declarations do not allow it, or for an item's place
-                and introducing class.
+            FactError: if the declarations do not allow the fact, or if the fact is
+                an item's place or introducing class.
         """
         memory, given = self._memory, fact
         fact = memory.checked(given)
@@ -277,10 +279,10 @@ class Gate(MemoryView):
         memory.store(fact, by)
 
     def checked(self, fact: Fact) -> Fact:
-        """Return a fact from outside in the form in which it is kept.
+        """Return a fact from outside in the form in which memory stores it.
 
         Raises:
-            FactError: if the declarations do not allow it: its name, the number of its
+            FactError: if the declarations do not allow the name, the number of
                 arguments, or their kinds.
         """
         fact = self._memory.checked(fact)
@@ -288,7 +290,7 @@ class Gate(MemoryView):
         return fact
 
     def check_kinds(self, fact: Fact) -> None:
-        """Raise a FactError if a fact has arguments of another kind."""
+        """Raise a FactError if a fact has arguments of a wrong kind."""
         for at, holds in self._of_kinds.get(fact[0], ()):
             if not holds(fact[at]):
                 signatures = self._memory.signatures
@@ -299,7 +301,7 @@ class Gate(MemoryView):
         """Erase every fact that starts with `prefix`, on behalf of `by`.
 
         Raises:
-            FactError: if the prefix names nothing declared, or as `assert_for`.
+            FactError: if the prefix has an undeclared name, or as `assert_for`.
         """
         memory = self._memory
         if prefix and prefix[0] in _BY_HANDLERS:
@@ -334,7 +336,7 @@ class Gate(MemoryView):
                 )
 
     def introduce(self, sensor_name: str, kind: str, place: Atom) -> str:
-        """Tell memory of an item that is seen: see `HandlerMemory.introduce`."""
+        """Register an item that is seen: see `HandlerMemory.introduce`."""
         memory = self._memory
         place = self._stored(place)
         in_one_form(sensor_name)
@@ -379,9 +381,9 @@ class Gate(MemoryView):
         self._tell(ItemLost, known, UNKNOWN)
 
     def fix_cardinality(self, place: Atom) -> None:
-        """No items are at `place` but the accessible ones, once the batch has ended.
+        """Lose all items at `place` that are not accessible at the end of the batch.
 
-        Items believed there and not accessible then get the place `unknown`.
+        The items believed at the place and not accessible then get the place `unknown`.
         """
         with self.batch():
             self._counted[self._stored(place)] = None
@@ -394,17 +396,17 @@ class Gate(MemoryView):
             self.lose(item.name)
 
     def expire(self) -> None:
-        """Forget all sensor names, since the robot has moved."""
+        """Forget all sensor names, because the robot has moved."""
         reached = bool(self._memory.items.accessible())
         self.recognizer.expire()
         if reached:
             self._memory.tell("know-sensor-name")
 
     def arrive(self, place: Atom) -> None:
-        """Set the place of the robot, of which `external` speaks from now on.
+        """Set the place of the robot, which `external` denotes from now on.
 
         Raises:
-            FactError: for what is no symbol, number or string.
+            FactError: for a value that is no symbol, number or string.
         """
         self._memory.arrive(self._memory.items.canonical(in_one_form(place)))
 

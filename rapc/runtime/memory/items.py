@@ -1,7 +1,7 @@
-"""The items that handlers have introduced, and which of them can be sensed now.
+"""The items that handlers have introduced, with their sensor names.
 
 Items of distinct classes keep one name and one sensor name for life [T 2.3.2].
-The others get their names, and lose them, in `rapc.runtime.memory.recognition`. A name
+`rapc.runtime.memory.recognition` sets and removes the names of the other items. A name
 that no handler introduced is a plain symbol: it is its own sensor name.
 """
 
@@ -27,14 +27,14 @@ class Item:
 class Items:
     """All introduced items by memory name, in the order of introduction.
 
-    `aliases` maps every name that a merge has taken away to the older name that was
-    kept; `gone` holds the names of items that memory has forgotten.
+    `aliases` maps every name that a merge has removed to the older name that was kept;
+    `gone` holds the names of items that memory has forgotten.
     """
 
     def __init__(self) -> None:
         self.known: dict[str, Item] = {}
         self.aliases: dict[str, str] = {}
-        #: How often names have come to stand for others, or were loaded.
+        #: How often names have been replaced by others, or were loaded.
         self.renamings = 0
         self.gone: set[str] = set()
         self.by_sensor: dict[str, Item] = {}
@@ -48,9 +48,9 @@ class Items:
         sensors: Iterable[tuple[str, str]],
         reach: Iterable[str],
     ) -> None:
-        """Know these items and no others; `sensors` and `reach` speak of their names.
+        """Replace all items; `sensors` and `reach` refer to their names.
 
-        The arguments are in order: what `capture` in `saving` makes.
+        The arguments are in order, as `capture` in `saving` returns them.
         """
         self.known = {item.name: item for item in known}
         self.renamings += 1
@@ -63,9 +63,9 @@ class Items:
         self._reach = {name: self.known[name] for name in reach}
 
     def introduce(self, sensor: str, kind: str) -> tuple[Item, bool]:
-        """The distinct item seen under a sensor name, and whether it is seen anew.
+        """Return the distinct item of a sensor name, and whether its access is new.
 
-        It is accessible from now; it is news if it was not accessible before.
+        The item is accessible from now on.
         """
         item = self.by_sensor.get(sensor)
         if item is None:
@@ -86,7 +86,7 @@ class Items:
             self._reach[item.name] = item
 
     def put_out_of_reach(self, item: Item, keep_sensor: bool = True) -> None:
-        """Take an item out of reach; its sensor name may go for good."""
+        """Remove an item from reach; its sensor name may go for good."""
         item.accessible = False
         self._reach.pop(item.name, None)
         if not keep_sensor:
@@ -94,7 +94,7 @@ class Items:
             item.sensor = ""
 
     def expire(self) -> list[Item]:
-        """Put all items out of reach; returns those that were within it."""
+        """Remove all items from reach; return those that were within reach."""
         found = list(self._reach.values())
         for item in found:
             item.accessible = False
@@ -102,7 +102,7 @@ class Items:
         return found
 
     def drop_sensor(self, item: Item) -> None:
-        """A sensor name that meant an item will mean another from now on."""
+        """Drop a sensor name that will refer to another item from now on."""
         self.by_sensor.pop(item.sensor, None)
         item.sensor = ""
 
@@ -121,7 +121,7 @@ class Items:
             }
 
     def forget(self, item: Item) -> None:
-        """Remove an item with the names that it was called."""
+        """Remove an item with all of its names."""
         self.put_out_of_reach(item, keep_sensor=False)
         del self.known[item.name]
         self.gone.add(item.name)
@@ -140,18 +140,18 @@ class Items:
         return name
 
     def accessible(self) -> list[str]:
-        """The items within reach, in the order in which they came into it."""
+        """Return the items within reach, in the order in which they came into reach."""
         return list(self._reach)
 
     def is_accessible(self, name: object) -> bool:
-        """Whether a name has a sensor name now."""
+        """Return whether a name has a sensor name now."""
         if not isinstance(name, str):
             return True
         item = self.known.get(name)
         return name not in self.gone if item is None else item.accessible
 
     def sensor_of(self, name: str) -> str | None:
-        """The sensor name of an item, or None out of reach; of a symbol, itself."""
+        """Return an item's sensor name, or None out of reach; a symbol is its own."""
         item = self.known.get(name)
         if item is None:
             return None if name in self.gone else name

@@ -1,11 +1,11 @@
-"""The rules of memory: the one form of a fact, its stamp, and what goes with it.
+"""The rules of memory: the normal form of a fact, its stamp, and its consequences.
 
-Inside the runtime memory has two verbs, `store` and `remove`. Whether a fact may be
-stored is asked before: by `rapc.runtime.memory.gate` for handlers and hosts, by
-`Memory.checked` for notations. Facts carry the time of their assertion [T 2.2, A.3].
+Inside the runtime memory has two verbs, `store` and `remove`. The callers validate a
+fact before: `rapc.runtime.memory.gate` for handlers and hosts, `Memory.checked` for
+notations. Facts carry the time of their assertion [T 2.2, A.3].
 
 Not here: queries (`rapc.compiler.query`), which facts exclude each other
-(`exclusions`), who may change what (`gate`), what items are (`items`, `recognition`).
+(`exclusions`), who may change which facts (`gate`), items (`items`, `recognition`).
 """
 
 from __future__ import annotations
@@ -29,26 +29,26 @@ from rapc.runtime.memory.notations import Notation, Notations
 from rapc.world import Time
 
 EXTERNAL = "external"
-"""The place outside the robot, wherever it is."""
+"""The place outside the robot."""
 
 STORED: Final = "stored"
 """A fact was asserted, refreshed, or got another stamp."""
 
 REPLACED: Final = "replaced"
-"""A property's fact went because another value of it is being stored."""
+"""A property's fact is removed because another value is being stored."""
 
 REMOVED: Final = "removed"
-"""A fact went."""
+"""A fact was removed."""
 
 
 class Observer(Protocol):
-    """Whoever is told of each change of memory. An observer changes no fact itself."""
+    """An observer of all changes of memory; it must not change facts itself."""
 
     def fact_changed(self, fact: Fact, how: str) -> None:
-        """Take note that `fact` was STORED, REPLACED or REMOVED."""
+        """Receive the change of `fact`: STORED, REPLACED or REMOVED."""
 
     def other_changed(self, word: str) -> None:
-        """Take note of a change that queries see and that is no fact's.
+        """Receive a change that queries see and that concerns no fact.
 
         `word` is `external`, `know-sensor-name`, or `location` for the size of an
         expectation set.
@@ -56,7 +56,7 @@ class Observer(Protocol):
 
 
 class Sized(Protocol):
-    """An expectation set, as far as memory knows of it."""
+    """An expectation set, as memory sees it."""
 
     @property
     def size(self) -> int:
@@ -64,14 +64,14 @@ class Sized(Protocol):
 
 
 class Memory:
-    """All that the robot believes.
+    """All beliefs of the robot.
 
     Args:
-        signatures: the declarations; nothing undeclared gets in.
-        recorder: is told of each change; its time is the stamp of new facts.
-        properties: the declared properties, for what they exclude.
+        signatures: the declarations; memory stores only declared facts.
+        recorder: receives each change; its time is the stamp of new facts.
+        properties: the declared properties, with their exclusions.
         indistinct: the classes whose items are recognised by comparison.
-        expected: the expectation sets by class and place, kept up by the recogniser.
+        expected: the expectation sets by class and place, which the recogniser updates.
     """
 
     def __init__(
@@ -86,12 +86,14 @@ class Memory:
         self.facts = FactStore(signatures.relations.get)
         self.items = Items()
         self.notations = Notations()
-        #: Where the robot is: the place last given to `arrive`.
+        #: The place of the robot: the last argument of `arrive`.
         self.place: Atom | None = None
         exclusions = Exclusions(properties, signatures, self.facts)
-        #: Which facts cannot stand beside which; None if nothing excludes anything.
+        #: The pairs of facts that exclude each other; None if nothing excludes
+        #: anything.
         self.exclusions: Exclusions | None = exclusions if exclusions else None
-        #: The facts that speak of items of indistinct classes; None without such.
+        #: The facts that mention items of indistinct classes; None without these
+        #: classes.
         self.mentions: Mentions | None = Mentions() if indistinct else None
         self._indistinct = frozenset(indistinct)
         self._expected: Mapping[tuple[str, Atom], Sized] = (
@@ -100,24 +102,25 @@ class Memory:
         self._recorder = recorder
         self._observers: tuple[Observer, ...] = ()
         self._fact_changed: tuple[Callable[[Fact, str], None], ...] = ()
-        #: The notations in force: part of `notations`, and the same object for good.
+        #: The notations in force: part of `notations`, and always the same object.
         self._noted = self.notations.by_fact
         self._relations = signatures.relations
         self._tables = self.facts.tables
 
     def observe(self, *observers: Observer) -> None:
-        """Tell these observers of each change from now on, in this order."""
+        """Register observers of each change from now on, in this order."""
         self._observers = observers
         self._fact_changed = tuple([each.fact_changed for each in observers])
 
     # --- the two verbs -----------------------------------------------------------
 
     def store(self, fact: Fact, by: str, stamp: Time | None = None) -> None:
-        """Store a full, checked fact, or give the one that is there a new stamp.
+        """Store a full, checked fact, or give a stored fact a new stamp.
 
-        A property's old value goes. Without a `stamp` the fact is asserted now: facts
-        that it excludes go, and it is no notation any more. With one it is stored as
-        it was asserted at another time, or never (`NEVER`). `by` is for the trace.
+        Memory removes the old value of a property. Without a `stamp` the fact is
+        asserted now: memory removes the facts that it excludes, and ends its notation.
+        With a `stamp` the fact has been asserted at another time, or never (`NEVER`).
+        `by` is for the trace.
         """
         recorder = self._recorder
         if stamp is None:
@@ -137,12 +140,12 @@ class Memory:
             changed(fact, STORED)
 
     def remove(self, fact: Fact, by: str) -> None:
-        """Remove a fact that is there. `by` is for the trace."""
+        """Remove a stored fact. `by` is for the trace."""
         self._tables[fact[0]].remove(fact)
         self._gone(fact, by, REMOVED)
 
     def _gone(self, fact: Fact, by: str, how: str) -> None:
-        """End the notation of a fact that has gone, and tell of it."""
+        """End the notation of a removed fact, and report the removal."""
         if self._noted:
             self._noted.pop(fact, None)
         if self._recorder.on:
@@ -151,14 +154,14 @@ class Memory:
             changed(fact, how)
 
     def tell(self, word: str) -> None:
-        """Tell the observers of a change that is no fact's: see `Observer`."""
+        """Report a change that concerns no fact to the observers: see `Observer`."""
         for observer in self._observers:
             observer.other_changed(word)
 
-    # --- facts as they are kept --------------------------------------------------
+    # --- facts as memory stores them ----------------------------------------------
 
     def checked(self, fact: Fact) -> Fact:
-        """Return `fact` in the form in which it is kept, under the names of today.
+        """Return `fact` in normal form, with current names of items.
 
         Raises:
             FactError: if the declarations do not allow it.
@@ -167,7 +170,7 @@ class Memory:
         return self.canonical(fact) if self.items.aliases else fact
 
     def full_form(self, fact: Fact) -> Fact:
-        """Return `fact` with numbers in their one form, and no value left out.
+        """Return `fact` in normal form: its numbers normalised, and no value omitted.
 
         Raises:
             FactError: if the declarations do not allow it.
@@ -187,7 +190,7 @@ class Memory:
         return fact
 
     def canonical(self, fact: tuple[Any, ...]) -> tuple[Any, ...]:
-        """Return a fact, prefix or pattern with the names that stand for others now."""
+        """Return a fact, prefix or pattern with current names of items."""
         aliases = self.items.aliases
         if not aliases or aliases.keys().isdisjoint(fact):
             return fact
@@ -200,8 +203,8 @@ class Memory:
         """Store a checked fact for as long as a method lives.
 
         Returns:
-            What `release_notation` wants back; None if the fact was asserted before:
-            then only its stamp is new, and nothing is to be taken away.
+            The notation for `release_notation`; None if the fact was asserted before:
+            then only its stamp is new, and no release is necessary.
         """
         notation = self.notations.by_fact.get(fact)
         if notation is None and fact in self.facts:
@@ -217,9 +220,10 @@ class Memory:
             self.remove(fact, "notation")
 
     def rename(self, fact: Fact, renamed: Fact, stamp: Time) -> None:
-        """Replace `fact` by `renamed`, which speaks of the same items by new names.
+        """Replace `fact` by `renamed`, the same fact with new names of items.
 
-        `renamed` gets the `stamp`, and stays for the methods that noted `fact`.
+        The fact `renamed` gets the `stamp`, and stays for the methods that noted
+        `fact`.
         """
         by_fact = self.notations.by_fact
         notation, noted = by_fact.get(fact), by_fact.get(renamed)
@@ -231,13 +235,13 @@ class Memory:
     # --- where things are --------------------------------------------------------
 
     def arrive(self, place: Atom) -> None:
-        """Set the robot's place, of which `external` speaks from now on."""
+        """Set the robot's place, which `external` denotes from now on."""
         if self.place != place:
             self.place = place
             self.tell(EXTERNAL)
 
     def is_here(self, fact: Fact | None) -> bool:
-        """Whether a location fact says that an item is where the robot is."""
+        """Return whether a location fact puts an item at the place of the robot."""
         if fact is None or self.place is None or fact[2] != self.place:
             return False
         return fact[1] in self.items.known
@@ -256,7 +260,7 @@ class Memory:
     def facts_at(self, place: object) -> Iterator[Fact]:
         """Iterate over the location facts of a place, oldest assertion first.
 
-        `external` means the robot's place too, for items that handlers introduced.
+        The place `external` also stands for the robot's place, for introduced items.
         """
         located = self.facts.table("location")
         index = located.index(2)
@@ -271,11 +275,11 @@ class Memory:
         return iter([fact for fact in located.stamps if fact in either])
 
 
-# --- the one form of facts ---------------------------------------------------------
+# --- the normal form of facts ------------------------------------------------------
 
 
 def check_prefix(prefix: Fact, relations: Mapping[str, Signature]) -> None:
-    """See that facts may begin so. Raises FactError."""
+    """Validate a prefix of facts. Raises FactError."""
     if not prefix or type(prefix[0]) is not str or prefix[0] not in relations:
         raise _undeclared(prefix)
     _in_one_form(prefix)
@@ -286,10 +290,10 @@ def _undeclared(fact: Fact) -> FactError:
 
 
 def in_one_form(part: Atom) -> Atom:
-    """Return a value as it is kept: a whole float as an integer.
+    """Return a value in normal form: a whole float as an integer.
 
     Raises:
-        FactError: for what is no symbol, number or string of the language.
+        FactError: for a value that is no symbol, number or string of the language.
     """
     if is_atom(part):
         return number(part) if type(part) is float else part
@@ -300,11 +304,11 @@ def in_one_form(part: Atom) -> Atom:
 
 
 _known_form = lru_cache(maxsize=4096, typed=True)(in_one_form)
-"""`in_one_form`, with answers kept: handlers assert the same values again and again."""
+"""`in_one_form` with a cache: handlers assert the same values again and again."""
 
 
 def _in_one_form(parts: Fact) -> Fact:
-    """Return `parts` as they are kept. Raises FactError as `in_one_form`."""
+    """Return `parts` in normal form. Raises FactError as `in_one_form`."""
     try:
         return tuple(map(_known_form, parts))
     except TypeError:  # a part cannot be hashed

@@ -1,4 +1,4 @@
-"""How long a notation stays in memory: as long as a method that made it [T 4.9].
+"""Notations: facts that stay in memory as long as a method that noted them [T 4.9].
 
 Bookkeeping only: `rapc.runtime.memory.memory` stores and removes the facts.
 """
@@ -11,17 +11,17 @@ from rapc.base.values import Fact
 
 
 class Notation:
-    """A fact that methods note and nobody else has asserted."""
+    """A fact that methods note and that was not asserted otherwise."""
 
     __slots__ = ("count", "fact", "joined")
 
     def __init__(self, fact: Fact) -> None:
-        #: The fact, under the names that its items have now.
+        #: The fact, with the current names of its items.
         self.fact = fact
         #: How many methods that have not ended note the fact.
         self.count = 0
-        #: The notation that this one is a part of, once a merge has made their facts
-        #: one; else None.
+        #: The notation that includes this one, once a merge has made their facts equal;
+        #: else None.
         self.joined: Notation | None = None
 
 
@@ -35,11 +35,11 @@ class Notations:
         self.by_fact: dict[Fact, Notation] = {}
 
     def drop(self, fact: Fact) -> None:
-        """End the notation of `fact`, if any: it is asserted otherwise, or gone."""
+        """End the notation of `fact`, if any: the fact is asserted or gone."""
         self.by_fact.pop(fact, None)
 
     def hold(self, fact: Fact, notation: Notation | None) -> Notation:
-        """Return the notation of `fact` with one more method that notes it.
+        """Return the notation of `fact` with one more noting method.
 
         `notation` is the one in force before `fact` was stored again, if any.
         """
@@ -50,22 +50,22 @@ class Notations:
         return notation
 
     def in_force(self, notation: Notation) -> Notation | None:
-        """Return the notation that stands for `notation` now; None if it has ended."""
+        """Return the notation that replaces `notation` now; None if it has ended."""
         while notation.joined is not None:
             notation = notation.joined
         return notation if self.by_fact.get(notation.fact) is notation else None
 
     def facts(self, notations: Iterable[Notation]) -> list[Fact]:
-        """Return the facts of those of some notations that are still in force."""
+        """Return the facts of the notations that are still in force."""
         found = [self.in_force(notation) for notation in notations]
         return [notation.fact for notation in found if notation is not None]
 
     def of(self, facts: Iterable[Fact]) -> tuple[Notation, ...]:
-        """Return the notations of some facts, without those that are none."""
+        """Return the notations of some facts, without the facts that have none."""
         return tuple([self.by_fact[fact] for fact in facts if fact in self.by_fact])
 
     def release(self, notation: Notation) -> Fact | None:
-        """Count one method less; return the fact if none is left that notes it."""
+        """Subtract one noting method; return the fact if no noting method is left."""
         current = self.in_force(notation)
         if current is None:
             return None
@@ -73,7 +73,7 @@ class Notations:
         return current.fact if current.count == 0 else None
 
     def load(self, counts: Iterable[tuple[Fact, int]]) -> None:
-        """Put these notations in force and no others, each noted by so many methods."""
+        """Replace the notations in force, each with its number of noting methods."""
         self.by_fact.clear()
         for fact, count in counts:
             notation = self.by_fact[fact] = Notation(fact)
@@ -86,11 +86,11 @@ class Notations:
         noted: Notation | None,
         was_there: bool,
     ) -> None:
-        """Carry `notation` over to the fact `renamed`, which is stored by now.
+        """Transfer `notation` to the fact `renamed`, which is stored by now.
 
-        `noted` is the notation that `renamed` had before, if it had any; `was_there`
-        says whether `renamed` was in memory before. A fact that was asserted under
-        either name is no notation any more.
+        `noted` is the notation that `renamed` had before, if any; `was_there` is
+        whether `renamed` was in memory before. A fact that was asserted under either
+        name is no notation any more.
         """
         if notation is None:
             self.drop(renamed)

@@ -1,10 +1,11 @@
-"""Memory as plain records, and back: what a saved run holds of what the robot believes.
+"""Memory as plain records for a saved run, and back.
 
-A `MemoryState` holds all that later answers and their order depend on, and nothing that
-can be derived: indexes, the caches of recognition, and observers stand outside of it.
-Restoring is in place, for compiled queries keep the tables of facts in hand.
+A `MemoryState` holds everything that determines later solutions and their order, and
+nothing that can be derived: it leaves out indexes, the caches of recognition, and
+observers. Restoring is in place, because compiled queries refer to the tables of facts.
 
-A memory is captured between batches: within one, `Gate` remembers places to be counted.
+The interpreter captures memory between batches: within a batch, `Gate` has places to be
+counted.
 """
 
 from __future__ import annotations
@@ -28,14 +29,14 @@ class ItemState(msgspec.Struct, frozen=True, array_like=True):
     sensor: str
     kind: str
     accessible: bool
-    #: Of a description its number, by which sets speak of it; of a distinct item 0.
+    #: For a description its number, to which sets refer; for a distinct item 0.
     number: int
-    #: Of a description its properties, as `Description.values` has them, in order.
+    #: For a description its properties, as in `Description.values`, in order.
     values: tuple[tuple[Fact, Atom], ...]
 
 
 class SetState(msgspec.Struct, frozen=True, array_like=True):
-    """An expectation set; descriptions stand in it by number, in their order."""
+    """An expectation set, with the numbers of its descriptions in their order."""
 
     kind: str
     place: Atom
@@ -45,35 +46,35 @@ class SetState(msgspec.Struct, frozen=True, array_like=True):
 
 
 class MemoryState(msgspec.Struct, frozen=True):
-    """All that a memory holds, encodable by msgspec."""
+    """The state of a memory, encodable by msgspec."""
 
     place: Atom | None
-    #: The facts of each name, by name, oldest assertion first; no stamp means that a
-    #: fact was never asserted.
+    #: The facts of each name, by name, oldest assertion first; a fact without a stamp
+    #: was never asserted.
     facts: tuple[tuple[Atom, tuple[tuple[Fact, Time | None], ...]], ...]
     #: The facts that are notations, each with the number of methods that note it.
     notations: tuple[tuple[Fact, int], ...]
     #: The items that memory knows, in the order of their introduction.
     items: tuple[ItemState, ...]
-    #: The empty descriptions that stand in sets.
+    #: The empty descriptions of the sets.
     empty: tuple[ItemState, ...]
     aliases: dict[str, str]
     gone: tuple[str, ...]
-    #: Sensor names with the names of the items that they mean.
+    #: Sensor names with the names of their items.
     sensors: tuple[tuple[str, str], ...]
     #: The names of the accessible items, in the order in which they came into reach.
     reach: tuple[str, ...]
     #: The facts that mention an item, by its name, oldest assertion first.
     mentions: tuple[tuple[str, tuple[Fact, ...]], ...]
     sets: tuple[SetState, ...]
-    #: The sets in which matches are still to be looked for, by position in `sets`.
+    #: The unsettled sets, by position in `sets`.
     unsettled: tuple[int, ...]
-    #: The numbers of the descriptions whose place is unknown.
+    #: The numbers of the descriptions with an unknown place.
     lost: tuple[int, ...]
     #: The numbers of the youngest description and of the latest layer.
     number: int
     layers: int
-    #: By item the last assertions that exclude facts of it: `Exclusions.past`.
+    #: By item the last assertions that exclude facts of the item: `Exclusions.past`.
     past: tuple[tuple[str, tuple[Past, ...]], ...] = ()
 
 
@@ -81,7 +82,7 @@ class MemoryState(msgspec.Struct, frozen=True):
 
 
 def capture_memory(gate: Gate) -> MemoryState:
-    """Return what a memory holds now."""
+    """Return the state of a memory."""
     memory, recognizer = gate.memory, gate.recognizer
     items = memory.items
     sets = list(recognizer.sets.values())
@@ -154,10 +155,10 @@ def _members(view: View) -> tuple[int, ...]:
 
 
 def restore_memory(gate: Gate, state: MemoryState) -> None:
-    """Make a memory hold what `state` says and nothing else; nobody is told of it.
+    """Restore a memory from `state`, in place; observers get no report.
 
-    The memory is of the library that the state was captured with. Observers have to
-    look at all anew; a `Notation` held from before means nothing from now on.
+    The state must be of a memory of the same library. Observers have to look at all
+    facts again; every `Notation` from before the call is invalid.
     """
     memory = gate.memory
     gate.drop_batch()

@@ -1,7 +1,7 @@
 """Validate a saved memory before it is restored: its parts must agree.
 
-Facts are those that the declarations allow, and each table of items, sets and mentions
-says the same of an item as the others.
+The declarations must allow all facts, and the tables of items, sets and mentions must
+agree about each item.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from rapc.runtime.memory.saving import ItemState, MemoryState, SetState
 
 
 class WrongRecordError(Exception):
-    """Saved data that no run can have left; the text says why."""
+    """Saved data that no run can have written; the text gives the reason."""
 
 
 def need(holds: object, wrong: str) -> None:
@@ -37,12 +37,12 @@ def validate_memory(gate: Gate, state: MemoryState, noted: Mapping[Fact, int]) -
     """Validate a saved memory.
 
     Args:
-        gate: the memory that is to be restored.
+        gate: the memory to be restored.
         state: the saved memory.
-        noted: how many notations of methods under way each fact is.
+        noted: the number of notations by methods under way, for each fact.
 
     Raises:
-        WrongRecordError: for a memory that no run has left.
+        WrongRecordError: for a memory that no run can have written.
     """
     notations = dict(state.notations)
     stored = _facts(gate, state, notations)
@@ -64,7 +64,7 @@ _NONE: Mapping[Fact, int] = {}
 
 
 def _facts(gate: Gate, state: MemoryState, notations: Mapping[Fact, int]) -> set[Fact]:
-    """Return all facts, each of which the declarations allow."""
+    """Return all facts, after validating each by the declarations."""
     stored: set[Fact] = set()
     count = 0
     need(once(name for name, _ in state.facts), "a table twice")
@@ -82,7 +82,7 @@ def _facts(gate: Gate, state: MemoryState, notations: Mapping[Fact, int]) -> set
 
 
 def _check_fact(gate: Gate, fact: Fact, notations: Mapping[Fact, int] = _NONE) -> None:
-    """See that a fact is one that may be asserted. Raises ValueError, as FactError."""
+    """Validate a fact by the declarations. Raises ValueError, as FactError."""
     if gate.memory.full_form(fact) != fact:
         raise ValueError(f"{format_list(fact)} is incomplete")
     if fact not in notations:
@@ -111,7 +111,7 @@ def _mentions(gate: Gate, state: MemoryState, stored: set[Fact]) -> None:
 
 
 def _names(state: MemoryState) -> None:
-    """Names and sensor names are clear, and each alias leads to a name."""
+    """Check that names and sensor names are unique, and that aliases lead to names."""
     known = {item.name: item for item in state.items}
     need(len(known) == len(state.items), "an item twice")
     need(all(known), "an item without a name")
@@ -132,7 +132,7 @@ def _names(state: MemoryState) -> None:
 
 
 def _check_aliases(aliases: Mapping[str, str]) -> None:
-    """No alias leads back to itself."""
+    """Check that no alias leads back to itself."""
     ends: set[str] = set()
     for name in aliases:
         passed: dict[str, None] = {}
@@ -144,7 +144,7 @@ def _check_aliases(aliases: Mapping[str, str]) -> None:
 
 
 def _values(state: MemoryState, stored: set[Fact], signatures: Signatures) -> None:
-    """A description has the values that the facts about its item say."""
+    """Check that a description has the values of the facts about its item."""
     described = {item.name: item for item in state.items if item.number}
     expected: dict[str, dict[Fact, Atom]] = {name: {} for name in described}
     for fact in stored if described else ():
@@ -165,7 +165,7 @@ def _values(state: MemoryState, stored: set[Fact], signatures: Signatures) -> No
 
 
 def _sets(gate: Gate, state: MemoryState) -> None:
-    """Each description stands in the views of one set, or its place is unknown."""
+    """Check that each description is in the views of one set or has no known place."""
     described = {i.number: i for i in (*state.items, *state.empty) if i.number}
     need(once((home.kind, home.place) for home in state.sets), "a set twice")
     serials = [serial for home in state.sets for serial, _ in home.layers]

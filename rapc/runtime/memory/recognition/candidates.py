@@ -1,7 +1,8 @@
-"""What a view offers for a match: its candidate groups, found without comparing all.
+"""Candidates: the descriptions of a view that may match, by kind and group.
 
-Descriptions that are known by the same are a kind. Of a kind, those out of reach are
-identical and one group; each accessible one is a group of its own.
+Descriptions with equal known properties form a kind. The descriptions of a kind that
+are out of reach are identical and form one group; each accessible description is a
+group of its own. A description is compared with groups, not with all descriptions.
 """
 
 from __future__ import annotations
@@ -17,29 +18,29 @@ Known = frozenset[tuple[Fact, Atom]]
 
 
 def rank(member: Description) -> tuple[int, bool, int]:
-    """The order in which a group's members are taken: the smallest first."""
+    """Return the sort key of a group's members: the smallest is taken first."""
     return (-member.mask.bit_count(), member.empty, member.number)
 
 
 class Group(msgspec.Struct, frozen=True, eq=False):
     """A candidate group: an accessible description, or identical ones out of reach.
 
-    `number` is that of the accessible one, 0 for the others.
+    `number` is the number of the accessible description, 0 for a group out of reach.
     """
 
     kind: SameKnown
     number: int
 
     def same(self, other: Group) -> bool:
-        """Whether two are one group."""
+        """Return whether two groups are equal."""
         return self.kind is other.kind and self.number == other.number
 
     def room(self, mask: int) -> int:
-        """Return how many members a description that stands in these views may be."""
+        """Return how many members may match a description in the views of `mask`."""
         return len(self._members(mask))
 
     def member(self, mask: int) -> Description:
-        """The member to be taken by such a description."""
+        """Return the member that matches a description in the views of `mask`."""
         return min(self._members(mask), key=rank)
 
     def _members(self, mask: int) -> list[Description]:
@@ -52,10 +53,10 @@ class Group(msgspec.Struct, frozen=True, eq=False):
 
 
 class SameKnown:
-    """The descriptions of a view that are known by the same.
+    """The descriptions of a view with equal known properties.
 
-    They are kept by the views in which they stand: which of them another one may be
-    depends on that alone.
+    The table is sorted by the views of the descriptions, because only these views
+    decide which members may match another description.
     """
 
     __slots__ = ("_cells",)
@@ -64,19 +65,19 @@ class SameKnown:
         self._cells: dict[int, tuple[list[Description], list[Description]]] = {}
 
     def add(self, member: Description) -> None:
-        """A further description of this kind."""
+        """Add a description of this kind."""
         cell = self._cells.setdefault(member.mask, ([], []))
         cell[0 if member.accessible else 1].append(member)
 
     def members(self, mask: int) -> Iterator[Description]:
-        """Those that a description which stands in the given views may be."""
+        """Yield the members that may match a description in the views of `mask`."""
         for views, (near, far) in self._cells.items():
             if not views & mask:
                 yield from near
                 yield from far
 
     def first(self, mask: int) -> Description | None:
-        """Return one of the candidates, an empty description only if all are empty."""
+        """Return a candidate, an empty description only if all are empty."""
         found = None
         for views, (near, far) in self._cells.items():
             if not views & mask:
@@ -87,7 +88,7 @@ class SameKnown:
         return found
 
     def count(self, mask: int) -> int:
-        """Return how many groups such a description finds in this kind."""
+        """Return how many groups of this kind may match a description in `mask`."""
         near = far = 0
         for views, cell in self._cells.items():
             if not views & mask:
@@ -96,7 +97,7 @@ class SameKnown:
         return near + far
 
     def group(self, mask: int) -> Group:
-        """The one group of this kind, where there is only one."""
+        """Return the group of this kind; the caller ensures that there is only one."""
         member = self.first(mask)
         assert member is not None
         return Group(self, member.number if member.accessible else 0)
@@ -106,7 +107,7 @@ NONE: tuple[SameKnown, ...] = ()
 
 
 class Candidates:
-    """The kinds of descriptions that a view offers, by what they are known by."""
+    """The kinds of descriptions of a view, by their known properties."""
 
     def __init__(self, members: Iterable[Description]) -> None:
         self._kinds: dict[Known, SameKnown] = {}
@@ -122,11 +123,11 @@ class Candidates:
             kind.add(member)
 
     def kinds(self) -> Iterable[SameKnown]:
-        """All kinds, in the order in which they came."""
+        """Return all kinds, in the order in which they came."""
         return self._kinds.values()
 
     def sharing(self, x: Description) -> Collection[SameKnown]:
-        """The kinds that have a known property in common with a description."""
+        """Return the kinds that have a known property in common with a description."""
         found: dict[SameKnown, None] | None = None
         for part in x.known:
             having = self._having.get(part)
@@ -136,7 +137,7 @@ class Candidates:
         return found or NONE
 
     def count(self, mask: int) -> int:
-        """Return how many groups a description that stands in the given views finds."""
+        """Return how many groups may match a description in the views of `mask`."""
         found = self._counts.get(mask)
         if found is None:
             found = sum(kind.count(mask) for kind in self._kinds.values())

@@ -1,9 +1,9 @@
-"""Which descriptions go when an item leaves a set, in all layers at once [T 2.3.3].
+"""Departure of an item from a set, in all layers at once [T 2.3.3].
 
-The collection has a member of every candidate group in every layer to be served, so
-that what tells them apart can be made unknown; some of its members leave, so that
-each layer loses exactly one. The smallest collection is found exactly where there
-are few groups; above that, groups are hit greedily.
+The collection has a member of every candidate group in every layer to be served. Memory
+makes the properties unknown that tell these members apart. Some of the members leave,
+and each layer loses exactly one of them. The search for the smallest collection is
+exact for few groups, and greedy for more groups.
 """
 
 from __future__ import annotations
@@ -24,21 +24,21 @@ from rapc.runtime.memory.recognition.sets import (
 )
 
 EXACT = 14
-"""Up to so many candidate groups the smallest collection is searched exactly."""
+"""The highest number of candidate groups for an exact search."""
 
 STEPS = 100_000
-"""So many steps are made at most in looking for ways to leave."""
+"""The highest number of steps in the search for ways to leave."""
 
 Members = tuple[Description, ...]
 
 
 class Collection(msgspec.Struct, frozen=True):
-    """Which descriptions an item that leaves may be.
+    """The descriptions that may be a leaving item.
 
-    `members` become alike; `leaving` are those of them that stand exactly once in
-    each layer to be served. `score` is the item's best with a candidate group of which
-    one leaves, `rival` its best with one none of which leaves; None where there is no
-    such group.
+    `members` become alike; `leaving` are those members that are exactly once in each
+    layer to be served. `score` is the item's best score with a candidate group from
+    which a member leaves, `rival` its best score with a group from which none leaves;
+    None without such a group.
     """
 
     members: Members
@@ -48,7 +48,7 @@ class Collection(msgspec.Struct, frozen=True):
 
 
 class _Candidate(msgspec.Struct, frozen=True):
-    """A description with the groups it is in and the layers it would serve, as bits."""
+    """A description with bits for its groups and for the layers it would serve."""
 
     description: Description
     groups: int
@@ -56,17 +56,17 @@ class _Candidate(msgspec.Struct, frozen=True):
 
     @property
     def order(self) -> tuple[bool, int]:
-        """Empty ones first, then the oldest."""
+        """Return the sort key: empty descriptions first, then the oldest."""
         return (not self.description.empty, self.description.number)
 
 
 def candidate_groups(
     layer: View, item: Description, outside: int, score: Score
 ) -> tuple[Number, list[list[Description]]]:
-    """The groups of a layer that an item may be of: those with its highest score.
+    """Return the groups of a layer that an item may be of, with the highest score.
 
     `outside` has the bits of all views whose members are known to be other items. If
-    all groups are ruled out, those that hold no such member are taken.
+    all groups are ruled out, the groups without such a member remain.
     """
     free = {d for d in layer.members if not d.mask & outside}
     by_key: dict[Key, list[Description]] = {}
@@ -88,10 +88,10 @@ def candidate_groups(
 def collect(
     of: ExpectationSet, item: Description, score: Score
 ) -> tuple[list[View], list[tuple[Number, list[list[Description]]]]]:
-    """The layers that must lose a description for an item, with candidate groups.
+    """Return the layers that must lose a description, with candidate groups.
 
-    A layer in which the item stands itself is none of them, nor is one whose members
-    are all known to be other items: there the item was never expected.
+    The result leaves out a layer that contains the item itself, and a layer whose
+    members are all known to be other items: there the item was never expected.
     """
     outside = item.mask | of.local.bit
     served = [
@@ -106,9 +106,10 @@ def collect(
 def smallest(
     served: Sequence[View], found: Sequence[tuple[Number, list[list[Description]]]]
 ) -> Collection | None:
-    """The collection, or None if no descriptions stand once in each layer.
+    """Return the smallest collection, or None if no choice serves each layer once.
 
-    If the candidates alone do not, others that may be the item complete them.
+    If the candidates are not sufficient, other descriptions that may be the item
+    complete the choice.
     """
     hits: dict[Description, int] = {}
     count = 0
@@ -139,7 +140,7 @@ def smallest(
 def _candidates(
     served: Sequence[View], hits: Mapping[Description, int]
 ) -> list[_Candidate]:
-    """Descriptions with the candidate groups that each is in, one of each kind."""
+    """Return descriptions with their candidate groups, one description of each kind."""
     found = []
     for description, groups in hits.items():
         stands = [description.mask & layer.bit > 0 for layer in served]
@@ -153,11 +154,12 @@ def drop_each(
     served: Sequence[View],
     found: Sequence[tuple[Number, list[list[Description]]]],
 ) -> list[Description]:
-    """Let each layer lose one that may be the item; return what then is in no view.
+    """Remove a possible description from each layer; return all removed ones.
 
-    For layers that contradict each other: no way to leave serves each of them once. A
-    description that goes leaves all layers, for in one that it does not leave it could
-    be taken for a description that it stood beside. So a layer can lose more than one.
+    For layers that contradict each other: no way to leave serves each layer once. A
+    removed description leaves all layers. Otherwise, a layer that still contained the
+    description could match it with a description beside which it stood. Therefore a
+    layer can lose more than one description.
     """
     gone: list[Description] = []
     for layer, (_, groups) in zip(served, found, strict=True):
@@ -175,7 +177,7 @@ def _descriptions(chosen: Sequence[_Candidate]) -> Members:
 
 
 def _thinned(candidates: Sequence[_Candidate]) -> list[_Candidate]:
-    """The best candidate of each kind: two of a kind are never both needed."""
+    """Return the best candidate of each kind: no choice needs two of a kind."""
     kept: dict[tuple[int, int], _Candidate] = {}
     for candidate in sorted(candidates, key=lambda c: c.order):
         kept.setdefault((candidate.groups, candidate.layers), candidate)
@@ -185,7 +187,7 @@ def _thinned(candidates: Sequence[_Candidate]) -> list[_Candidate]:
 def _choose(
     candidates: Sequence[_Candidate], count: int, layers: int
 ) -> tuple[list[_Candidate], list[_Candidate]] | None:
-    """The members of the smallest collection, and those of them that leave."""
+    """Return the members of the smallest collection, and the leaving ones of them."""
     everything = (1 << count) - 1
     exact = count <= EXACT
     cover = _Exact(candidates) if exact else _Greedy(candidates)
@@ -208,7 +210,7 @@ def _choose(
 def _covers(
     candidates: Sequence[_Candidate], layers: int
 ) -> Iterator[tuple[_Candidate, ...]]:
-    """All ways to serve each layer exactly once; those of few members come early."""
+    """Yield the ways to serve each layer exactly once, short ones early."""
     by_layer: dict[int, list[_Candidate]] = {}
     youngest_first = sorted(candidates, key=lambda c: c.order, reverse=True)
     for candidate in sorted(youngest_first, key=lambda c: c.layers.bit_count()):
@@ -229,14 +231,14 @@ def _covers(
 
 
 class _Exact:
-    """The fewest candidates that hit given groups, empty and old ones before others."""
+    """The fewest candidates that hit given groups, preferring empty and old ones."""
 
     def __init__(self, candidates: Sequence[_Candidate]) -> None:
         self._candidates = sorted(candidates, key=lambda c: c.order)
         self._known: dict[int, tuple[_Candidate, ...]] = {0: ()}
 
     def of(self, wanted: int) -> tuple[_Candidate, ...]:
-        """The candidates; the groups left are worked off from the smallest set up."""
+        """Return the candidates; the search solves smaller sets of groups first."""
         stack = [wanted]
         while stack:
             top = stack[-1]
@@ -258,23 +260,23 @@ class _Exact:
 
 
 def _cost(chosen: tuple[_Candidate, ...]) -> tuple[int, int, list[tuple[bool, int]]]:
-    """The fewest, of those the most empty ones, of those the oldest come first."""
+    """Return the cost: fewest first, then most empty ones, then oldest."""
     real = sum(not c.description.empty for c in chosen)
     return (len(chosen), real, sorted(c.order for c in chosen))
 
 
 class _Greedy:
-    """Candidates that hit given groups: each time the one that hits most of the rest.
+    """A greedy choice of candidates: the next one hits most of the remaining groups.
 
-    What a candidate would still hit only shrinks, so the best is found without
-    looking at all of them again each time.
+    The number of groups that a candidate still hits only shrinks. Therefore a heap
+    finds the best candidate without looking at all candidates again.
     """
 
     def __init__(self, candidates: Sequence[_Candidate]) -> None:
         self._candidates = candidates
 
     def of(self, wanted: int) -> tuple[_Candidate, ...]:
-        """The candidates, never more than there are groups."""
+        """Return the candidates, at most as many as there are groups."""
         waiting = [
             (-(c.groups & wanted).bit_count(), c.order, at)
             for at, c in enumerate(self._candidates)

@@ -57,7 +57,8 @@ class ItemEvents:
     ) -> None:
         """Emit that an item left its set.
 
-        `before` is the name it had there, `gone` the collection it may be of.
+        `before` is the item's name in the set, `gone` the collection that may contain
+        it.
         """
         if gone is None or not gone.leaving:
             self.emit(kind, item, place)

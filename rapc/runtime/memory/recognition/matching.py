@@ -1,8 +1,8 @@
 """The next identification that a set allows: the best maximal match [T 2.3.2, 2.3.3].
 
-Every ordered pair of views is looked at, local model first, then layers from latest
-to earliest; the first pair with matches gives the one that scores highest. Whether
-and how the two become one is for `recognizer` to say.
+The search compares every ordered pair of views, local model first, then layers from
+latest to earliest. The first pair with matches gives the match with the highest score.
+Not here: the merge of the two descriptions (`recognizer`).
 """
 
 from __future__ import annotations
@@ -22,18 +22,18 @@ from rapc.runtime.memory.recognition.sets import (
 )
 
 Profile = tuple[frozenset[tuple[Fact, Atom]], int]
-"""What descriptions of one view have in common that stand alike to all others."""
+"""The common part of descriptions of a view with equal scores for all others."""
 
 
 Seekers = dict[Profile, tuple[Description, int]]
-"""Who of a view seeks a match: by profile, the oldest description and their number."""
+"""The descriptions that seek a match: by profile, the oldest one and their number."""
 
 
 class Match(msgspec.Struct, frozen=True):
-    """Two descriptions that are of one item.
+    """Two descriptions of the same item.
 
-    `score` is how well they match, `rival` the best score of `one` with another
-    candidate group of the view that holds `other`; None where there is none.
+    `score` is the score of the match, `rival` the best score of `one` with another
+    candidate group of the view that holds `other`; None without another group.
     """
 
     one: Description
@@ -43,10 +43,10 @@ class Match(msgspec.Struct, frozen=True):
 
 
 class _Standing(msgspec.Struct, frozen=True):
-    """How a description stands to the candidate groups of another view.
+    """The scores of a description with the candidate groups of another view.
 
-    `best` is its highest score, `group` the group that alone has it, `rival` the
-    highest score but that, `only` whether every other group is ruled out.
+    `best` is the highest score, `group` the only group with this score, `rival` the
+    next lower score, `only` whether every other group is ruled out.
     """
 
     best: Number
@@ -56,10 +56,9 @@ class _Standing(msgspec.Struct, frozen=True):
 
 
 def best_match(of: ExpectationSet, score: Score) -> Match | None:
-    """The identification to be made next, or None: then all wait.
+    """Return the next identification to make, or None without a match.
 
-    Pairs of views in which nothing has changed since they were last looked at are
-    passed over.
+    The search skips pairs of views in which nothing has changed since the last search.
     """
     views = [view for view in of.views() if view.members]
     for one in views:
@@ -93,7 +92,7 @@ def _best_of_pair(table: _Table, complete: bool) -> Match | None:
 
 
 def _candidates(of: ExpectationSet, view: View, one: View) -> Candidates:
-    """Return what a view offers to another, made anew only when it has changed."""
+    """Return the candidates of a view for another view, from a cache if valid."""
     shared = _shared(view, one)
     known = of.candidates.get((view.bit, shared))
     if known is not None and known[0] == view.version:
@@ -105,7 +104,7 @@ def _candidates(of: ExpectationSet, view: View, one: View) -> Candidates:
 
 
 def _seekers(of: ExpectationSet, view: View, other: View) -> Seekers:
-    """Return the descriptions of a view that seek a match; kept until it changes."""
+    """Return the descriptions of a view that seek a match, from a cache."""
     shared = _shared(view, other)
     known = of.seekers.get((view.bit, shared))
     if known is not None and known[0] == view.version:
@@ -123,7 +122,7 @@ def _seekers(of: ExpectationSet, view: View, other: View) -> Seekers:
 
 
 def _shared(view: View, other: View) -> int:
-    """The bit of the other view if it has a member of this one, else 0."""
+    """Return the bit of the other view if it has a member of this view, else 0."""
     bit = other.bit
     return bit if any(d.mask & bit for d in view.members) else 0
 
@@ -131,8 +130,8 @@ def _shared(view: View, other: View) -> int:
 class _Table:
     """The scores of a view's descriptions with another view's candidate groups.
 
-    Descriptions that are known by the same and stand in the same views stand alike
-    to all groups: each such profile is compared once, by its oldest description.
+    Descriptions with equal known properties in the same views have equal scores with
+    all groups. Therefore only the oldest description of each profile is compared.
     """
 
     def __init__(
@@ -146,14 +145,14 @@ class _Table:
         self._on: dict[tuple[SameKnown, int], list[Number]] = {}
 
     def standing(self, profile: Profile, x: Description) -> _Standing:
-        """Return how descriptions of a profile, x among them, stand to the groups."""
+        """Return the scores of the descriptions of a profile, x among them."""
         found = self._standings.get(profile)
         if found is None:
             found = self._standings[profile] = self._compared(x)
         return found
 
     def _compared(self, x: Description) -> _Standing:
-        """Compare x with all kinds, or with those that share something with it."""
+        """Compare x with all kinds, or with the kinds that share a property with x."""
         if not self._score.sparse:
             return self._scored(x, self._candidates.kinds())
         sharing = self._candidates.sharing(x)
@@ -165,7 +164,7 @@ class _Table:
         return found
 
     def _scored(self, x: Description, kinds: Iterable[SameKnown]) -> _Standing:
-        """Compare x with kinds; others score `SHARED` if the comparator is sparse."""
+        """Compare x with kinds; with a sparse comparator other kinds score `SHARED`."""
         scored: list[tuple[Number, int, SameKnown | None]] = []
         plain = self._candidates.count(x.mask)
         for kind in kinds:
@@ -200,7 +199,7 @@ class _Table:
         return _Standing(best, kind.group(x.mask), rival, rival is None)
 
     def has_room(self, profile: Profile, standing: _Standing, complete: bool) -> bool:
-        """Whether the group takes x with all others that compete for it."""
+        """Return whether the group has room for x and all its competitors."""
         group = standing.group
         assert group is not None
         room = group.room(profile[1])
@@ -216,7 +215,7 @@ class _Table:
         return bound <= room
 
     def _competing(self, group: Group, least: Number) -> int:
-        """Return how many descriptions score so much on a group, or more."""
+        """Return how many descriptions score at least `least` on a group."""
         key = (group.kind, group.number)
         scores = self._on.get(key)
         if scores is None:

@@ -1,7 +1,7 @@
-"""What becomes of facts when two descriptions are one, or alike [T 2.3.2, 2.3.3].
+"""Changes of facts when two descriptions merge or become alike [T 2.3.2, 2.3.3].
 
-Every fact that mentions the younger name gets the older one, with its stamp; where
-two of them disagree the newer stays. Views and names are for `recognizer`.
+Every fact that mentions the younger name gets the older name, with its stamp; where two
+facts disagree, the newer fact stays. Views and names are for `recognizer`.
 """
 
 from __future__ import annotations
@@ -18,8 +18,9 @@ from rapc.world import Time
 def merge_facts(memory: Memory, kept: str, lost: str, first: str, own: str) -> None:
     """Turn all facts about `lost` into facts about `kept`.
 
-    Of two values the newer stays, at one time that of the name `first`; but of those
-    that the name `own` has, whatever the stamps, none is lost ("" for no name).
+    Of two values the newer value stays; if their times are equal, the value of the name
+    `first` stays. The values of the name `own` always stay, whatever the stamps ("" for
+    no name).
     """
     assert memory.mentions is not None
     sources = dict.fromkeys(memory.mentions.of(kept), kept)
@@ -54,19 +55,19 @@ def _renamed(fact: Fact, old: str, new: str) -> Fact:
 
 
 def _rival(memory: Memory, fact: Fact) -> Fact | None:
-    """The fact in memory that is this one, or has another value of its property."""
+    """Return the fact in memory that is equal, or has another value of the property."""
     return fact if fact in memory.facts else memory.facts.asserted(fact[:-1])
 
 
 def _stamp_of(memory: Memory, fact: Fact) -> Time:
-    """The stamp of a fact that is there."""
+    """Return the stamp of a stored fact."""
     return memory.facts.table(fact[0]).stamps[fact]
 
 
 def _wins(
     memory: Memory, one: tuple[str, Fact], other: tuple[str, Fact], first: str, own: str
 ) -> bool:
-    """Whether the first of two facts that disagree, each with its source, stays."""
+    """Return whether the first of two disagreeing facts with sources stays."""
     mine, theirs = (_stamp_of(memory, fact) for _, fact in (one, other))
     if own and NEVER not in (mine, theirs) and own in (one[0], other[0]):
         return own == one[0]
@@ -76,7 +77,7 @@ def _wins(
 
 
 def _keep_newer(memory: Memory, sources: dict[Fact, str], first: str, own: str) -> None:
-    """Of facts that a merge has brought together and exclude each other, one goes."""
+    """Remove the older of two facts that a merge brings together in conflict."""
     assert memory.exclusions is not None
     for fact, source in sources.items():
         if fact not in memory.facts:
@@ -97,7 +98,7 @@ def _drop_outdated(
     first: str,
     own: str,
 ) -> None:
-    """Remove facts that the other name excluded later by a fact that may have gone."""
+    """Remove facts that a fact of the other name excluded later."""
     exclusions = memory.exclusions
     assert exclusions is not None
     kept, lost = names
@@ -114,9 +115,9 @@ def _drop_outdated(
 
 
 def make_alike(memory: Memory, members: Sequence[Description]) -> None:
-    """Forget what descriptions do not share, as if never asserted.
+    """Forget the properties that descriptions do not share, as if never asserted.
 
-    What they share, class and place among it, keeps the oldest stamp.
+    Shared properties, with class and place, keep the oldest stamp.
     """
     if len(members) < 2:
         return
@@ -136,7 +137,7 @@ def make_alike(memory: Memory, members: Sequence[Description]) -> None:
 
 
 def _share_past(memory: Memory, members: Sequence[Description]) -> None:
-    """Keep of past assertions what all members have, as long ago as for any."""
+    """Keep the past assertions that all members share, each with its oldest time."""
     exclusions = memory.exclusions
     if exclusions is None:
         return

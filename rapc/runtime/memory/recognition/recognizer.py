@@ -1,54 +1,57 @@
-"""The memory that recognises items: they come, go, and turn out to be one [T 2.3, A.5].
+"""The memory that recognises items: items come, go, and merge [T 2.3, A.5].
 
-A robot that comes back sees a drum under another sensor name. Which of the drums that
-it remembers is it? Memory answers by comparing what is known of them, and waits where
-that does not tell. docs/memory.md says what holds; here is how it is done.
+A robot that comes back sees a drum under another sensor name. Which of the remembered
+drums is it? Memory compares the known properties of the drums, and waits where the
+comparison does not decide. docs/memory.md describes the rules; this text describes the
+implementation.
 
-*Descriptions.* Each item of an indistinct class that is introduced gets a description:
-a memory name (`item-7`), a sensor name as long as the item is in reach, and its
-properties, which are the facts of memory about that name. One item may have several
-descriptions until they are recognised as one.
+*Descriptions.* Each introduced item of an indistinct class gets a description: a memory
+name (`item-7`), a sensor name as long as the item is in reach, and its properties,
+which are the facts of memory about that name. One item may have several descriptions
+until memory recognises them as one.
 
-*Sets and views.* The descriptions of one class at one place form an expectation set. It
-consists of views. The local model holds what is in reach now; when the robot leaves
-(`expire`), it becomes a layer. Members of one view are different items: they were seen
-side by side. Members of two views may be the same item. All layers of a set hold as
-many descriptions as items are expected; where fewer were seen, empty descriptions fill
-the places, of which nothing is known but that something is there.
+*Sets and views.* The descriptions of one class at one place form an expectation set. An
+expectation set consists of views. The local model holds the items in reach now; when
+the robot leaves (`expire`), the local model becomes a layer. Members of one view are
+different items: the robot saw them side by side. Members of two views may be the same
+item. All layers of a set hold as many descriptions as items are expected. If the robot
+saw fewer, empty descriptions fill the layer; an empty description only states that an
+item is there.
 
-*Matching* (`matching`, `candidates`, `scoring`). After every change of a set, each
-description `x` of a view is compared with the candidates of each other view. Candidates
-out of reach that are known by the same properties cannot be told apart and form a
-group. If one group alone has the highest score with `x`, and has room for all
-descriptions that score as high on it, `x` is a member of that group: the two are
-merged. Of several such matches the one with the highest score comes first, and after a
-merge the search starts anew, since one identification rules out others. A tie waits.
+*Matching* (`matching`, `candidates`, `scoring`). After every change of a set, memory
+compares each description `x` of a view with the candidates of each other view.
+Candidates out of reach with equal known properties form a group. If one group alone has
+the highest score with `x`, and has room for all descriptions with as high a score on
+the group, `x` is a member of that group: memory merges the two descriptions. Of several
+matches the match with the highest score comes first. After a merge the search starts
+again, because one identification rules out others. A tie waits.
 
-*Merging* (`merging`). The older name stays; facts about the younger one are rewritten,
-with their stamps; where two values disagree the newer stays. If the item is a
-container, the sets of what is expected in it are joined, their layers oldest first.
+*Merging* (`merging`). The older name stays. Memory rewrites the facts about the younger
+name, with their stamps; where two values disagree, the newer value stays. If the item
+is a container, memory joins the sets of the items expected in the container, their
+layers oldest first.
 
 *Departure* (`departure`). An item that moves away or is lost leaves its set by one
-description in every layer. Where several may be the one, none can be said to be it: a
-smallest collection with a member of each candidate group is made alike (what its
-members do not share becomes `unknown`), and from each layer one of them goes.
+description in every layer. If several descriptions may be the item, memory makes a
+smallest collection with a member of each candidate group alike: properties that its
+members do not share become `unknown`. Then each layer loses one of the members.
 
-*Forgetting* (`_tidy`, `_forget`). A layer that says the same as another one goes; so
-does the oldest, if there are more than `max_layers`; so do descriptions that then stand
-in no view, and lost ones at the next expiry.
+*Forgetting* (`_tidy`, `_forget`). Memory drops a layer that is equal to another layer,
+and the oldest layer if there are more than `max_layers`. Memory also drops descriptions
+that are then in no view, and lost descriptions at the next expiry.
 
 An example, the empty boxes of [T 2.3.2]. In a warehouse the robot saw two boxes:
-`item-1`, red, big and empty, and `item-2`, red, small, with bars in it. It left, so the
-set has one layer {item-1, item-2}. It comes back and sees two boxes, both empty: the
-local model is {item-3, item-4}. The comparator for boxes in this place ignores
-`is-empty`, for that changes. So each new box scores 10, for its class, with each old
-one: a tie, nothing is merged. Now the robot looks closer: `item-3` is big. It scores 20
-with `item-1` and 10 with `item-2`: one group alone is best, `item-3` is `item-1`. That
-leaves `item-4` with one candidate, so it is `item-2`, at a score of 10. Merging it,
-memory finds "empty", stamped now, beside "contains bars", stamped then; the two exclude
-each other and the newer stays: the bars are gone. And `item-2` is still red and small,
-as it was when it was seen. The layer now says nothing that the local model does not
-say, and is dropped.
+`item-1`, red, big and empty, and `item-2`, red, small, with bars in it. The robot left,
+and the set has one layer {item-1, item-2}. The robot comes back and sees two boxes,
+both empty: the local model is {item-3, item-4}. The comparator for boxes in this place
+ignores `is-empty`, because the property changes. Each new box scores 10, for its class,
+with each old box: a tie, and no merge. Then the robot looks closer: `item-3` is big.
+`item-3` scores 20 with `item-1` and 10 with `item-2`: one group alone is best, and
+`item-3` is `item-1`. This leaves `item-4` with one candidate: it is `item-2`, at a
+score of 10. When merging them, memory finds "empty", with the present stamp, and
+"contains bars", with an earlier stamp. The two facts exclude each other and the newer
+stays: the bars are gone. `item-2` is still red and small, as the robot saw it. The
+layer then states nothing that the local model does not state, and is dropped.
 """
 
 from __future__ import annotations
@@ -72,19 +75,19 @@ from rapc.runtime.memory.recognition.sets import (
 )
 
 MAX_LAYERS = 8
-"""How many layers a set keeps, if no setting says otherwise."""
+"""The default number of layers that a set keeps."""
 
 
 class Recognizer:
-    """Expectation sets, and all that changes them.
+    """The expectation sets, with all operations that change them.
 
     Args:
-        memory: whose facts the descriptions are of.
-        recorder: is told of items.
+        memory: the memory whose facts the descriptions are of.
+        recorder: receives the events about items.
         classes: the indistinct classes.
         scores: their comparators.
         max_layers: how many layers a set keeps after an expiry, at least 1.
-        sets: where the expectation sets are kept, if others are to see them.
+        sets: a table for the expectation sets, if other parts read them.
     """
 
     def __init__(
@@ -97,8 +100,8 @@ class Recognizer:
         sets: dict[tuple[str, Atom], ExpectationSet] | None = None,
     ) -> None:
         self.sets: dict[tuple[str, Atom], ExpectationSet] = {} if sets is None else sets
-        #: Called with the name that goes and the one that stands for it, once the facts
-        #: have been rewritten: tasks that hold the name have to change too.
+        #: Called after a merge, with the removed and the kept name, once the facts have
+        #: been rewritten: tasks that hold the removed name have to change too.
         self.renamed: Callable[[str, str], None] = lambda lost, kept: None
         self._memory = memory
         self._mentions = memory.mentions or Mentions()
@@ -106,21 +109,21 @@ class Recognizer:
         self._classes = frozenset(classes)
         self._scores = scores or Scores((), (), {})
         self._max_layers = max_layers
-        #: How many descriptions, and how many layers, have been made so far.
+        #: The number of the youngest description, and the number of the latest layer.
         self.number = self.layers = 0
-        #: The sets that have changed since all were settled.
+        #: The sets that have changed since the last settling.
         self.unsettled: dict[ExpectationSet, None] = {}
-        #: The descriptions whose place is unknown: the next expiry forgets them.
+        #: The descriptions with an unknown place: the next expiry forgets them.
         self.lost: dict[Description, None] = {}
 
     def recognises(self, kind: str) -> bool:
-        """Whether items of a class are recognised by comparison."""
+        """Return whether items of a class are recognised by comparison."""
         return kind in self._classes
 
     # --- descriptions -----------------------------------------------------------
 
     def fact_changed(self, fact: Fact, how: str) -> None:
-        """Learn what a fact says of a description; its set then is to be settled."""
+        """Update a description from a fact; its set must then be settled."""
         there = how == STORED
         if there:
             self._mentions.added(fact)
@@ -142,7 +145,7 @@ class Recognizer:
                 self._touch(item.home)
 
     def other_changed(self, word: str) -> None:
-        """Do nothing: what has a word for a name comes from here, or is no item's."""
+        """Do nothing: these changes come from this module or concern no item."""
 
     def _touch(self, changed: ExpectationSet | None) -> None:
         if changed is not None:
@@ -174,10 +177,10 @@ class Recognizer:
             while len(layer) < size:
                 of.add(layer, self._new(of.kind, ""))
 
-    # --- what handlers say ------------------------------------------------------
+    # --- calls of handlers -------------------------------------------------------
 
     def introduce(self, sensor: str, kind: str, place: Atom) -> Description:
-        """Add an item of an indistinct class that is seen under a sensor name."""
+        """Add an item of an indistinct class, seen under a sensor name."""
         items = self._memory.items
         item = items.known.get(items.name_of(sensor))
         if isinstance(item, Description) and item.accessible:
@@ -199,7 +202,7 @@ class Recognizer:
         return item
 
     def move(self, item: Description, place: Atom) -> Description:
-        """Put an item at a place, and return it as it then is known."""
+        """Put an item at a place; return its description after the move."""
         home = item.home
         if place == self._place(item):
             self._assert("location", item.name, place)
@@ -234,7 +237,7 @@ class Recognizer:
         self._touch(target)
 
     def lose(self, item: Description) -> None:
-        """Set the place of an item that is gone to `unknown`; it is out of reach."""
+        """Set the place of a lost item to `unknown`; the item is out of reach."""
         gone: departure.Collection | None = None
         before = item.name
         if item.home is not None:
@@ -250,7 +253,7 @@ class Recognizer:
         self.lost[item] = None
 
     def expire(self) -> None:
-        """Make layers of local models, and forget sensor names: the robot has moved."""
+        """Turn local models into layers and forget sensor names after a move."""
         for item in list(self.lost):
             self._forget(item)
         for home in list(self.sets.values()):
@@ -273,12 +276,13 @@ class Recognizer:
     def _leave(
         self, home: ExpectationSet, item: Description
     ) -> tuple[Description, departure.Collection | None]:
-        """Take an item out of its set, one description out of every layer.
+        """Remove an item from its set, with one description from every layer.
 
-        An item that was out of reach may leave fewer than are in reach there.
+        If the item was out of reach, fewer descriptions may leave than are in reach
+        there.
 
-        Returns the item with what the descriptions that went say of it, and the
-        collection they were of; None where nothing could be merged.
+        Return the item with the properties of the removed descriptions, and the
+        collection that contained them; None if nothing could be merged.
         """
         score = self._scores.of(home.kind, home.place)
         served, found = departure.collect(home, item, score)
@@ -301,7 +305,7 @@ class Recognizer:
         return item, choice
 
     def fix(self, place: Atom) -> None:
-        """No items are at a place but the accessible ones: others leave it."""
+        """Remove all items from a place but the accessible ones."""
         for home in [s for (_, at), s in self.sets.items() if at == place]:
             while home.size > len(home.local):
                 item, gone = self._leave(home, self._new(home.kind, ""))
@@ -310,7 +314,7 @@ class Recognizer:
                     self._item_events.moved(ItemLost, item, UNKNOWN, item.name, gone)
 
     def _forget(self, item: Description) -> None:
-        """Remove an item, and what memory has in it."""
+        """Remove an item, with its facts and the items in it."""
         stack = [item]
         while stack:
             gone = stack.pop()
@@ -329,7 +333,7 @@ class Recognizer:
     # --- merging ----------------------------------------------------------------
 
     def _one(self, one: Description, other: Description, own: str = "") -> Description:
-        """Two descriptions are of one item; returns the one that stays."""
+        """Merge two descriptions of the same item; return the older one."""
         older, younger = sorted((one, other), key=lambda d: (d.empty, d.number))
         if younger.mask and younger.home is not None:
             younger.home.replace(younger, older)
@@ -348,7 +352,7 @@ class Recognizer:
         return older
 
     def _merge_places(self, kept: str, lost: str) -> None:
-        """Join the sets at two places, of containers that turned out to be one."""
+        """Join the sets at two places, of containers that have merged."""
         if self._memory.place == lost:
             self._memory.place = kept
         for home in [s for (_, at), s in self.sets.items() if at == lost]:
@@ -383,7 +387,7 @@ class Recognizer:
         return best_match(home, self._scores.of(home.kind, home.place))
 
     def _tidy(self, home: ExpectationSet) -> bool:
-        """Drop layers that say nothing or are too many; whether matches may follow."""
+        """Drop equal and surplus layers; return whether matches may follow."""
         seen = [home.local.members.keys()]
         for layer in list(home.layers):
             if any(layer.members.keys() == other for other in seen):

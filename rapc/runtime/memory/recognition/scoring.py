@@ -1,8 +1,9 @@
-"""How well two descriptions match [T 2.3.2, A.5].
+"""Scores of pairs of descriptions [T 2.3.2, A.5].
 
-Every comparator takes two descriptions of one set and returns a score; 0 or less
-rules the pair out. Without one, and for what a declared one does not mention, 10
-count for the class and 10 for each property that both have with one known value.
+Every comparator takes two descriptions of one set and returns a score; 0 or less rules
+the pair out. Without a comparator, the class counts 10, and each property that both
+descriptions have with the same known value counts 10. The same holds for properties
+that a declared comparator does not mention.
 """
 
 from __future__ import annotations
@@ -19,11 +20,11 @@ from rapc.ir import nodes
 from rapc.runtime.memory.recognition.sets import Description
 
 SHARED = 10
-"""What the class counts, and each shared property."""
+"""The score of the class, and of each shared property."""
 
 
 class DescribedItem(msgspec.Struct, frozen=True):
-    """A description as comparators in Python are given it (T A.5).
+    """A description, as comparators in Python receive it (T A.5).
 
     `properties` maps a property's index without the item (`("color",)`,
     `("contains", "papers")`) to its known value. An empty description has no properties
@@ -45,10 +46,11 @@ equal are compared once.
 
 
 class Score:
-    """How a set compares its descriptions.
+    """A comparator of a set's descriptions.
 
-    `of` gives the score of two. `sparse` says that two which share no known property
-    always score `SHARED`, so that only those that do share one need be compared.
+    `of` returns the score of two descriptions. With `sparse`, two descriptions without
+    a shared known property always score `SHARED`. Then only descriptions with a shared
+    property need a comparison.
     """
 
     __slots__ = ("of", "sparse")
@@ -61,7 +63,7 @@ class Score:
 
 
 def default_comparator() -> Score:
-    """The comparator where nothing is declared."""
+    """Return the default comparator."""
 
     def score(a: Description, b: Description) -> Number:
         return SHARED + SHARED * len(a.known & b.known)
@@ -70,7 +72,7 @@ def default_comparator() -> Score:
 
 
 def weighted(rows: Iterable[nodes.ComparatorRow]) -> Score:
-    """A comparator declared in RAP: vetoing, weighted and ignored properties."""
+    """Return a comparator declared in RAP: vetoing, weighted and ignored properties."""
     vetoing = {row.property for row in rows if row.treatment == "veto"}
     weights: dict[Atom, Number] = {
         row.property: row.weight if row.treatment == "score" else 0
@@ -92,7 +94,7 @@ def weighted(rows: Iterable[nodes.ComparatorRow]) -> Score:
 
 
 def python_comparator(name: str, compare: Comparator) -> Score:
-    """A comparator in Python."""
+    """Return a comparator in Python."""
 
     def score(a: Description, b: Description) -> Number:
         home = a.home or b.home
@@ -119,9 +121,9 @@ class Scores:
     """The comparators of a library: by class, and by class and place.
 
     Args:
-        classes: the indistinct classes, each perhaps with the name of a comparator.
+        classes: the indistinct classes, each with the name of a comparator or None.
         comparators: the comparators declared for them.
-        registered: comparators in Python by name; a run without one that is named is
+        registered: comparators in Python by name; a run with a missing comparator is
             refused.
     """
 

@@ -1,7 +1,7 @@
-"""Descriptions of items, and the expectation sets and views in which they stand.
+"""Descriptions of items, and the expectation sets and views that contain them.
 
-Structure only [T 2.3.1, 2.3.3]. Not here: what is alike (`scoring`, `matching`), what
-leaves (`departure`), and what becomes of facts (`merging`).
+Structure only [T 2.3.1, 2.3.3]. Not here: comparison (`scoring`, `matching`), departure
+(`departure`), and changes of facts (`merging`).
 """
 
 from __future__ import annotations
@@ -14,16 +14,16 @@ from rapc.runtime.memory.items import Item
 UNKNOWN = "unknown"
 
 Key = tuple[frozenset[tuple[Fact, Atom]], str | None]
-"""What identical descriptions share: known properties and the sensor name."""
+"""The common part of identical descriptions: known properties and the sensor name."""
 
 
 class Description(Item):
-    """What is known of one item of an indistinct class.
+    """A description of an item of an indistinct class.
 
-    `number` tells the older from the younger. `values` maps the index of a property
-    without the item (`("color",)`, `("contains", "papers")`) to its value, without
-    location and introducing class. An empty description has the name "". `mask` has
-    a bit for each view of its set in which it stands; `home` is that set.
+    `number` orders descriptions by age. `values` maps the index of a property without
+    the item (`("color",)`, `("contains", "papers")`) to its value, without location and
+    introducing class. An empty description has the name "". `mask` has a bit for each
+    view of the set `home` that contains the description.
     """
 
     __slots__ = ("_key", "_known", "home", "mask", "number", "values")
@@ -39,11 +39,11 @@ class Description(Item):
 
     @property
     def empty(self) -> bool:
-        """Whether it only fills a place: nothing is known of it, not even a name."""
+        """Return whether the description is empty: without properties and a name."""
         return not self.name
 
     def learn(self, index: Fact, value: Atom | None) -> None:
-        """Set the value of a property, or take it away."""
+        """Set the value of a property, or remove it."""
         if value is None:
             self.values.pop(index, None)
         else:
@@ -52,7 +52,7 @@ class Description(Item):
 
     @property
     def known(self) -> frozenset[tuple[Fact, Atom]]:
-        """Its properties with known values."""
+        """Return the properties with known values."""
         if self._known is None:
             self._known = frozenset(
                 (index, v) for index, v in self.values.items() if v != UNKNOWN
@@ -61,7 +61,7 @@ class Description(Item):
 
     @property
     def key(self) -> Key:
-        """Return what it shares with the descriptions that are identical to it."""
+        """Return the part that identical descriptions share."""
         return (self.known, self.sensor if self.accessible else None)
 
 
@@ -71,14 +71,14 @@ class View:
     __slots__ = ("bit", "members", "serial", "version")
 
     def __init__(self, bit: int, serial: int = 0) -> None:
-        #: Its own bit among the views of its set.
+        #: The bit of this view among the views of its set.
         self.bit = bit
-        #: Of a layer its number among all layers of all sets, the older the smaller.
+        #: For a layer, its number among all layers of all sets; older layers are lower.
         self.serial = serial
-        #: The descriptions that stand in it, in the order in which they came.
+        #: The descriptions of the view, in the order in which they came.
         self.members: dict[Description, None] = {}
-        #: Another number whenever a member comes, goes, or changes in what is known of
-        #: it or in where else it stands.
+        #: A version that increases when a member comes, goes, or changes in its known
+        #: properties or in its other views.
         self.version = 0
 
     def __len__(self) -> int:
@@ -111,14 +111,14 @@ class ExpectationSet:
         self.layers: list[View] = []
         #: The pairs of views that were found without a match, with their versions.
         self.settled: dict[tuple[int, int], tuple[int, int, bool]] = {}
-        #: The candidates of views when they were last looked at, with a version.
+        #: The candidates of views at the last search, with a version.
         self.candidates: dict[tuple[int, int], tuple[int, Any]] = {}
-        #: The descriptions of views that sought a match then, with a version.
+        #: The descriptions of views that sought a match at that search, with a version.
         self.seekers: dict[tuple[int, int], tuple[int, Any]] = {}
         self._changes = 0
 
     def changed(self, mask: int) -> None:
-        """Something has changed about a member of the views with these bits."""
+        """Note a change of a member of the views with these bits."""
         self._changes += 1
         for view in (self.local, *self.layers):
             if view.bit & mask:
@@ -130,16 +130,16 @@ class ExpectationSet:
         return len(self.layers[0]) if self.layers else len(self.local)
 
     def views(self) -> list[View]:
-        """All views in the order of matching: local model, then latest to earliest."""
+        """Return the views in matching order: local model, then latest to earliest."""
         return [self.local, *reversed(self.layers)]
 
     def members(self) -> list[Description]:
-        """Every description that stands in a view, once, oldest first."""
+        """Return every description of a view once, oldest first."""
         found = dict.fromkeys(d for view in self.views() for d in view.members)
         return sorted(found, key=lambda d: d.number)
 
     def new_layer(self, serial: int) -> View:
-        """Add a layer, which stands among the others by its `serial`; return it."""
+        """Add a layer in the order of the `serial` numbers; return it."""
         taken = sum(layer.bit for layer in self.layers) | 1
         bit = (taken + 1) & ~taken
         layer = View(bit, serial)
@@ -167,7 +167,7 @@ class ExpectationSet:
             member.home = None
 
     def replace(self, old: Description, new: Description) -> None:
-        """Put a description in another's place in all views where that one stands."""
+        """Replace a description by another one in all of its views."""
         for view in self.views():
             if old.mask & view.bit:
                 view.members = {
@@ -180,7 +180,7 @@ class ExpectationSet:
         old.home = None
 
     def drop_layer(self, layer: View) -> list[Description]:
-        """Take a layer away; returns what now stands in no view, oldest first."""
+        """Remove a layer; return the descriptions left in no view, oldest first."""
         members = sorted(layer.members, key=lambda d: d.number)
         for member in members:
             self.discard(layer, member)
