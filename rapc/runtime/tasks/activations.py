@@ -1,6 +1,6 @@
 """Activations: skills that the world switches on and off for methods [S 3; L 9].
 
-What a signal of one does to the run is for `rapc.runtime.tasks.signals`.
+Not here: the effects of an activation's signals (`rapc.runtime.tasks.signals`).
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ def activate(
 ) -> str | Refused | None:
     """Switch on all skills of the method `run` at once; none if they are `unfilled`.
 
-    Returns `interference` where one of them cannot be filled in, what the world has
-    said if it refuses, else None.
+    Return `interference` if a skill cannot be filled in, the refusal of the world if it
+    refuses, else None.
     """
     skills, sent, items = [], [], machine.beliefs.items
     for one in plan.skills:
@@ -43,7 +43,7 @@ def activate(
     if unfilled:
         return INTERFERENCE
     world = machine.port
-    assert isinstance(world, Skilled)  # admission has looked
+    assert isinstance(world, Skilled)  # validated by `rapc.runtime.admission`
     machine.state.tickets += 1
     ticket = machine.state.tickets
     answer = world.activate(ticket, tuple(sent), plan.events)
@@ -59,12 +59,12 @@ def activate(
 
 
 def reactivate(machine: Run, run: MethodRun, wanted: Sequence[int]) -> bool | Refused:
-    """Have just the `wanted` skills of a method on, by position; the others go off.
+    """Switch the `wanted` skills of a method on, by position, and the others off.
 
-    Those that stay on are not interrupted, and all are as they were when they first
-    came on. Returns whether it could be done: not if an item among their arguments has
-    no sensor name now, and not if the world refuses: then what it
-    says is returned, and nothing has changed.
+    Skills that stay on are not interrupted. All skills have the arguments of their
+    first start. Return True on success; False if an item among the arguments has no
+    sensor name now; the refusal if the world refuses. Without success, nothing has
+    changed.
     """
     plan, before = run.plan.activation, run.ticket
     assert plan is not None
@@ -110,7 +110,7 @@ def _tell(
 
 
 def activatable(machine: Run, task: Task, plan: ActivationPlan, env: Env) -> bool:
-    """Whether all skills could be switched on now; nothing is traced."""
+    """Return whether all skills could be switched on now; trace nothing."""
     for one in plan.skills:
         skill = filled_in(machine, task, one, env)
         if skill is None or sensed(machine.beliefs.items, skill) is None:
@@ -119,7 +119,7 @@ def activatable(machine: Run, task: Task, plan: ActivationPlan, env: Env) -> boo
 
 
 def deactivate(machine: Run, ticket: int) -> None:
-    """Switch off what only the activation `ticket` has, if it is on."""
+    """Switch off the skills that only the activation `ticket` uses, if it is active."""
     if ticket not in machine.state.activations.on:
         return
     activation = machine.state.activations.end(ticket)
@@ -131,7 +131,7 @@ def deactivate(machine: Run, ticket: int) -> None:
 
 
 def call_off(machine: Run, run: MethodRun) -> None:
-    """End what a method has under way in the world: its request, its skills."""
+    """Cancel the request or the skills of a method in the world."""
     if run.ticket is None:
         return
     if run.plan.activation is not None:

@@ -1,12 +1,12 @@
-"""Why a task has failed or a method ended badly: found out afterwards, told as a chain.
+"""Causes: why a task or a method has failed, computed afterwards, as a chain.
 
-What a failure is called (`interference`, `no-method`) says which rule failed it [L 3];
-the cause says which clause, where it stands, and which part of it had no solution. It
-is found by asking anew, at once and before anything changes, through a context that
-tells nobody: so the run is the same with and without it. Nothing is done unless events
-tell of causes (`Recorder.tells_causes`).
+The name of a failure (`interference`, `no-method`) states the rule that failed the task
+[L 3]. The cause states the clause, its position, and its part without a solution. To
+find the cause, the interpreter evaluates the clause again, at once and before anything
+changes, in a context without listeners: the run is the same with and without causes.
+The interpreter computes causes only if events report them (`Recorder.tells_causes`).
 
-Not here: the words in which a cause is printed (`rapc.runtime.events.report`).
+Not here: the text of a cause (`rapc.runtime.events.report`).
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from rapc.runtime.run import Run
 from rapc.runtime.state.task import Env, MethodRun, Task
 
 LONGEST = 16
-"""How many links a chain of causes may have before its middle is left out."""
+"""The highest number of links in a chain of causes; longer chains lose their middle."""
 
 _Args = ParamSpec("_Args")
 
@@ -42,7 +42,7 @@ _Find = Callable[Concatenate[Run, _Args], Cause | None]
 
 
 def _if_told(find: _Find[_Args]) -> _Find[_Args]:
-    """Let a cause be looked for only where events tell of causes."""
+    """Return `find` as a function that runs only if events report causes."""
 
     def found(machine: Run, /, *args: _Args.args, **more: _Args.kwargs) -> Cause | None:
         return find(machine, *args, **more) if machine.recorder.tells_causes else None
@@ -55,7 +55,7 @@ def _if_told(find: _Find[_Args]) -> _Find[_Args]:
 
 @_if_told
 def of_inputs(machine: Run, task: Task) -> Cause | None:
-    """Return why a task whose inputs are not all bound has failed."""
+    """Return the cause of a failure by unbound inputs."""
     step, run = task.step, task.within
     if step is None or run is None:
         return None
@@ -70,7 +70,7 @@ def of_inputs(machine: Run, task: Task) -> Cause | None:
 
 @_if_told
 def of_set_up(machine: Run, task: Task) -> Cause | None:
-    """Return why no resources or times could be made for a task."""
+    """Return the reason why a task has no resources or times."""
     context, env, name = context_of(machine, task), task.env, task.plan.name
     for resource, initial in task.plan.resources:
         made = env.get(resource.variable.name)
@@ -105,7 +105,7 @@ def _of_term(
 
 @_if_told
 def of_conditions(machine: Run, task: Task) -> Cause | None:
-    """Return which condition of a task does not hold now: the first, as they are asked.
+    """Return the first condition of a task that does not hold now.
 
     The order is that of step 4: `for` formulas, preconditions, constraints upwards.
     """
@@ -117,11 +117,11 @@ def of_conditions(machine: Run, task: Task) -> Cause | None:
 
 
 Condition = tuple[str, Query, Task, Env]
-"""A clause in words, its query, the task that asks, and what is bound then."""
+"""A clause as text, its query, the task that evaluates it, and the bindings."""
 
 
 def conditions(task: Task) -> Iterator[Condition]:
-    """Iterate over the conditions of a task in the order in which they are asked."""
+    """Iterate over the conditions of a task in the order of evaluation."""
     run, step, plan = task.within, task.step, task.plan
     if run is not None and step is not None:
         for carrier, query in step.conditions:
@@ -147,19 +147,19 @@ def conditions(task: Task) -> Iterator[Condition]:
 
 @_if_told
 def of_method_constraints(machine: Run, run: MethodRun) -> Cause | None:
-    """Return why the constraints of a method do not hold."""
+    """Return the reason why the constraints of a method do not hold."""
     if run.plan.constraints is None:
         return None
     clause = f"constraints of method `{run.plan.name}` of `{run.task.plan.name}`"
     return _of_query(machine, clause, run.plan.constraints, run.task, run.env)
 
 
-# --- steps 5 to 9: what becomes of methods --------------------------------------
+# --- steps 5 to 9: methods --------------------------------------------------------
 
 
 @_if_told
 def of_no_method(machine: Run, task: Task) -> Cause | None:
-    """Return what ruled out each method of a task, and how the last one ended."""
+    """Return the obstacles of each method of a task, and the last method's failure."""
     plan, before = task.plan, _last(task)
     if plan.repeat_while is not None:
         clause = f"repeat-while of `{plan.name}`"
@@ -184,7 +184,7 @@ def of_no_method(machine: Run, task: Task) -> Cause | None:
 def of_futile_choice(
     machine: Run, task: Task, method: MethodPlan, found: Env
 ) -> Cause | None:
-    """Return which choice a task has made as often as it may."""
+    """Return the choice that a task has repeated too often."""
     clause = f"method `{method.name}` of `{task.plan.name}`"
     note = f"chosen {machine.settings.futile_limit} times with the same bindings"
     env = {**task.env, **found}
@@ -194,7 +194,7 @@ def of_futile_choice(
 
 @_if_told
 def of_recursion(machine: Run, step: Task) -> Cause | None:
-    """Return which ancestor has the goal that a step's task repeats."""
+    """Return the ancestor whose goal a step's task repeats."""
     if step.step is None:
         return None
     above = step.parent
@@ -212,7 +212,7 @@ def of_recursion(machine: Run, step: Task) -> Cause | None:
 
 @_if_told
 def of_step_end(machine: Run, task: Task, outputs: Mapping[str, Value]) -> Cause | None:
-    """Return why a task whose `succeed` holds fails: its outputs or its effects."""
+    """Return the cause of a failure in the outputs or effects of a successful task."""
     step, run = task.step, task.within
     if step is None or run is None:
         return None
@@ -235,7 +235,7 @@ def of_step_end(machine: Run, task: Task, outputs: Mapping[str, Value]) -> Cause
 
 @_if_told
 def of_signal(machine: Run, task: Task) -> Cause | None:
-    """Return which step a signal has failed."""
+    """Return the step that a signal has failed."""
     if task.step is None:
         return None
     node = task.step.node
@@ -247,7 +247,7 @@ def of_signal(machine: Run, task: Task) -> Cause | None:
 def of_child(
     machine: Run, task: Task, result: str, because: Cause | None
 ) -> Cause | None:
-    """Return why a method has ended badly one of whose steps has failed."""
+    """Return the cause of a method's failure by a failed step."""
     step = task.step
     if step is None or task.parent is None:
         return None
@@ -262,7 +262,7 @@ def of_child(
 
 @_if_told
 def of_bad_start(machine: Run, run: MethodRun) -> Cause | None:
-    """Return which notation of a method cannot be asserted, or which claim made."""
+    """Return the notation of a method that cannot be asserted, or the invalid claim."""
     for plan in run.plan.notations:
         note = _unfilled(machine, run, plan) or _refusal(machine, run, plan)
         if note:
@@ -277,10 +277,10 @@ def of_bad_start(machine: Run, run: MethodRun) -> Cause | None:
 
 @_if_told
 def of_result(machine: Run, run: MethodRun, result: str) -> Cause | None:
-    """Return why a method has ended badly that asks something of the world.
+    """Return the cause of the failure of a method with a request or skills.
 
-    A request or a skill that cannot be filled in, what the world has answered, or an
-    event that was to fail the primitive.
+    The cause is a request or a skill that cannot be filled in, the result from the
+    world, or an event that fails the primitive.
     """
     plan, skills = run.plan.request, run.plan.activation
     asked = [] if skills is None else list(skills.skills)
@@ -303,7 +303,7 @@ def of_result(machine: Run, run: MethodRun, result: str) -> Cause | None:
 
 @_if_told
 def of_refusal(machine: Run, run: MethodRun) -> Cause | None:
-    """Return what the world has refused, beside nothing that could be waited for."""
+    """Return the world's refusal in a conflict that the method cannot wait for."""
     plan, skills = run.plan.request, run.plan.activation
     asked = plan if skills is None else skills.skills[0]
     if asked is None:
@@ -323,7 +323,7 @@ def _of_method(
 def _unfilled(
     machine: Run, run: MethodRun, plan: RequestPlan, sent: bool = False
 ) -> str:
-    """Return what keeps a clause from being filled in; nothing if it can be.
+    """Return the obstacle to filling in a clause; empty if there is none.
 
     With `sent` its items need sensor names.
     """
@@ -340,7 +340,7 @@ def _unfilled(
 
 
 def _refusal(machine: Run, run: MethodRun, plan: RequestPlan) -> str:
-    """Return why memory refuses a notation that is filled in, if it does."""
+    """Return the reason why memory refuses a notation that is filled in, if any."""
     context = context_of(machine, run.task)
     filled = [arg.needed(context, run.env) for arg in plan.args]
     try:
@@ -359,10 +359,10 @@ def _cause(
     span: Span,
     part: str = "",
     note: str = "",
-    env: Mapping[str, Value] = {},  # nobody changes it
+    env: Mapping[str, Value] = {},  # read only
     terms: Iterable[nodes.Term] | None = None,
 ) -> Cause:
-    """Return a cause that tells what the variables of `terms`, or all, are bound to."""
+    """Return a cause with the values of the variables of `terms`, or of all."""
     names: Iterable[str] = env
     if terms is not None:
         parts = [inner for term in terms for inner in subterms(term)]
@@ -377,7 +377,7 @@ def _cause(
 
 
 def following(link: Cause, because: Cause | None) -> Cause:
-    """Return a cause with what it came from; a long chain loses its middle."""
+    """Return a cause with the cause before; a long chain loses its middle."""
     if because is None:
         return link
     chain = [because]
@@ -390,14 +390,14 @@ def following(link: Cause, because: Cause | None) -> Cause:
 
 
 def _last(task: Task) -> Cause | None:
-    """Return why the last method of a task has ended badly, if it has."""
+    """Return the cause of the failure of the last method of a task, if any."""
     return None if task.history is None else task.history.because
 
 
 def _of_query(
     machine: Run, clause: str, query: Query, asker: Task, env: Env
 ) -> Cause | None:
-    """Return which part of a query has no solution; None if all of it has one."""
+    """Return the part of a query without a solution; None if a solution exists."""
     bound, row = env, machine.library.compiler.row
     for part, text, found in ask_in_parts(machine, query, asker, env, most=1):
         if not found:
@@ -414,12 +414,12 @@ def _of_query(
 
 
 def _as_text(env: Mapping[str, Value], names: Iterable[str]) -> Mapping[str, str]:
-    """Return the values that variables have, as text."""
+    """Return the values of variables as text."""
     return {name: format_atom(env[name]) for name in names if name in env}
 
 
 class PartAsked(NamedTuple):
-    """A conjunct of a query, and solutions of all conjuncts up to it."""
+    """A conjunct of a query, and solutions of all conjuncts up to the conjunct."""
 
     part: nodes.Formula
     text: str
@@ -429,17 +429,17 @@ class PartAsked(NamedTuple):
 def ask_in_parts(
     machine: Run, query: Query, asker: Task | None, env: Env, most: int
 ) -> Iterator[PartAsked]:
-    """Ask a query conjunct by conjunct, to the first without a solution.
+    """Evaluate a query conjunct by conjunct, to the first one without a solution.
 
-    It leaves no mark on the run. What is wrong with a conjunct that fails, where there
-    is more to say, is in `machine.noting.noted`.
+    The evaluation does not change the run. `machine.noting.noted` explains the failure
+    of a conjunct, if there is an explanation.
 
     Args:
-        machine: the run's.
-        query: what is asked.
-        asker: the task that would ask; None for a user.
-        env: what is bound beforehand.
-        most: how many solutions are looked for.
+        machine: the machine of the run.
+        query: the query.
+        asker: the task that evaluates the query; None for a user.
+        env: the bindings before the evaluation.
+        most: the highest number of solutions to find.
     """
     context = context_of(machine, asker)
     for part, up_to_it, text in query.beginnings():
@@ -455,7 +455,7 @@ def ask_in_parts(
 
 
 def context_of(machine: Run, asker: Task | None) -> QueryContext:
-    """Return what asks as a task would, and tells nobody."""
+    """Return a context that evaluates queries for a task, without listeners."""
     context = machine.noting
     context.begin(asker)
     return context

@@ -1,4 +1,4 @@
-"""Which method a task tries: what holds, what failed least, what was chosen least.
+"""The choice of a method: holding, then least failed, then least chosen.
 
 [L 3.27] to [L 3.40] (T 3.2.2, 3.2.5, 7.4.1).
 """
@@ -24,21 +24,23 @@ _Any = TypeVar("_Any")
 
 
 Held = tuple[MethodPlan, Env]
-"""A method that holds, with what its choice binds first."""
+"""A method that holds, with the first bindings of its choice."""
 
 Key = tuple[object, ...]
-"""What the futile-loop detector sees: the method and every binding alive, resources
-by value."""
+"""The key of a choice for the futile-loop detector: the method with all bindings.
+
+The key contains resources by value.
+"""
 
 
 Choice = tuple[MethodPlan, Env, Sequence[Held]]
-"""The method to try, what its choice binds, and all that it was drawn from."""
+"""The method to try, its first bindings, and all methods of the draw."""
 
 
 def choose(machine: Run, task: Task, asked: bool = False) -> Choice | None:
-    """Return what to try, or None if there is nothing.
+    """Return the method to try, or None if there is none.
 
-    A solver is asked if no method holds, unless it was `asked` already.
+    If no method holds, ask the problem solver, unless the caller has `asked` before.
     """
     context, plan, env = machine.context, task.plan, task.env
     context.task = task
@@ -71,7 +73,7 @@ def choose(machine: Run, task: Task, asked: bool = False) -> Choice | None:
 
 
 def _draw(machine: Run, task: Task, holding: list[Held]) -> Choice:
-    """One of several: failed least, chosen least, not kept waiting, then by chance."""
+    """Choose: least failed, least chosen, not forced to wait, then by chance."""
     holding = _least(holding, [task.failures_of(method) for method, _ in holding])
     if len(holding) > 1:
         holding = _least(holding, [task.times_tried(method) for method, _ in holding])
@@ -83,7 +85,7 @@ def _draw(machine: Run, task: Task, holding: list[Held]) -> Choice:
 
 
 def choice_key(method: MethodPlan, env: Env, found: Env) -> Key:
-    """The key of a choice, with what the task's environment holds now."""
+    """Return the key of a choice, with the current values of the environment."""
     held = frozen(env.values())
     if not found:
         return (method.index, *held)
@@ -96,7 +98,7 @@ def _least(choices: Sequence[_Any], counts: Sequence[int]) -> list[_Any]:
 
 
 def _ask_solver(machine: Run, task: Task) -> bool:
-    """Ask the problem solver of a RAP; whether it has returned any method."""
+    """Ask the problem solver of a RAP; return whether the result has any method."""
     solver = machine.solvers.get(task.plan.name)
     if solver is None:
         return False
@@ -125,7 +127,7 @@ def _add_method(machine: Run, rap: RapPlan, node: nodes.Method, solver: object) 
     """Add a method that a solver has returned to a RAP, for the rest of the run.
 
     Raises:
-        PortError: for a method with names that the library does not declare so.
+        PortError: for a method with names that the library does not declare.
     """
     index = len(machine.state.methods(rap))
     try:
@@ -138,7 +140,7 @@ def _add_method(machine: Run, rap: RapPlan, node: nodes.Method, solver: object) 
 
 
 def _same(a: nodes.Method, b: nodes.Method) -> bool:
-    """Whether two methods are one but for where they stand."""
+    """Return whether two methods are equal but for their positions in the text."""
     fields = (name for name in a.__struct_fields__ if not name.endswith("span"))
     return all(
         getattr(a, name) == getattr(b, name) for name in fields if name != "position"

@@ -1,4 +1,4 @@
-"""One task's cycle: from being selected to succeeding, failing, blocking or trying.
+"""One task's cycle: from its selection to success, failure, blocking or trying.
 
 The steps are those of [L 3] [T 3.2, 3.4.1]; the first that settles the task
 ends the cycle.
@@ -28,7 +28,7 @@ from rapc.world import OKAY
 
 
 def run_cycle(machine: Run, task: Task) -> None:
-    """Process the task that the agenda has chosen."""
+    """Process the selected task."""
     plan, wait, run = task.plan, task.wait, task.within
     if machine.waits:
         machine.things.stop_waiting(task)
@@ -68,7 +68,7 @@ def run_cycle(machine: Run, task: Task) -> None:
 
 
 def _first_of_all(machine: Run, task: Task) -> None:
-    """Step 1, and what sets off others at the first selection; may end the task."""
+    """Do step 1 and the triggers of the first selection; may end the task."""
     wait, unbound = task.wait, False
     if not task.bound:
         read_inputs(machine, task)
@@ -96,7 +96,7 @@ def _tell_selected(machine: Run, task: Task) -> None:
 
 
 def _begin(machine: Run, task: Task, wait: WaitState) -> None:
-    """The first selection with monitors holding sets off `until-start`."""
+    """Trigger `until-start` at the first selection with monitors holding."""
     step, run = task.step, task.within
     if step is None or run is None or not step.until:
         wait.first_selected = True
@@ -108,7 +108,7 @@ def _begin(machine: Run, task: Task, wait: WaitState) -> None:
 
 
 def _misses_inputs(machine: Run, task: Task) -> bool:
-    """Step 1: try to bind what is unbound; whether that has settled the task."""
+    """Do step 1: bind unbound inputs; return whether this has ended the task."""
     run, step = task.within, task.step
     if run is not None and step is not None:
         machine.context.task = run.task
@@ -130,10 +130,10 @@ def _misses_inputs(machine: Run, task: Task) -> bool:
 
 
 def _conditions_hold(machine: Run, task: Task) -> bool:
-    """Step 4: `for` formulas, preconditions, constraints of the task and above.
+    """Do step 4: `for` formulas, preconditions, constraints of the task and above.
 
-    False also if a binding found here, or a constraint of a method, has ended the
-    method that the task works for.
+    Return whether all hold. Return also False if a new binding, or a constraint of a
+    method, has ended the method of which the task is a step.
     """
     run, step, context = task.within, task.step, machine.context
     if run is not None and step is not None:
@@ -157,12 +157,12 @@ def _conditions_hold(machine: Run, task: Task) -> bool:
 
 
 def _constraints_hold(machine: Run, nearest: Task | MethodRun) -> bool:
-    """Whether the constraints of `nearest` and of all above it hold now.
+    """Return whether the constraints of `nearest` and of all ancestors hold now.
 
-    One of a method that does not hold ends the method, and all below leaves.
-    Where nothing has changed since they were all found to hold, they still do, if they
-    ask of memory, resources and the clock alone: so an endless descent looks at each of
-    its tasks but once.
+    If a method's constraints do not hold, the method ends, and its descendants are
+    removed. If nothing has changed since all constraints held, they still hold,
+    provided that they depend only on memory, resources and the clock. Therefore an
+    endless descent evaluates each of its tasks only once.
     """
     context, changes = machine.context, machine.monitors.listeners.changes
     faults, steady = context.faults, True
@@ -188,7 +188,7 @@ def _constraints_hold(machine: Run, nearest: Task | MethodRun) -> bool:
 
 
 def _method_holds(machine: Run, run: MethodRun) -> bool:
-    """Whether the constraints of a method hold; else it ends, with all below it."""
+    """Return whether the constraints of a method hold; otherwise end the method."""
     machine.context.task = run.task
     constraints = run.plan.constraints
     if constraints is None or constraints.holds(machine.context, run.env):

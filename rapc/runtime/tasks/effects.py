@@ -1,7 +1,6 @@
-"""What a step's success does to sets and counters: all of it, or nothing.
+"""Effects of a step's success on sets and counters: all of them, or none.
 
-Whether a step has succeeded is for `rapc.runtime.tasks.finish` to say [T 4.8.2;
-L 6].
+Not here: whether a step has succeeded (`rapc.runtime.tasks.finish`) [T 4.8.2; L 6].
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ Change = tuple[str, Counter | SetResource, Value]
 def changes_of(
     machine: Run, run: MethodRun, step: StepPlan, bound: Env
 ) -> list[Change] | None:
-    """The changes of a step's effects; None if one of them cannot be made."""
+    """Return the changes by a step's effects; None if a change is impossible."""
     changes: list[Change] = []
     totals: dict[Counter, Number] = {}
     env = {**run.env, **bound} if step.effects else run.env
@@ -41,7 +40,7 @@ def changes_of(
 
 
 def _count(totals: dict[Counter, Number], change: Change) -> None:
-    """Add a change to what counters will hold. Raises QueryFault beyond measure."""
+    """Add a change to the totals of counters. Raises QueryFault for huge numbers."""
     op, resource, amount = change
     if isinstance(resource, Counter):
         compute = add if op == "counter-add" else subtract
@@ -67,7 +66,7 @@ def _change(context: QueryContext, effect: EffectPlan, env: Env) -> Change | Non
 
 
 def carry_out(machine: Run, task: Task, change: Change) -> None:
-    """Make one change, for the step's task that has brought it about."""
+    """Make one change of a resource, on behalf of the step's task."""
     op, resource, by = change
     if isinstance(resource, Counter):
         assert isinstance(by, int | float)

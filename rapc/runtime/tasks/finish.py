@@ -1,8 +1,8 @@
-"""What follows when a step, a method or a task ends [L 3, 4, 6].
+"""Consequences of the end of a step, a method or a task [L 3, 4, 6].
 
-A step that ends by itself sets off its outputs, effects and `until`s, then lets the
-steps behind it go on, or ends its method; a failed one takes its method with it. How
-tasks are removed that have not ended by themselves is in `rapc.runtime.tasks.remove`.
+A step that ends by itself triggers its outputs, effects and `until`s, then releases the
+steps that follow it, or ends its method. A failed step ends its method. Not here: the
+removal of tasks that have not ended by themselves (`rapc.runtime.tasks.remove`).
 """
 
 from __future__ import annotations
@@ -40,16 +40,16 @@ from rapc.runtime.tasks.start import (
 from rapc.world import OKAY
 
 _Received = tuple[Env, Sequence[Change]]
-"""What the success of a step binds in its method, and what it changes."""
+"""The bindings and the changes that a step's success makes in its method."""
 
-# --- good endings ----------------------------------------------------------------
+# --- success ----------------------------------------------------------------------
 
 
 def succeed(machine: Run, task: Task, found: Env) -> None:
-    """Succeed a task that is not on the agenda, or fail it if its outputs do not fit.
+    """Succeed a task outside the agenda, or fail it if its outputs do not fit.
 
-    Outputs and effects of a step are all brought to its method, or none is. Its end
-    carries out `until`s, then releases what follows, or ends the method.
+    The method receives all outputs and effects of a step, or none. The end of the step
+    carries out `until`s, then releases the steps that follow, or ends the method.
     """
     plan, step, run = task.plan, task.step, task.within
     outputs = _outputs(task, found) if plan.outputs else {}
@@ -83,7 +83,7 @@ def succeed(machine: Run, task: Task, found: Env) -> None:
 def _finish_step(
     machine: Run, run: MethodRun, step: StepPlan, received: _Received | None
 ) -> None:
-    """Bring a method what it has `received`; release what follows, or end it."""
+    """Pass `received` to a step's method; release followers or end the method."""
     bound: Env = {}
     if received is not None:
         bound, changes = received
@@ -106,7 +106,7 @@ def _finish_step(
 def _received(
     machine: Run, run: MethodRun, step: StepPlan, outputs: Env
 ) -> _Received | None:
-    """Return what outputs bind and effects change; None if one of them cannot be."""
+    """Return the bindings and changes of a success; None if one is impossible."""
     names = run.steps[step.position].plan.outputs
     arriving = [
         (to, outputs[name])
@@ -133,7 +133,7 @@ def _outputs(task: Task, found: Env) -> Env:
 def receive(
     machine: Run, run: MethodRun, arriving: Iterable[tuple[OutputTarget, Value]]
 ) -> Env | None:
-    """Return what values bind in a method's environment; None if one does not fit."""
+    """Return the bindings for a method's environment; None if a value does not fit."""
     bound: Env = {}
     machine.context.task = run.task
     for receiver, value in arriving:
@@ -148,9 +148,9 @@ def receive(
 
 
 def release_followers(machine: Run, run: MethodRun, following: Sequence[int]) -> None:
-    """Release, in the order of the text, steps that follow no other step any more.
+    """Release, in the order of the text, steps whose predecessors have all ended.
 
-    `following` are the positions of the steps that follow each one that has ended.
+    `following` are the positions of the steps that follow each ended step.
     """
     steps = run.steps
     if run.plan.windows:
@@ -170,14 +170,14 @@ def apply_until(
 ) -> list[int]:
     """Remove the live steps whose `until` names `step`.
 
-    Each of them counts as ended. Return the positions of the steps that follow each
-    of them, to be released by the caller.
+    Each removed step counts as ended. Return the positions of the steps that follow
+    each removed step; the caller releases them.
 
     Args:
-        machine: the run's.
-        run: the method at work.
+        machine: the machine of the run.
+        run: the method under way.
         step: the step that has started or ended.
-        at_end: whether `step` has ended: `until-end` is meant, else `until-start`.
+        at_end: whether `step` has ended: `until-end`, else `until-start`.
     """
     following: list[int] = []
     for target, when in step.until:
@@ -198,9 +198,9 @@ def recheck_bound_steps(
 ) -> bool:
     """Read the inputs of steps again that use variables in `bound`.
 
-    Returns whether one of these steps now repeats an ancestor: then the method has
-    ended badly, and its task has failed with `futile-loop`. The steps at `positions`
-    are read again whatever is in `bound`.
+    Return whether a step now repeats an ancestor: then the method has ended badly, and
+    its task has failed with `futile-loop`. The steps at `positions` are read again in
+    any case.
     """
     users = run.plan.steps_by_variable
     for at in sorted(
@@ -226,11 +226,11 @@ def recheck_bound_steps(
     return False
 
 
-# --- bad endings -----------------------------------------------------------------
+# --- failure ----------------------------------------------------------------------
 
 
 def fail(machine: Run, task: Task, reason: str, because: Cause | None = None) -> None:
-    """Fail a task: end its method, and let its parent come up again."""
+    """Fail a task: end its method, and make its parent eligible again."""
     world_failure = task.world_failure
     result = world_failure or reason
     if task.step is None:
@@ -264,9 +264,10 @@ def end_method(
     because: Cause | None = None,
     cause: str = "sibling-failed",
 ) -> None:
-    """End a method: remove its live steps, and let its task come up again.
+    """End a method: remove its live steps, and make its task eligible again.
 
-    `because` says why it ends badly, `cause` why its steps leave.
+    `because` is the cause of a failure, `cause` the reason for the removal of its
+    steps.
     """
     task, recorder, failed = run.task, machine.recorder, result != OKAY
     if failed and because is None:
@@ -302,7 +303,7 @@ def end_method(
 
 
 def _give_back(machine: Run, run: MethodRun) -> None:
-    """Give back what a method has had: its identity, skills, things, notations."""
+    """Release a method's identity, skills, things and notations."""
     task = run.task
     if task.plan.recursive or machine.all_may_recur:
         discount(machine, task)
@@ -312,7 +313,7 @@ def _give_back(machine: Run, run: MethodRun) -> None:
 
 
 def _switch_off(machine: Run, run: MethodRun) -> None:
-    """Switch off the skills of a method that has ended, and those to come on again."""
+    """Switch off the skills of an ended method; unregister waiting skills."""
     if run.ticket is not None:
         deactivate(machine, run.ticket)
     if machine.waits:
@@ -320,7 +321,7 @@ def _switch_off(machine: Run, run: MethodRun) -> None:
 
 
 def finish_by_signal(machine: Run, task: Task, mode: str) -> None:
-    """End a step, waiting or running, because of a signal; remove what it spawned."""
+    """End a step, waiting or running, because of a signal; remove its descendants."""
     run = stop(machine, task)
     if run is not None:
         for step in run.steps:

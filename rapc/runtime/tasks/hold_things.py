@@ -1,8 +1,8 @@
-"""What tasks do about things: ask, hold, wait, and give way to higher ones [L 8].
+"""Operations of tasks on things: request, hold, wait and suspend [L 8].
 
-A method asks for all its things at once before it starts. Where something stands in
-the way the choice is put back and its task blocked; where nothing does, lower methods
-whose requests use one of the things are suspended.
+A method requests all its things at once before it starts. If a thing is blocked, the
+choice is undone and the task is blocked. Otherwise the interpreter suspends lower
+methods whose requests use one of the things.
 """
 
 from __future__ import annotations
@@ -32,15 +32,15 @@ from rapc.world import Refused
 HOLDS: Final = "holds"
 WAITS: Final = "waits"
 UNFILLED: Final = "unfilled"
-"""What comes of asking for things."""
+"""The result of a request for things."""
 
 Asks = tuple[Ask, ...]
 
 
 def asks_of(machine: Run, task: Task, method: MethodPlan, env: Env) -> Asks | None:
-    """Return what a method of `task` would ask for, with the bindings `env`.
+    """Return the things that a method of `task` requests, with the bindings `env`.
 
-    None if a thing or the request cannot be filled in: then the method asks for
+    None if a thing or the request cannot be filled in: then the method requests
     nothing, starts and ends badly.
     """
     request, skills = method.request, method.activation
@@ -60,7 +60,7 @@ def asks_of(machine: Run, task: Task, method: MethodPlan, env: Env) -> Asks | No
 
 
 def must_wait(machine: Run, task: Task, method: MethodPlan, found: Env) -> bool:
-    """Whether a method would have to wait for a thing; `found` binds its choice."""
+    """Return whether a method would have to wait; `found` are its choice's bindings."""
     if not method.things:
         return False
     asks = asks_of(machine, task, method, {**task.env, **found})
@@ -70,14 +70,14 @@ def must_wait(machine: Run, task: Task, method: MethodPlan, found: Env) -> bool:
 def hold_or_wait(
     machine: Run, run: MethodRun, others: Sequence[tuple[MethodPlan, Env]]
 ) -> str:
-    """Let a method that is to start hold what it asks for, or block its task.
+    """Let a method hold its things before its start, or block its task.
 
     Args:
         machine: the machine.
         run: the method.
-        others: the methods that its choice was drawn from, with what each binds.
+        others: the methods of the same draw, each with its bindings.
 
-    Returns `HOLDS`, `WAITS`, or `UNFILLED` for one that is to start and end badly.
+    Return `HOLDS`, `WAITS`, or `UNFILLED` for a method that is to start and end badly.
     """
     task, method = run.task, run.plan
     asks = asks_of(machine, task, method, run.env)
@@ -99,17 +99,16 @@ def hold_or_wait(
 
 
 def can_claim(machine: Run, run: MethodRun) -> bool:
-    """Whether all that a method claims can be filled in; what cannot is traced."""
+    """Return whether all claims of a method can be filled in; trace the others."""
     claims = [asked.plan for asked in run.plan.things if not asked.used]
     return all(ground(machine, run, plan) is not None for plan in claims)
 
 
 def give_way(machine: Run, task: Task, asks: Asks, said: str = "") -> None:
-    """Suspend the lower methods whose requests use what `task` takes, by number.
+    """Suspend the lower methods whose requests use things of `task`, by number.
 
-    Of the `skills` of a method those go off that use it, and the method goes on.
-
-    `said` is said of a thing that has no name.
+    For background skills, only the `skills` that use these things go off, and the
+    method goes on. `said` is the text for a thing without a name.
     """
     lower: dict[int, tuple[MethodRun, str]] = {}
     for ask in asks:
@@ -125,7 +124,7 @@ def give_way(machine: Run, task: Task, asks: Asks, said: str = "") -> None:
 
 
 def _suspend(machine: Run, run: MethodRun, on: str, by: int) -> None:
-    """Undo a method whose request is under way, as if it had never been chosen."""
+    """Undo a method with a request under way, as if it had never been chosen."""
     task = run.task
     asks = tuple([hold.ask for hold in machine.things.held[task.number]])
     call_off(machine, run)
@@ -138,7 +137,7 @@ def _suspend(machine: Run, run: MethodRun, on: str, by: int) -> None:
 
 
 def _undo(machine: Run, run: MethodRun) -> None:
-    """Let a method that has no steps be gone as if it had never been chosen."""
+    """Undo a method without steps, as if it had never been chosen."""
     task = run.task
     stop(machine, task)
     for notation in run.notations:
@@ -151,7 +150,7 @@ def _undo(machine: Run, run: MethodRun) -> None:
 def _block(
     machine: Run, task: Task, alternatives: tuple[Asks, ...], obstacle: Hold
 ) -> None:
-    """Block a task until nothing is in the way of an alternative; tell of it."""
+    """Block a task until an alternative is free; report the block."""
     on, holder = words(obstacle), obstacle.run.task.number
     wait = ThingWait(task, alternatives, on, holder)
     _wait(machine, wait)
@@ -171,9 +170,9 @@ def _wait(machine: Run, wait: ThingWait) -> None:
 def _interrupt_skills(
     machine: Run, run: MethodRun, taken: Asks, on: str, by: int
 ) -> None:
-    """Switch off those `skills` of a method that use what is taken, until they can on.
+    """Switch off the `skills` that use the `taken` things, until the things are free.
 
-    Of what the world alone says is in conflict all of them have a part.
+    A conflict that only the world reports concerns all skills of the method.
     """
     task, things = run.task, machine.things
     held = [hold.ask for hold in things.held[task.number]]
@@ -202,7 +201,7 @@ def _interrupt_skills(
 def _without(
     machine: Run, run: MethodRun, held: Iterable[Ask], freed: set[Thing]
 ) -> Iterator[Ask]:
-    """Yield what a method goes on holding: of what is `freed` only what it claims."""
+    """Yield the things that a method keeps: those in `freed` only if claimed."""
     claimed = [
         filled_in(machine, run.task, one.plan, run.env)
         for one in run.plan.things
@@ -217,7 +216,7 @@ def _without(
 
 
 def _used_by_skills(machine: Run, run: MethodRun) -> list[set[Thing]]:
-    """Return what each skill of a method uses."""
+    """Return the things that each skill of a method uses."""
     plan = run.plan.activation
     assert plan is not None
     found = []
@@ -230,7 +229,7 @@ def _used_by_skills(machine: Run, run: MethodRun) -> list[set[Thing]]:
 
 
 def resume_skills(machine: Run) -> None:
-    """Switch suspended skills of methods on again where nothing is in the way."""
+    """Switch suspended skills of methods on again if their things are free."""
     things = machine.things
     for number in sorted(things.resumable):
         task = things.resumable.pop(number, None)
@@ -242,10 +241,11 @@ def resume_skills(machine: Run) -> None:
 
 
 def _resume(machine: Run, run: MethodRun, wait: ThingWait) -> None:
-    """Switch all skills of a method on again, if nothing is in the way.
+    """Switch all skills of a method on again, if their things are free.
 
-    What the world refuses beside others that it names waits for these as well; if it
-    names none that is under way, or one of an ancestor, the method ends badly.
+    If the world refuses and names others, the method waits for these others as well. If
+    the world names no method that is under way, or an ancestor's method, the method
+    ends badly.
     """
     task, things, said = run.task, machine.things, _said(machine, run)
     plan, asks = run.plan.activation, wait.alternatives[0]
@@ -270,7 +270,7 @@ def _resume(machine: Run, run: MethodRun, wait: ThingWait) -> None:
 
 
 def _hold_again(machine: Run, run: MethodRun, asks: Asks, said: str) -> None:
-    """Let a method whose skills are all on hold what it had to wait for."""
+    """Let a method whose skills are all on hold the things that it waited for."""
     things = machine.things
     things.stop_waiting(run.task)
     again = {ask.thing for ask in asks}
@@ -279,15 +279,15 @@ def _hold_again(machine: Run, run: MethodRun, asks: Asks, said: str) -> None:
     things.hold_just(run, (*asks, *kept), said)
 
 
-# --- what a world refuses ---------------------------------------------------------
+# --- refusals of a world ----------------------------------------------------------
 
 
 def settle_refusal(machine: Run, run: MethodRun, reply: Refused) -> str | None:
-    """Wait for those that a world names as in conflict, or ask it again.
+    """Wait for the methods that a world names as in conflict, or repeat the request.
 
-    Returns what `request` or `activate` returns: `interference` where it names none
-    that is under way, or one of an ancestor. It is as if each of them, and what is
-    asked for, used one thing more.
+    Return the result of `request` or `activate`: `interference` if the world names no
+    method that is under way, or an ancestor's method. The conflict is treated like a
+    thing that all these requests use until they end.
     """
     task, things = run.task, machine.things
     answer: str | Refused | None = reply
@@ -311,10 +311,10 @@ def settle_refusal(machine: Run, run: MethodRun, reply: Refused) -> str | None:
 
 
 def _share(machine: Run, run: MethodRun, refused: Refused) -> Ask | None:
-    """Let those that a world names as in conflict hold one thing more.
+    """Let the methods that a world names as in conflict share a new thing.
 
-    Returns what `run` is to ask for besides; None if the world names none that is under
-    way, or one of an ancestor.
+    Return the request of `run` for the thing; None if the world names no method that is
+    under way, or an ancestor's method.
     """
     task, things = run.task, machine.things
     named = [other for other in _under_way(machine, refused) if other is not run]
@@ -328,7 +328,7 @@ def _share(machine: Run, run: MethodRun, refused: Refused) -> Ask | None:
 
 
 def _is_above(other: Task, task: Task) -> bool:
-    """Whether `other` is an ancestor of `task`, which therefore cannot wait for it."""
+    """Return whether `other` is an ancestor: then `task` cannot wait for `other`."""
     above = task.parent
     while above is not None and above is not other:
         above = above.parent
@@ -336,7 +336,7 @@ def _is_above(other: Task, task: Task) -> bool:
 
 
 def _said(machine: Run, run: MethodRun) -> str:
-    """Return what a method asks of the world, in words."""
+    """Return the request or the skills of a method as text."""
     plan, env = run.plan, run.env
     if run.skills:
         return " ".join([format_list(machine.beliefs.canonical(s)) for s in run.skills])

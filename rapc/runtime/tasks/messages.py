@@ -1,7 +1,7 @@
-"""Intake: what the world sends unasked, and late ends of primitives [T 3.3, S 4].
+"""Intake: unrequested messages of the world, late ends of primitives [T 3.3, S 4].
 
-The loop hands over the messages of a turn; data go to their handlers, signals to the
-steps that wait for them.
+The loop passes the messages of a turn; data go to their handlers, signals to the steps
+that wait for them.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ def finish(machine: Run, ended: Finished) -> None:
     """End a primitive: run its handlers, end its method.
 
     Raises:
-        PortError: for a ticket that is not under way, or a datum nobody handles.
+        PortError: for a ticket that is not under way, or a datum without a handler.
     """
     machine.port.check_end(ended, machine.state.pending)
     ticket, reply = ended.ticket, ended.reply

@@ -1,8 +1,8 @@
 """Primitives: requests to the world, its replies, and the handlers (T 3.3).
 
-Names are translated on the way out and on the way in; a result and its data go
-through their handlers as one batch, result first [L 5]. What a result does to the
-method that asked is for `try_method` and `messages`.
+The interpreter translates names in requests and in replies. A result and its data go
+through their handlers as one batch, result first [L 5]. Not here: the effect of a
+result on the method (`try_method`, `messages`).
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ from rapc.world import OKAY, Refused, Reply
 _RESOURCES = (Counter, SetResource)
 
 _DONE = Reply(OKAY)
-"""The answer of most primitives that end at once: nothing in it has to be checked."""
+"""The reply of most primitives that end at once; it needs no validation."""
 
 
 def ground(machine: Run, run: MethodRun, plan: RequestPlan) -> Fact | None:
-    """A request or notation filled in; None with an unbound variable or resource."""
+    """Return a request or notation filled in; None if an argument has no value."""
     machine.context.task = run.task
     return fill_in(machine, plan, run.env)
 
@@ -40,7 +40,7 @@ def ground(machine: Run, run: MethodRun, plan: RequestPlan) -> Fact | None:
 def fill_in(
     machine: Run, plan: RequestPlan, env: Env, tells: bool = True
 ) -> Fact | None:
-    """Return what `ground` returns, with the bindings `env`; it `tells` of faults."""
+    """Return the result of `ground` for the bindings `env`; `tells` traces faults."""
     context = machine.context
     parts: list[Atom] = [plan.name]
     for arg in plan.args:
@@ -58,13 +58,13 @@ def fill_in(
 
 
 def filled_in(machine: Run, task: Task, plan: RequestPlan, env: Env) -> Fact | None:
-    """Return what `ground` returns for a method of `task`; nothing is traced."""
+    """Return the result of `ground` for a method of `task`; trace nothing."""
     machine.context.task = task
     return fill_in(machine, plan, env, tells=False)
 
 
 def sendable(machine: Run, task: Task, plan: RequestPlan, env: Env) -> Fact | None:
-    """Return a request as it would be sent, or None if it cannot be."""
+    """Return a request in the form for the world, or None if it cannot be sent."""
     asked = filled_in(machine, task, plan, env)
     return None if asked is None else sensed(machine.beliefs.items, asked)
 
@@ -73,7 +73,7 @@ def request(machine: Run, run: MethodRun, plan: RequestPlan) -> str | Refused | 
     """Send the request of the method `run`; return the result that ends the method.
 
     None: the end comes later, or the method has left meanwhile. `Refused`: the world
-    will not carry it out beside others.
+    refuses the request because of a conflict.
     """
     asked = ground(machine, run, plan) if plan.args else plan.bare
     if asked is None:
@@ -107,7 +107,7 @@ def request(machine: Run, run: MethodRun, plan: RequestPlan) -> str | Refused | 
     if now != machine.recorder.time:
         machine.set_clock(now)
     if reply is None or state.past_until:
-        # It ends later; or when the run is over: nobody will know.
+        # The primitive ends later; or never, if the run is over.
         state.pending[ticket] = task, asked
         if reply is None and task.run is not run:
             cancel(machine, run)
@@ -122,9 +122,9 @@ def request(machine: Run, run: MethodRun, plan: RequestPlan) -> str | Refused | 
 def tell_refusal(
     machine: Run, task: Task, asked: Iterable[tuple[Fact, Fact]], reply: Refused
 ) -> Refused:
-    """Tell that the world has refused what was `asked`; return what it said.
+    """Report that the world has refused a request; return the refusal.
 
-    A request, or each skill, comes in memory names and in sensor names.
+    `asked` has the request, or each skill, in memory names and in sensor names.
     """
     if machine.recorder.on:
         for request, sent in asked:
@@ -139,9 +139,9 @@ def tell_refusal(
 
 
 def cancel(machine: Run, run: MethodRun) -> None:
-    """End what a method has under way in the world, if it has anything.
+    """Cancel the request or the skills of a method in the world, if any.
 
-    What the world answers all the same is nobody's.
+    The interpreter ignores later replies.
     """
     ticket, pending = run.ticket, machine.state.pending
     if ticket is None or ticket not in pending or pending[ticket][0] is not run.task:
@@ -171,11 +171,12 @@ def take_reply(
 ) -> str | None:
     """Run the handlers of a reply to the request `asked`.
 
-    `task` is the one that asked, None if it has left. Returns the result if a method
-    of `task` is to end with it, else None; a handler may have changed it [T 3.3.2].
+    `task` is the requesting task, None if it has left. Return the result if a method of
+    `task` is to end with it, else None; a handler may have changed the result [T
+    3.3.2].
 
     Raises:
-        PortError: for a result of a handler that is not declared.
+        PortError: for an undeclared result of a handler.
     """
     handler, result = machine.result_handlers.get(asked[0]), reply.result
     if handler is not None or reply.data or machine.recognizer.unsettled:
@@ -211,7 +212,7 @@ def with_memory_names(machine: Run, content: Fact) -> Fact:
 
 
 def handle(machine: Run, content: Fact) -> Fact:
-    """Hand the datum `content` to its handler; return it in memory names."""
+    """Pass the datum `content` to its handler; return it in memory names."""
     fact = with_memory_names(machine, content)
     machine.handlers.data[str(content[0])](machine.access, fact)
     return fact

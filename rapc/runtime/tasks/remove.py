@@ -1,9 +1,9 @@
-"""How tasks leave: removed with all that they have spawned, or simply over [L 3, 6].
+"""Remove a task with its descendants, or mark it ended [L 3, 6].
 
-Whatever a task or its method has had goes back: its identity, its request or skills,
-the things it holds, its notations, its place among those that listen. Whether a task
-has succeeded, and what that sets off, is in `rapc.runtime.tasks.finish`. Removal of
-whole subtrees is iterative: tasks may nest without limit.
+The removal releases all that the task or its method has: its identity, its request or
+skills, things, notations, and its registrations as a listener. Not here: whether a task
+has succeeded, and the consequences (`rapc.runtime.tasks.finish`). Removal of whole
+subtrees is iterative: the depth of tasks has no limit.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from rapc.runtime.tasks.activations import call_off
 
 
 def remove(machine: Run, task: Task, cause: str) -> None:
-    """Let a task leave without ending by itself, after all that it has spawned."""
+    """Remove a task that has not ended by itself, after all its descendants."""
     stack = [task]
     leaving = []
     while stack:
@@ -52,7 +52,7 @@ def cancel_matching(machine: Run, goal: Fact) -> int:
 
 
 def stop(machine: Run, task: Task) -> MethodRun | None:
-    """Let a task be at work no longer; return the method it was at."""
+    """Stop the method of a task and return the method."""
     run, task.run = task.run, None
     if run is not None and (task.plan.recursive or machine.all_may_recur):
         discount(machine, task)
@@ -60,7 +60,7 @@ def stop(machine: Run, task: Task) -> MethodRun | None:
 
 
 def discount(machine: Run, task: Task) -> None:
-    """Count a task's identity out of those that are at work."""
+    """Subtract a task's identity from the active identities."""
     others = machine.state.active_identities[task.identity] - 1
     if others:
         machine.state.active_identities[task.identity] = others
@@ -69,7 +69,7 @@ def discount(machine: Run, task: Task) -> None:
 
 
 def drop(machine: Run, run: MethodRun) -> None:
-    """Let a method leave without ending: its request, things and notations go."""
+    """Remove a method that has not ended: its request, things and notations."""
     run.steps = ()
     if run.ticket is not None:
         call_off(machine, run)
@@ -77,17 +77,17 @@ def drop(machine: Run, run: MethodRun) -> None:
 
 
 def free(machine: Run, run: MethodRun) -> None:
-    """Free the things that a method holds, and release what it has noted."""
+    """Free the things of a method, and release its notations."""
     machine.things.release(run.task)
     for notation in run.notations:
         machine.beliefs.release_notation(notation)
 
 
 def unregister(machine: Run, task: Task) -> None:
-    """Unregister a task that has ended from things, signals, monitors and tasks given.
+    """Unregister an ended task from things, signals, monitors and top-level tasks.
 
-    Nothing else can be registered than a top-level task, one with a `WaitState`, and
-    one that waits for a thing.
+    Only these tasks are registered: top-level tasks, tasks with a `WaitState`, and
+    tasks that wait for a thing.
     """
     if machine.waits:
         machine.things.stop_waiting(task)

@@ -1,8 +1,8 @@
-"""What live tasks hold gets another name when two items turn out to be one.
+"""Rename an item in all live tasks after a merge of two items.
 
-Bindings, inputs, sets, the recursion test and the futile-loop detector know an item
-by its older name only, from the moment of the merge [T 2.3.3]; a host may still
-ask with the other.
+From the moment of the merge, bindings, inputs, sets, the recursion test and the
+futile-loop detector contain an item only by its older name [T 2.3.3]. A host may still
+use the other name in queries.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from rapc.runtime.state.task import Env, Task
 
 
 def rename(machine: Run, lost: str, kept: str) -> None:
-    """Every live task holds `kept` wherever it held `lost`."""
+    """Replace the name `lost` by `kept` in every live task."""
     sets: dict[int, SetResource] = {}
     for task in machine.state.live_tasks():
         environments = [task.env]
@@ -39,7 +39,7 @@ def rename(machine: Run, lost: str, kept: str) -> None:
 
 
 def _in_things(machine: Run, lost: str, kept: str) -> None:
-    """Rename what tasks hold and wait for; tell of the deadlocks that this closes."""
+    """Rename an item in held and awaited things; report the deadlocks that close."""
     things = machine.things
     before = [_members(circle) for circle in deadlocks(things)]
     things.rename(lost, kept)
@@ -53,7 +53,7 @@ def _members(circle: Circle) -> set[int]:
 
 
 def _in_task(task: Task, environments: list[Env], lost: str, kept: str) -> bool:
-    """Rename in one task; whether its monitors see another binding."""
+    """Rename in one task; return whether bindings of its monitors change."""
     task.told = None
     if task.goal_args:
         if lost in task.goal_args:
@@ -85,7 +85,7 @@ _NESTED = (tuple, frozenset)
 
 
 def _in_value(value: Any, lost: str, kept: str) -> Any:
-    """A frozen value with another name in it; sets and tuples nest a few levels."""
+    """Return a frozen value with an item renamed; sets and tuples may be nested."""
     if isinstance(value, _NESTED):
         parts = [
             _in_value(part, lost, kept)

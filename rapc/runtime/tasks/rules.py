@@ -1,7 +1,8 @@
-"""Rules over memory: run when tasks end and when signals come [S 4.2, 4.3; L 9].
+"""Rules over memory: run at ends of tasks and at signals [S 4.2, 4.3; L 9].
 
-Of the cases of a rule the first that matches is taken alone. In each of its rules the
-first query with a solution acts. What cannot be done is a query fault, and not done.
+Of the cases of a rule the interpreter takes only the first that matches. In each of its
+rules the first query with a solution acts. An impossible action is a query fault and
+has no effect.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from rapc.runtime.tasks.primitives import fill_in
 from rapc.world import OKAY
 
 SUCCEED = "succeed"
-"""What rules call the result `okay`."""
+"""The name of the result `okay` in rules."""
 
 
 def run_finish_rules(machine: Run, task: Task, result: str, outputs: Env) -> None:
@@ -58,7 +59,7 @@ def run_rules_of(machine: Run, task: Task, content: Fact) -> None:
 
 
 def run_event_rules(machine: Run, content: Fact) -> None:
-    """Run the rules of no RAP for a signal."""
+    """Run the rules outside of RAPs for a signal."""
     for rule in machine.library.event_rules:
         env: Env = {}
         machine.context.task = None
@@ -72,7 +73,7 @@ def run_event_rules(machine: Run, content: Fact) -> None:
 
 
 def _index(machine: Run, task: Task, rule: MemoryRulePlan, outputs: Env) -> Env | None:
-    """Return what the index of a rule binds for a task; None if it is another one."""
+    """Return the bindings of a rule's index for a task; None without a match."""
     env: Env = {}
     machine.context.task = task
     given = [outputs.get(name) for name in task.plan.outputs]
@@ -83,7 +84,7 @@ def _index(machine: Run, task: Task, rule: MemoryRulePlan, outputs: Env) -> Env 
 
 
 def _any(machine: Run, case: CasePlan, symbol: str, env: Env) -> Env | None:
-    """Return the environment of a case of results that `symbol` matches, else None."""
+    """Return the environment of a case of results that matches `symbol`, else None."""
     if case.symbol is not None:
         return env if case.symbol == symbol else None
     if case.variable is None:
@@ -93,7 +94,7 @@ def _any(machine: Run, case: CasePlan, symbol: str, env: Env) -> Env | None:
 
 
 def _heard(machine: Run, case: CasePlan, content: Fact, env: Env) -> Env | None:
-    """Return the environment of a case that a signal matches, else None."""
+    """Return the environment of a case that matches a signal, else None."""
     name = str(content[0])
     if case.variable is not None:
         return _any(machine, case, name.removeprefix(":"), env)
@@ -110,7 +111,7 @@ def _match(
     values: Sequence[Value | None],
     env: Env,
 ) -> bool:
-    """Hold values against terms, binding variables; what has no value binds none."""
+    """Match values with terms and bind variables; missing values bind none."""
     if len(terms) != len(values):
         return False
     for term, value in zip(terms, values, strict=True):
@@ -165,7 +166,7 @@ def _act(
 
 
 def _change(machine: Run, action: ActionPlan, fact: tuple[Atom, ...]) -> None:
-    """Do one action, and recognise the items that it tells of. Raises FactError."""
+    """Do one action, and recognise the items of the fact. Raises FactError."""
     access = machine.access
     if action.adds:
         checked = machine.beliefs.checked(fact)

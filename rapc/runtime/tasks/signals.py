@@ -1,9 +1,10 @@
-"""Signals: rules hear them first, then what waits for them [S 3, 4; L 4, 9].
+"""Signals: rules come first, then waiting primitives and steps [S 3, 4; L 4, 9].
 
 A signal belongs to the activations, or the request, under which it arose, or to none.
-Rules of no RAP hear it first; then the `:event` rules of its owners and of what is
-above them; then the primitives and the steps that wait. Each hears it once, if it is
-there when its turn comes. A step listens from when all that it follows has ended.
+Rules outside of RAPs receive the signal first; then the `:event` rules of its owners
+and of their ancestors; then the primitives and the steps that wait. Each receives the
+signal once, if it is live at its turn. A step listens from the end of all steps that it
+follows.
 """
 
 from __future__ import annotations
@@ -31,27 +32,27 @@ from rapc.world import OKAY
 class _Source(NamedTuple):
     """An activation, or a request, under which a signal arose."""
 
-    #: The number of its owner.
+    #: The number of the owner.
     owner: int
-    #: The owner or, where that has ended, the nearest ancestor that has not, if any.
+    #: The owner or, if it has ended, the nearest ancestor that has not, if any.
     task: Task | None
     #: The activation; None for a request.
     activation: Activation | None
 
     @property
     def covers_below(self) -> bool:
-        """Whether all that waits below the owner may hear what it tells."""
+        """Return whether waiting tasks below the owner may receive the signals."""
         return self.activation is not None and self.activation.in_background
 
 
 def signal(machine: Run, content: Fact, tickets: Sequence[int] = ()) -> None:
-    """Let all hear a signal whom it concerns.
+    """Deliver a signal to all receivers.
 
     Args:
-        machine: the run's.
+        machine: the machine of the run.
         content: the signal, in memory names.
-        tickets: the activations or the request under which it arose; none: everybody
-            may hear it.
+        tickets: the activations or the request under which the signal arose; without
+            tickets, every task may receive it.
     """
     sources = _sources(machine, tickets)
     if machine.recorder.on:
@@ -73,7 +74,7 @@ def signal(machine: Run, content: Fact, tickets: Sequence[int] = ()) -> None:
 
 
 def _sources(machine: Run, tickets: Iterable[int]) -> list[_Source]:
-    """Return what a signal arose under, the oldest first, without what is long over."""
+    """Return the sources of a signal, oldest first, without those long ended."""
     found = []
     state = machine.state
     for ticket in sorted(set(tickets)):
@@ -88,7 +89,7 @@ def _sources(machine: Run, tickets: Iterable[int]) -> list[_Source]:
 
 
 def _context(machine: Run, sources: Sequence[_Source], belongs: bool) -> Iterable[Task]:
-    """Return the tasks whose `:event` rules hear a signal, in their order [S 4.1]."""
+    """Return the tasks whose `:event` rules receive a signal, in order [S 4.1]."""
     if not belongs:
         tasks = machine.state.live_tasks()
         return [task for task in reversed(tasks) if task.run is not None]
@@ -101,11 +102,11 @@ def _context(machine: Run, sources: Sequence[_Source], belongs: bool) -> Iterabl
     return found.values()
 
 
-# --- what waits -------------------------------------------------------------------
+# --- waiting primitives and steps --------------------------------------------------
 
 
 def _tell_around(machine: Run, sources: Sequence[_Source], content: Fact) -> None:
-    """Tell what waits beside and above the owners, and below those of `skills`."""
+    """Deliver to tasks beside and above the owners, and below those of `skills`."""
     around: set[int] = set()
     below = {source.owner for source in sources if source.covers_below}
     for source in sources:
@@ -142,9 +143,9 @@ def _tell(
     steps: set[int] | None,
     content: Fact,
 ) -> None:
-    """Tell primitives, and the steps that wait, by task number.
+    """Deliver a signal to primitives and waiting steps, by task number.
 
-    `steps` are the numbers of those that may hear it, None: all.
+    `steps` are the numbers of the steps that may receive the signal, None: all.
     """
     listening = machine.state.listening.get(str(content[0]), {})
     chosen = listening.keys() if steps is None else steps
@@ -159,7 +160,7 @@ def _tell(
 
 
 def _tell_primitive(machine: Run, activation: Activation, content: Fact) -> None:
-    """End the method of an activation, if that is on and awaits the signal [S 4]."""
+    """End the method of an activation, if the active method awaits the signal [S 4]."""
     run = activation.run
     if run is None:
         return
@@ -177,7 +178,7 @@ def _tell_primitive(machine: Run, activation: Activation, content: Fact) -> None
 
 
 def _decide(machine: Run, task: Task, content: Fact) -> None:
-    """Let the first `wait-for` of a step that a signal matches have its way."""
+    """Apply the first `wait-for` of a step that matches the signal."""
     run = task.within
     assert task.step is not None
     assert run is not None
@@ -198,7 +199,7 @@ def _decide(machine: Run, task: Task, content: Fact) -> None:
 
 
 def _matched(machine: Run, run: MethodRun, wait: WaitPlan, content: Fact) -> Env | None:
-    """Return what a signal binds in a method; None if it is another one."""
+    """Return the bindings of a signal in a method; None without a match."""
     if wait.signal != content[0] or len(wait.args) != len(content) - 1:
         return None
     arriving = zip(wait.args, content[1:], strict=True)

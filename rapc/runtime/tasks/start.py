@@ -1,7 +1,7 @@
-"""How tasks begin: inputs, resources, times, and when they may be considered.
+"""The beginning of tasks: inputs, resources, times and release.
 
-What a task's end sets off is in `rapc.runtime.tasks.finish`; what it does when it is
-selected in `rapc.runtime.tasks.cycle` [L 3, 4].
+Not here: the consequences of a task's end (`rapc.runtime.tasks.finish`) and its cycle
+(`rapc.runtime.tasks.cycle`) [L 3, 4].
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from rapc.runtime.task_request import TaskRequest
 
 
 def create_top(machine: Run, submission: TaskRequest) -> None:
-    """Add a top-level task to the run; its goal was looked at when it was given."""
+    """Add a top-level task to the run; its goal was validated on arrival."""
     name, *args = machine.beliefs.canonical(submission.goal)
     plan = machine.library.rap(str(name))
     assert plan is not None
@@ -44,7 +44,7 @@ def create_top(machine: Run, submission: TaskRequest) -> None:
 
 
 def create(machine: Run, task: Task) -> None:
-    """Add a task to the run, and tell of it with its inputs as they are now."""
+    """Add a task to the run, and report it with its current inputs."""
     if task.step is not None and task.step.computes:
         read_inputs(machine, task)
     machine.state.numbers += 1
@@ -66,7 +66,7 @@ def create(machine: Run, task: Task) -> None:
 
 
 def _prepare(machine: Run, task: Task, wait: WaitState) -> None:
-    """Make resources, duration and delay as soon as the inputs they use are bound."""
+    """Make resources, duration and delay as soon as their inputs are bound."""
     plan = task.plan
     if wait.prepared or any(
         value is None and name in plan.prepared_from
@@ -89,7 +89,7 @@ def _prepare(machine: Run, task: Task, wait: WaitState) -> None:
 def _make(
     context: QueryContext, kind: str, initial: TermValue | None, env: Env
 ) -> Counter | SetResource | None:
-    """A new resource; None, with a fault traced, if its first value is unfit."""
+    """Return a new resource; None, with a fault traced, if its first value is unfit."""
     if initial is None:
         return Counter() if kind == "counter" else SetResource()
     value = initial.needed(context, env)
@@ -105,7 +105,7 @@ def _make(
 
 
 def bind_inputs(task: Task) -> None:
-    """Keep the inputs of a task that are bound, and the resources it has."""
+    """Store the bound inputs of a task and its resources."""
     plan, args = task.plan, task.goal_args
     if None not in args:
         env = dict(zip(plan.inputs, args, strict=True))
@@ -121,9 +121,9 @@ def bind_inputs(task: Task) -> None:
 
 
 def repeats_ancestor(machine: Run, task: Task) -> bool:
-    """Whether a task asks for what an ancestor of it asks for (T 3.2.5).
+    """Return whether a task has the goal of an ancestor (T 3.2.5).
 
-    Asked once, when its inputs are first all bound: this is who it is from now.
+    Called once, when the inputs are first all bound: they fix the identity of the task.
     """
     identity: tuple[object, ...] = task.plan.identity
     if not (task.plan.recursive or machine.all_may_recur):
@@ -145,15 +145,16 @@ def repeats_ancestor(machine: Run, task: Task) -> bool:
 def release(machine: Run, task: Task, again: bool = False) -> None:
     """Release a task whose predecessors have ended: let it be selected.
 
-    Its windows are fixed, and its `wait-for` listens from now on. A step that waits
-    for a signal is held until then, and one with a start time until that; monitors are
-    tested first. What its step computes for it is what it comes to now.
+    The release fixes the task's windows, and its `wait-for` starts to listen. A step
+    that waits for a signal is held until the signal, and a step with a start time until
+    that time. Monitors are tested first. Computed arguments of the step get their
+    current value.
 
     Args:
-        machine: the run's.
+        machine: the machine of the run.
         task: the task.
-        again: whether it was released before, and only its signal, its time or its
-            monitors have held it up.
+        again: whether the task was released before, and only its signal, its time
+            or its monitors have blocked the task since.
     """
     wait, step = task.wait, task.step
     if wait is not None:
@@ -188,10 +189,10 @@ def _listen(machine: Run, task: Task, wait: WaitState, step: StepPlan) -> None:
 
 
 def read_windows(machine: Run, task: Task, last: bool = False) -> None:
-    """Fix the windows of a step whose reference has come and whose times are bound.
+    """Fix the windows of a step with a known reference and bound times.
 
-    When the order lets the step run it is for the `last` time: what is unbound then
-    is a fault, and spoils the task as a time that is no number does.
+    `last` is true when the order lets the step run. Then an unbound time is a fault,
+    and makes the set-up of the task fail, like a time that is no number.
     """
     run, wait = task.within, task.wait
     if run is None or wait is None or not wait.windows:
@@ -232,7 +233,7 @@ def _base(run: MethodRun, window: WindowPlan) -> float | None:
 
 
 def read_inputs(machine: Run, task: Task) -> None:
-    """Read a step's inputs from its method's environment, as far as they are there."""
+    """Read a step's inputs from its method's environment, as far as they are bound."""
     step, run = task.step, task.within
     if step is None or run is None:
         return

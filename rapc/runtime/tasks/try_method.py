@@ -1,7 +1,7 @@
 """A task tries a method: from the choice to the method's start [L 3].
 
-Which method it is is decided in `rapc.runtime.tasks.choose`; how methods end is in
-`rapc.runtime.tasks.finish`.
+Not here: the choice of the method (`rapc.runtime.tasks.choose`) and the ends of methods
+(`rapc.runtime.tasks.finish`).
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from rapc.world import OKAY, Refused
 
 
 def try_method(machine: Run, task: Task) -> None:
-    """Steps 5 to 9: choose a method and start it, or fail."""
+    """Do steps 5 to 9: choose a method and start it, or fail."""
     choice = choose(machine, task)
     if choice is None:
         fail(machine, task, NO_METHOD, causes.of_no_method(machine, task))
@@ -69,7 +69,7 @@ def try_method(machine: Run, task: Task) -> None:
 
 
 def _note_choice(machine: Run, task: Task, key: Key) -> bool:
-    """Note a choice that is not the first one; return False if it is futile."""
+    """Record a choice after the first; return False if it is futile."""
     settings = machine.settings
     if task.times_chosen(key, settings.max_choices) >= settings.futile_limit:
         return False
@@ -78,7 +78,7 @@ def _note_choice(machine: Run, task: Task, key: Key) -> bool:
 
 
 def _spawn(machine: Run, run: MethodRun) -> Task | None:
-    """Make the steps' tasks, not yet numbered; return one that repeats an ancestor."""
+    """Make the steps' tasks without numbers; return a task that repeats an ancestor."""
     run.steps = tasks = []
     method = run.plan
     if not method.raps:
@@ -98,16 +98,16 @@ def _spawn(machine: Run, run: MethodRun) -> Task | None:
 
 
 def _look_up(machine: Run, method: MethodPlan) -> None:
-    """Find the RAPs that the steps of a method ask for, once for all runs."""
+    """Find the RAPs of a method's steps, once for all runs."""
     names = [step.node.goal.name for step in method.steps]
     method.raps = raps = tuple([machine.library.known_rap(name) for name in names])
     method.makes = method.computes or any(rap.needs_setup for rap in raps)
 
 
 def start_method(machine: Run, run: MethodRun, unfilled: bool) -> None:
-    """Start the method of `run`; its task waits for it until it ends.
+    """Start the method of `run`; the task of the method waits for the end.
 
-    With `unfilled`, something that it asks for has no value: it ends badly at once.
+    With `unfilled`, a part of the method has no value: the method ends badly at once.
     """
     task, method = run.task, run.plan
     task.run = run
@@ -150,20 +150,20 @@ def start_method(machine: Run, run: MethodRun, unfilled: bool) -> None:
 def _of_refusal(
     machine: Run, run: MethodRun, result: str | Refused | None
 ) -> Cause | None:
-    """Return why a method ends that was refused; None if it goes on, or waits."""
+    """Return why a refused method ends; None if the method goes on or waits."""
     failed = run.task.run is run and result == INTERFERENCE
     return causes.of_refusal(machine, run) if failed else None
 
 
 def _begins_well(machine: Run, run: MethodRun, unfilled: bool) -> bool:
-    """Make notations; whether the method goes on: else it has ended badly."""
+    """Make notations; return whether the method goes on: otherwise it has failed."""
     method, because = run.plan, None
     claimed = not unfilled or can_claim(machine, run)
     noted = claimed and (not method.notations or _note(machine, run, method))
     if noted and (not unfilled or method.request is None):
         return True
     if noted and method.request is not None:
-        ground(machine, run, method.request)  # traces what it lacks
+        ground(machine, run, method.request)  # traces the unbound part
     else:
         run.steps = ()
         because = causes.of_bad_start(machine, run)
@@ -174,7 +174,7 @@ def _begins_well(machine: Run, run: MethodRun, unfilled: bool) -> bool:
 def _switch_on(
     machine: Run, run: MethodRun, plan: ActivationPlan, unfilled: bool
 ) -> None:
-    """Switch the skills of a method on; what awaits nothing goes on or ends."""
+    """Switch the skills of a method on; end a method that awaits nothing."""
     result = activate(machine, run, plan, unfilled)
     because = None
     if result is not None and not isinstance(result, str):
@@ -192,7 +192,7 @@ def _switch_on(
 
 
 def _release_steps(machine: Run, run: MethodRun) -> None:
-    """Add the tasks of steps to the run; release those that follow no other step."""
+    """Add the tasks of steps to the run; release steps that follow no other step."""
     steps, plan = run.steps, run.plan
     if plan.makes or machine.recorder.on:
         for task in steps:
@@ -214,7 +214,7 @@ def _release_steps(machine: Run, run: MethodRun) -> None:
 
 
 def _note(machine: Run, run: MethodRun, method: MethodPlan) -> bool:
-    """Assert a method's notations, all or none; whether they could be [L 6.27]."""
+    """Assert a method's notations, all or none; return whether this worked [L 6.27]."""
     facts = []
     for plan in method.notations:
         fact = ground(machine, run, plan)
