@@ -1,4 +1,4 @@
-"""What compiling clauses shares: signatures, queries, and places in the source."""
+"""Shared parts of compiling clauses: signatures, queries, source positions."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from rapc.library.signatures import Signatures
 
 
 class RequestPlan:
-    """A proposition to be filled in: a primitive's request or a notation.
+    """A proposition with arguments to compute: a request or a notation.
 
-    `bare` is all of it where there are no arguments.
+    `bare` is the complete proposition if there are no arguments.
     """
 
     def __init__(
@@ -31,12 +31,12 @@ class RequestPlan:
 
 
 class Recursion:
-    """The recursive RAPs of a library: the only ones tested for recursion [T 3.2.5].
+    """The recursive RAPs of a library: the only RAPs tested for recursion [T 3.2.5].
 
-    A RAP is recursive if it is called, directly or through others, by itself. Only RAPs
-    that can be reached from those asked about are read, for a library that was compiled
-    decodes a RAP when it is first looked at. What methods of problem solvers call is
-    not known here.
+    A RAP is recursive if it calls itself, directly or through other RAPs. Only RAPs
+    that are reachable from the queried RAPs are read, because a compiled library
+    decodes a RAP at its first use. Calls in the methods of problem solvers are unknown
+    here.
     """
 
     def __init__(self, library: Library) -> None:
@@ -44,7 +44,7 @@ class Recursion:
         self._known: dict[str, bool] = {}
 
     def covers(self, name: str) -> bool:
-        """Return whether the RAP `name` may come up among its own subtasks."""
+        """Return whether the RAP `name` can occur among its own subtasks."""
         if name not in self._known:
             for members in components([name], self._calls, self._known):
                 is_circle = len(members) > 1 or members[0] in self._calls(members[0])
@@ -59,31 +59,31 @@ class Recursion:
 
 
 class Compiler:
-    """What compiling shares: the signatures, and places to print in faults."""
+    """Shared state of compiling: the signatures, and positions for faults."""
 
     def __init__(self, library: Library) -> None:
         self.library = library
         self.signatures = Signatures.of(library)
-        #: Which RAPs may come up among their own subtasks.
+        #: The RAPs that can occur among their own subtasks.
         self.recursion = Recursion(library)
 
     def place(self, what: str, span: Span) -> str:
-        """A clause's name with the row it stands in: `succeed at arms.rap:12`."""
+        """Return a clause's name with its row: `succeed at arms.rap:12`."""
         row = self.row(span)
         return f"{what} at {row}" if row else what
 
     def row(self, span: Span) -> str:
-        """A file and row, `arms.rap:12`; nothing for what stands in no file."""
+        """Return a file and row, `arms.rap:12`; no text for a form without a file."""
         source = self.library.files.get(span.file)
         return "" if source is None else f"{span.file}:{source.row(span.start)}"
 
     def query(self, formula: nodes.Formula, what: str, span: Span) -> Query:
-        """A formula of the clause `what` as a query."""
+        """Return a formula of the clause `what` as a query."""
         span = formula.span if formula.span.file else span
         return Query(formula, self.signatures, self.place(what, span))
 
     def assertion(self, pattern: nodes.Pattern, what: str) -> RequestPlan:
-        """A proposition whose arguments are filled in at run time."""
+        """Return a proposition whose arguments are computed at run time."""
         relation = self.signatures.relations.get(pattern.name)
         args = pattern.args
         if relation is not None and what == "notation":

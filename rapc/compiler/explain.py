@@ -1,8 +1,8 @@
-"""How the clauses of a RAP are asked of memory, for a person to read.
+"""Explanation, for people, of how the clauses of a RAP query memory.
 
-What is told are the steps that the writers of generated code note
-(`rapc.compiler.query.plan_steps`): what is done. How many facts are looked at is
-for a memory to say: without one it is told only which they are.
+The explanation lists the steps that the writers of generated code record
+(`rapc.compiler.query.plan_steps`). The number of facts read depends on the memory:
+without a memory, the explanation only names the facts.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from rapc.ir.printer import format_formula, format_term
 
 
 class ClausePlan(msgspec.Struct, frozen=True):
-    """How one clause is asked.
+    """The plan of one clause.
 
-    `where` is the clause with its place in the source; `bound` are the variables of
-    it that have a value beforehand, `binds` those that its solution adds; `steps`
-    are done from left to right, with backtracking [L 2.1].
+    `where` is the clause with its position in the source; `bound` are its variables
+    that have a value beforehand, `binds` the variables that its solution adds; `steps`
+    run from left to right, with backtracking [L 2.1].
     """
 
     where: str
@@ -34,13 +34,13 @@ class ClausePlan(msgspec.Struct, frozen=True):
 
 
 def explain(library: Program, name: str) -> tuple[ClausePlan, ...]:
-    """Return how each clause of a RAP is asked, in the order of a task's way [L 3].
+    """Return the plan of each clause of a RAP, in the order of a task's life [L 3].
 
-    A step's `for` formulas are shown as they are asked where the environment holds
-    inputs, resources and what choosing the method has bound, and no output yet.
+    A step's `for` formulas are shown for an environment with inputs, resources and the
+    bindings of the method's choice, and without outputs.
 
     Raises:
-        ValueError: for a name that is no RAP of the library.
+        ValueError: if the library has no RAP with this name.
     """
     plan = library.rap(name)
     if plan is None:
@@ -71,7 +71,7 @@ def _of_method(method: MethodPlan, own: tuple[str, ...]) -> Iterator[ClausePlan]
 
 
 def _choice_plan(method: MethodPlan, own: tuple[str, ...]) -> ClausePlan | None:
-    """Return how the context of a method is asked, `otherwise` first."""
+    """Return the plan of the context of a method, `otherwise` first."""
     plan = None if method.choice is None else _clause_plan(method.choice, own)
     if not method.otherwise:
         return plan
@@ -99,10 +99,10 @@ Spread = Callable[..., float]
 def describe(
     plans: Sequence[ClausePlan], spread: Spread | None = None
 ) -> Iterator[str]:
-    """Yield what `explain` returns as text: a heading and a line for each step.
+    """Yield the plans that `explain` returns as text: a heading, a line for each step.
 
-    With the `spread` of a memory (`MemoryView.spread`) they say how many facts are
-    to be expected where facts are run through.
+    With the `spread` of a memory (`MemoryView.spread`), the lines contain the expected
+    number of facts of each scan.
     """
     for plan in plans:
         given = f" ({' '.join(plan.bound)} bound)" if plan.bound else ""
@@ -112,7 +112,7 @@ def describe(
 
 
 def describe_step(step: PlanStep, spread: Spread | None = None) -> str:
-    """A step in words: the part of the formula, and what is done for it."""
+    """Return a step as text: the part of the formula, and its access path."""
     if step.way is AccessPath.NAMED:
         return f"{format_formula(step.formula)}: {step.way.value}:"
     if step.way in (AccessPath.EITHER, AccessPath.NEITHER):
@@ -151,7 +151,7 @@ def _how(step: PlanStep) -> str:
 
 
 def _looks(step: PlanStep) -> Iterable[tuple[int, ...]]:
-    """The places of arguments by which facts may be found, each by itself."""
+    """Return the places of arguments that can select facts, each by itself."""
     return [(at,) for at in step.by] or [()]
 
 
@@ -163,7 +163,7 @@ def _pattern(step: PlanStep) -> nodes.Proposition | None:
 
 
 def _term(step: PlanStep, at: int) -> str:
-    """An argument of a step's pattern; the value `true` may be left out in it."""
+    """Return an argument of a step's pattern; the value `true` may be omitted."""
     pattern = _pattern(step)
     if pattern is None or at > len(pattern.args):
         return "true"

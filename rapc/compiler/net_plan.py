@@ -1,6 +1,6 @@
-"""Task-nets ready to run: steps, their order, and all that their annotations ask for.
+"""Executable task-nets: steps, their order, and their annotations.
 
-What becomes of a step's task is in `rapc.runtime`.
+The execution of a step's task is in `rapc.runtime`.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from rapc.ir.walk import variable_names
 
 
 class StepPlan:
-    """A step of a task-net: what its task asks for, and how it is ordered."""
+    """A step of a task-net: the goal of its task, and its order."""
 
     def __init__(self, compiler: Compiler, node: nodes.Step, position: int) -> None:
         self.node = node
@@ -25,25 +25,25 @@ class StepPlan:
         self.args = tuple(TermValue(arg, where) for arg in node.goal.args)
         self.computes = any(isinstance(arg, nodes.Call) for arg in node.goal.args)
         self.outputs = tuple(OutputTarget(out, where) for out in node.goal.outputs)
-        #: How many steps must end before this one may start.
+        #: The number of steps that must end before this step may start.
         self.before = 0
         #: Positions of the steps ordered directly after this one, each once.
         self.after: list[int] = []
-        #: The `for` formulas that point at this step, each with the position of the
-        #: step that carries it, in the order of the text.
+        #: The `for` formulas that refer to this step, each with the position of the
+        #: step that carries the formula, in the order of the text.
         self.conditions: list[tuple[int, Query]] = []
         self.until: list[tuple[int, bool]] = []
         self.windows: tuple[WindowPlan, ...] = ()
         self.effects: list[EffectPlan] = []
         self.waits: list[WaitPlan] = []
-        #: Whether more than order decides when it runs, or its start ends others.
+        #: Whether its start depends on more than order, or ends other steps.
         self.has_timing = False
-        #: Whether its success brings outputs or effects.
+        #: Whether its success returns outputs or has effects.
         self.has_results = False
 
 
 class OutputTarget:
-    """What a value that arrives meets: it binds a variable or is compared."""
+    """The target of an output value: a variable to bind or a value to compare."""
 
     def __init__(self, term: nodes.Term, where: str) -> None:
         self.term = TermValue(term, where)
@@ -52,7 +52,7 @@ class OutputTarget:
 
 
 class WaitPlan:
-    """A `wait-for` of a step: the signal, what it brings, and what it does."""
+    """A `wait-for` of a step: the signal, its arguments, and its mode."""
 
     def __init__(self, node: nodes.WaitFor, where: str) -> None:
         self.signal = node.signal
@@ -85,7 +85,7 @@ class EffectPlan:
 
 
 def steps_of(compiler: Compiler, net: nodes.TaskNet) -> tuple[StepPlan, ...]:
-    """The steps of a task-net in the order of the text, with how they hang together."""
+    """Return the steps of a task-net in the order of the text, with their order."""
     plans = tuple(StepPlan(compiler, step, at) for at, step in enumerate(net.steps))
     at_tag = {step.tag: at for at, step in enumerate(net.steps)}
     for plan in plans:
@@ -134,7 +134,7 @@ def _annotate(
 
 
 def steps_using(steps: Sequence[StepPlan]) -> Mapping[str, Sequence[int]]:
-    """For each variable, the positions of the steps whose inputs or windows use it."""
+    """Return for each variable the positions of steps that use it as input or time."""
     users: dict[str, list[int]] = {}
     for step in steps:
         used = frozenset(variable_names(*step.node.goal.args))

@@ -13,28 +13,28 @@ from rapc.library.saved_check import Verifier
 
 
 class Program:
-    """A checked library in executable form: what the interpreter is given.
+    """A checked library in executable form, for the interpreter.
 
     Args:
-        library: linked, and free of findings of severity error.
-        name: what traces call it.
+        library: linked, and without findings of severity error.
+        name: the name of the library in traces.
     """
 
     def __init__(self, library: Library, name: str = "library") -> None:
         self.library = library
         self.name = name
-        #: For compiling what comes later, too: methods of problem solvers.
+        #: Also compiles methods of problem solvers during a run.
         self.compiler = Compiler(library)
-        #: What the declarations say.
+        #: The declarations of the library.
         self.signatures = self.compiler.signatures
-        #: The rules of no RAP.
+        #: The rules that belong to no RAP.
         self.event_rules = event_rules(self.compiler)
         #: Whether any RAP has a rule for signals.
         self.hears_events = any(rule.when == "event" for rule in library.memory_rules)
         self._plans: dict[str, RapPlan] = {}
 
     def rap(self, name: str) -> RapPlan | None:
-        """The plan of a RAP, compiled the first time it is asked for."""
+        """Return the plan of a RAP, compiled at the first request."""
         plan = self._plans.get(name)
         if plan is None:
             node = self.library.raps.get(name)
@@ -44,10 +44,10 @@ class Program:
         return plan
 
     def known_rap(self, name: str) -> RapPlan:
-        """The plan of a RAP that a checked library cannot lack.
+        """Return the plan of a RAP that a checked library must have.
 
         Raises:
-            LookupError: if it does.
+            LookupError: if the RAP is missing.
         """
         plan = self.rap(name)
         if plan is None:
@@ -55,10 +55,10 @@ class Program:
         return plan
 
     def added_method(self, rap: RapPlan, node: nodes.Method, index: int) -> MethodPlan:
-        """Return the plan of a method that no text of the library has.
+        """Return the plan of a method that is not in the text of the library.
 
         Raises:
-            UnsoundError: for a method with names that the library does not declare so.
+            UnsoundError: for a method with names that the library does not declare.
         """
         Verifier(self.signatures).rap(replace(rap.node, methods=(node,)))
         return MethodPlan(self.compiler, rap.node, node, index)

@@ -1,7 +1,7 @@
-"""A linked library in executable form: RAPs, methods and steps ready to run.
+"""A linked library in executable form: RAPs, methods and steps.
 
-A RAP is compiled when a task first needs it; its queries when they are first asked.
-Everything keeps its IR node, so that what happens at run time can point at source.
+A RAP is compiled when a task first needs it; its queries are compiled at their first
+use. Each plan keeps its IR node, so that run-time events can name the source position.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from rapc.ir.walk import substitute, variable_names
 
 
 class ThingPlan:
-    """A thing to be filled in; `used` by the request itself, or else claimed."""
+    """A thing with arguments to compute; `used` by the request, or else claimed."""
 
     def __init__(self, plan: RequestPlan, used: bool) -> None:
         self.plan = plan
@@ -30,7 +30,7 @@ class ThingPlan:
 
 
 def things_of(compiler: Compiler, method: nodes.Method) -> tuple[ThingPlan, ...]:
-    """Return what `method` asks for: what its request uses, then what it claims."""
+    """Return the things of `method`: used by its request, then claimed."""
     found = [
         (thing, True)
         for asked in _requests(method)
@@ -46,7 +46,7 @@ def things_of(compiler: Compiler, method: nodes.Method) -> tuple[ThingPlan, ...]
 
 
 def _used_by(compiler: Compiler, asked: nodes.Pattern) -> Iterator[nodes.Thing]:
-    """Yield what a request or a skill uses, as it is declared."""
+    """Yield the declared things of a request or a skill."""
     declared: nodes.DeclarePrimitive | nodes.DeclareSkill | None
     if isinstance(asked, nodes.Skill):
         declared = compiler.library.skills.get(asked.name)
@@ -61,7 +61,7 @@ def _used_by(compiler: Compiler, asked: nodes.Pattern) -> Iterator[nodes.Thing]:
 
 
 def _requests(method: nodes.Method) -> tuple[nodes.Pattern, ...]:
-    """Return what a method asks of the world: a request, or skills."""
+    """Return the requests of a method to the world: a request, or skills."""
     if isinstance(method.body, nodes.Primitive):
         return (method.body.request,)
     if isinstance(method.body, nodes.Skills):
@@ -70,13 +70,13 @@ def _requests(method: nodes.Method) -> tuple[nodes.Pattern, ...]:
 
 
 class UsesPlan:
-    """What a skill uses, over the arguments of its declaration."""
+    """The things of a skill, over the arguments of its declaration."""
 
     def __init__(self, compiler: Compiler, name: str) -> None:
         declared = compiler.library.skills.get(name)
         #: The names of the declared arguments.
         self.args: tuple[str, ...] = ()
-        #: The things, to be filled in with values for these.
+        #: The things, to be computed with the values of these arguments.
         self.things: tuple[RequestPlan, ...] = ()
         if declared is not None:
             self.args = tuple([arg.variable.name for arg in declared.args])
@@ -85,7 +85,7 @@ class UsesPlan:
 
 
 class ActivationPlan:
-    """A set of skills that are to be on together."""
+    """A set of skills that are active together."""
 
     def __init__(
         self,
@@ -94,18 +94,19 @@ class ActivationPlan:
         waits: tuple[nodes.WaitFor, ...],
         background: bool,
     ) -> None:
-        #: The skills to be filled in, in the order of the text.
+        #: The skills, with arguments to compute, in the order of the text.
         self.skills = tuple([compiler.assertion(one, "skill") for one in enabled])
-        #: What each of them uses by its declaration, once that is filled in.
+        #: The declared things of each skill.
         self.uses = tuple([UsesPlan(compiler, one.name) for one in enabled])
-        #: What ends the method: the first of these that matches a signal.
+        #: The signals that end the method: the first that matches counts.
         self.waits = tuple(
             [WaitPlan(wait, compiler.place("wait-for", wait.span)) for wait in waits]
         )
-        #: Whether it goes on beside the steps of its method: the `skills` of one.
+        #: Whether the activation runs beside the steps of its method: the `skills` of a
+        #: method.
         self.background = background
-        #: The names of the events to be told: all that its skills may tell, for rules
-        #: hear what nobody awaits, then what is awaited besides.
+        #: The names of the events to report: all signals that the skills may send
+        #: (rules receive signals that no task awaits), then the other awaited signals.
         self.events = _events(compiler, self.skills, self.waits)
 
 
@@ -122,7 +123,7 @@ def _events(
 
 
 def activation_of(compiler: Compiler, method: nodes.Method) -> ActivationPlan | None:
-    """Return what a method switches on, or None if it switches nothing on."""
+    """Return the activation of a method, or None if it activates nothing."""
     body = method.body
     if isinstance(body, nodes.Skills):
         return ActivationPlan(compiler, body.enable, body.waits, background=False)
@@ -132,31 +133,31 @@ def activation_of(compiler: Compiler, method: nodes.Method) -> ActivationPlan | 
 
 
 class MethodPlan:
-    """A method of a RAP, ready to be chosen and carried out."""
+    """A method of a RAP, ready for choice and execution."""
 
     def __init__(
         self, compiler: Compiler, rap: nodes.DefineRap, node: nodes.Method, index: int
     ) -> None:
         self.node = node
-        #: Its place in the order of choice.
+        #: Its position in the order of choice.
         self.index = index
-        #: Tells the method from others of its RAP.
+        #: Identifies the method among the methods of its RAP.
         self.key = (index,)
-        #: What the trace prints.
+        #: The name in the trace.
         self.name = f"#{index + 1}" if node.name is None else str(node.name)
         context = _without_otherwise(node.context)
-        #: Whether the context asks that no method before this one holds.
+        #: Whether the context requires that the context of no preceding method holds.
         self.otherwise = context is not node.context
-        #: `repeat-while` and context, `otherwise` left out of it, as one query.
+        #: `repeat-while` and context, without `otherwise`, as one query.
         self.choice = _choice(
             compiler, (rap.repeat_while, context), self.name, node.span
         )
-        #: What must hold of all tasks below while the method is under way.
+        #: The constraint on all descendant tasks while the method is active.
         self.constraints: Query | None = None
         if node.constraints is not None:
             what = f"constraints of method `{self.name}`"
             self.constraints = compiler.query(node.constraints, what, node.span)
-        #: Whether it or its RAP states constraints.
+        #: Whether the method or its RAP states constraints.
         self.constrains = bool(node.constraints or rap.constraints)
         self.notations = tuple(
             compiler.assertion(p, "notation") for p in node.notations
@@ -167,12 +168,12 @@ class MethodPlan:
             self.request = compiler.assertion(node.body.request, "primitive")
         elif isinstance(node.body, nodes.TaskNet):
             self.steps = steps_of(compiler, node.body)
-        #: The skills that it switches on.
+        #: The skills that the method activates.
         self.activation: ActivationPlan | None = activation_of(compiler, node)
-        #: What it asks for before it starts.
+        #: The things that the method requests before it starts.
         self.things: tuple[ThingPlan, ...] = things_of(compiler, node)
-        #: Whether something is to be given back when it ends, things aside:
-        #: notations, skills, the identity of a task that recursion is looked for in.
+        #: Whether the end of the method releases anything except things: notations,
+        #: skills, the identity of a task for the test of recursion.
         self.gives_back = (
             bool(self.notations)
             or self.activation is not None
@@ -181,28 +182,28 @@ class MethodPlan:
         self._sum_up_steps()
 
     def _sum_up_steps(self) -> None:
-        """Say what holds of the steps together, so that nobody asks each of them."""
+        """Compute properties of all steps together, to avoid loops at run time."""
         #: The positions of the steps whose inputs or windows use a variable.
         self.steps_by_variable = steps_using(self.steps)
-        #: The RAPs that the steps ask for, once they have been looked up.
+        #: The RAPs of the steps, once they have been looked up.
         self.raps: tuple[RapPlan, ...] = ()
-        #: Whether anything is made of the inputs of steps, once `raps` are there.
+        #: Whether inputs of steps create values, once `raps` are known.
         self.makes = False
         #: Whether steps may add to the environment of the method.
         self.binds = any(s.outputs or s.conditions or s.waits for s in self.steps)
         self.binds |= self.activation is not None and bool(self.activation.waits)
         self.size = len(self.steps)
-        #: The positions of the steps that follow none, or have windows to be fixed.
+        #: The positions of the steps without predecessor, or with windows to fix.
         self.first_steps = tuple(
             [s.position for s in self.steps if s.windows or not s.before]
         )
-        #: Whether any step has `for` formulas put on it.
+        #: Whether any step is the target of `for` formulas.
         self.conditions = any(step.conditions for step in self.steps)
         #: Whether any step has time windows.
         self.windows = any(step.windows for step in self.steps)
         #: Whether inputs of steps are computed.
         self.computes = any(step.computes for step in self.steps)
-        #: Whether anything depends on how and when steps have ended.
+        #: Whether anything depends on the time and the kind of the ends of steps.
         self.tracks_step_ends = any(step.until for step in self.steps) or any(
             isinstance(window.reference, int)
             for step in self.steps
@@ -220,12 +221,12 @@ class RapPlan:
         self.outputs = tuple(v.name for v in node.outputs)
         #: The identity of a task without inputs.
         self.identity = (node.name,)
-        #: The clauses that the RAP has, by their words.
+        #: The clauses of the RAP, by keyword.
         self.clauses = {
             clause.word: compiler.query(formula, clause.word, node.span)
             for clause, formula in clauses.held(clauses.RAP, node)
         }
-        #: None where no clause is given: `(last-result okay)`.
+        #: None without a clause: `(last-result okay)`.
         self.succeed = self.clauses.get("succeed")
         #: Whether `succeed` can never hold.
         self.never_succeeds = (
@@ -236,18 +237,18 @@ class RapPlan:
         self.repeat_while = self.clauses.get("repeat-while")
         self.monitor_state = self.clauses.get("monitor-state")
         self.watches: tuple[Watch, ...] = ()
-        #: Whether `monitor-state` asks how old beliefs are.
+        #: Whether `monitor-state` depends on the age of beliefs.
         self.ages = False
         if node.monitor_state is not None:
             asked = parts_of(node.monitor_state, compiler.signatures)
             self.ages = any(isinstance(part, nodes.Believe) for part in asked)
             self.watches = watches(node.monitor_state, compiler.signatures)
-        #: Whether constraints depend on memory, resources and the clock alone.
+        #: Whether constraints depend only on memory, resources and the clock.
         self.steady = _steady(compiler, node.constraints)
-        #: The rules that run when a task of it ends, and when a signal comes.
+        #: The rules that run at the end of its task, and at a signal.
         self.finish_rules = memory_rules(compiler, node.name, "finish")
         self.event_rules = memory_rules(compiler, node.name, "event")
-        #: Whether its success means more than that a step has ended.
+        #: Whether its success has more consequences than the end of a step.
         self.tells_end = bool(self.outputs or self.finish_rules)
         self.monitor_time: WindowPlan | None = None
         if node.monitor_time is not None:
@@ -263,13 +264,13 @@ class RapPlan:
         self.monitored = bool(node.monitor_state or node.monitor_time)
         #: Whether there are preconditions or constraints.
         self.conditional = bool(node.preconditions or node.constraints)
-        #: Whether something is to be made of the inputs.
+        #: Whether resources, a duration or a monitor time depend on the inputs.
         self.needs_setup = bool(node.resources or node.duration or node.monitor_time)
-        #: Whether its tasks need a record of what they wait for.
+        #: Whether its tasks need a record of their wait conditions.
         self.needs_wait_state = self.monitored or self.needs_setup
-        #: Whether it can come up among its own subtasks.
+        #: Whether the RAP can occur among its own subtasks.
         self.recursive = compiler.recursion.covers(node.name)
-        #: The identity, where it is known beforehand and need not be tested.
+        #: The identity, if it is constant and needs no test.
         self.static_identity = None if self.inputs or self.recursive else self.identity
         self.methods = tuple(
             MethodPlan(compiler, node, method, index)
@@ -280,7 +281,7 @@ class RapPlan:
 def _resources(
     compiler: Compiler, node: nodes.DefineRap
 ) -> tuple[tuple[nodes.Resource, TermValue | None], ...]:
-    """Return the resources of a RAP, each with its first value if one is given."""
+    """Return the resources of a RAP, each with its initial value, if any."""
     return tuple(
         (r, TermValue(r.initial, compiler.place("resources", r.span)))
         if r.initial is not None
@@ -295,7 +296,7 @@ def _choice(
     method: str,
     span: Span,
 ) -> Query | None:
-    """Return the conjunction of those formulas of a method that are there."""
+    """Return the conjunction of the formulas that are not None."""
     parts = [formula for formula in formulas if formula is not None]
     if not parts:
         return None
@@ -304,7 +305,7 @@ def _choice(
 
 
 def _without_otherwise(context: nodes.Formula | None) -> nodes.Formula | None:
-    """Return a context itself or, if `otherwise` is among its conjuncts, the others."""
+    """Return a context, without `otherwise` if that is one of its conjuncts."""
     if isinstance(context, nodes.Otherwise):
         return None
     if not isinstance(context, nodes.And):
@@ -316,7 +317,7 @@ def _without_otherwise(context: nodes.Formula | None) -> nodes.Formula | None:
 
 
 def _steady(compiler: Compiler, constraints: nodes.Formula | None) -> bool:
-    """Whether a formula can change its answer only by a change that is told of."""
+    """Return whether each change of the formula's result is reported to watches."""
     if constraints is None:
         return True
     asked = watches(constraints, compiler.signatures)
@@ -327,7 +328,7 @@ def _steady(compiler: Compiler, constraints: nodes.Formula | None) -> bool:
 
 
 def _used(node: nodes.DefineRap) -> frozenset[str]:
-    """The variables that resources, duration and delay of a RAP use."""
+    """Return the variables in resources, duration and delay of a RAP."""
     used = [r.initial for r in node.resources if r.initial is not None]
     used += [node.duration] if node.duration is not None else []
     if node.monitor_time is not None:

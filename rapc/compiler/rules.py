@@ -1,4 +1,4 @@
-"""Rules over memory, ready to be run: what they match, ask and change [S 4.2, 4.3]."""
+"""Executable rules over memory: patterns, queries and changes [S 4.2, 4.3]."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rapc.ir import nodes
 
 
 class ActionPlan:
-    """`(mem-add p)` or `(mem-del prefix)`, to be filled in."""
+    """`(mem-add p)` or `(mem-del prefix)`, with arguments to compute."""
 
     def __init__(self, compiler: Compiler, node: nodes.RuleAction) -> None:
         self.adds = node.op == "mem-add"
@@ -26,7 +26,7 @@ class AlternativePlan:
         if not (isinstance(node.query, nodes.Truth) and node.query.value):
             self.query = compiler.query(node.query, "rule", node.span)
         self.actions = tuple([ActionPlan(compiler, one) for one in node.actions])
-        #: The file and row where it stands: `doors.rap:12`.
+        #: The file and row of the alternative: `doors.rap:12`.
         self.row = compiler.row(node.span)
 
 
@@ -44,7 +44,7 @@ def _rules(compiler: Compiler, rules: Iterable[nodes.Rule]) -> RulesPlan:
 
 
 class Matched:
-    """A pattern that values are held against: a name, and a term for each."""
+    """A pattern for a list of values: a name, and a term for each value."""
 
     def __init__(
         self, compiler: Compiler, name: str, args: Iterable[nodes.Term], what: str
@@ -58,7 +58,7 @@ class CasePlan:
 
     def __init__(self, compiler: Compiler, node: nodes.ResultCase) -> None:
         result = node.result
-        #: What it matches: a result, any of them (bound to a variable), or a signal.
+        #: The pattern: a result, any result (bound to a variable), or a signal.
         self.symbol = str(result.value) if isinstance(result, nodes.Const) else None
         self.variable: TermValue | None = None
         if isinstance(result, nodes.Var):
@@ -81,7 +81,7 @@ class MemoryRulePlan:
 
 
 class EventRulePlan:
-    """A rule of no RAP, run whenever its signal comes."""
+    """A rule that belongs to no RAP, run whenever its signal comes."""
 
     def __init__(self, compiler: Compiler, node: nodes.EventRule) -> None:
         self.signal = matched_signal(compiler, node.signal, node)

@@ -1,8 +1,7 @@
-"""Which changes can make a formula true or false: what a monitor listens to.
+"""Watches: the changes that can make a formula true or false, for monitors.
 
 Each proposition in a formula becomes one `Watch`, as narrow as its bound arguments
-allow; a change to memory that matches no watch cannot change the answer
-[L 5].
+allow. A change of memory that matches no watch cannot change the result [L 5].
 """
 
 from __future__ import annotations
@@ -27,12 +26,12 @@ WatchKey = WordKey | Counter | SetResource
 
 
 class Watch(msgspec.Struct, frozen=True):
-    """One thing to listen to.
+    """A set of changes to listen to.
 
-    For a proposition, `key` holds its name and `arguments` those of its arguments
-    that are or may be known, each with its position: the first that is known when a
-    task blocks narrows the key. A `resource` watch listens to what its variable is
-    bound to. `age` names the variable of a `believe` that asks for an age.
+    For a proposition, `key` holds its name and `arguments` its arguments that are or
+    may be known, each with its position: the first argument that is known when a task
+    blocks narrows the key. A `resource` watch listens to the resource that its variable
+    is bound to. `age` names the variable of a `believe` that returns an age.
     """
 
     key: WordKey = ()
@@ -41,7 +40,7 @@ class Watch(msgspec.Struct, frozen=True):
     age: str | None = None
 
     def resolve(self, env: Mapping[str, Value]) -> WatchKey | None:
-        """The key to listen to in an environment; None where there is nothing."""
+        """Return the key to listen to in an environment, or None."""
         if self.resource is not None:
             value = env.get(self.resource)
             return value if isinstance(value, Counter | SetResource) else None
@@ -57,7 +56,7 @@ class Watch(msgspec.Struct, frozen=True):
 
 
 def of_call(node: nodes.Call, signatures: Signatures) -> Iterator[Watch]:
-    """Return the watches of a computed term, its arguments left out."""
+    """Return the watches of a computed term, without its arguments."""
     if node.function in ("value", "size-of"):
         yield from of_resources(node.args)
     elif node.function in signatures.functions:
@@ -65,7 +64,7 @@ def of_call(node: nodes.Call, signatures: Signatures) -> Iterator[Watch]:
 
 
 def of_proposition(node: nodes.Proposition, signatures: Signatures) -> Iterator[Watch]:
-    """Watches of a fact, or of a function used as a test."""
+    """Return the watches of a fact, or of a function used as a test."""
     relation = signatures.relations.get(node.name)
     if relation is not None:
         yield from _fact(node, relation)
@@ -96,7 +95,7 @@ def _may_be_external(place: nodes.Term) -> bool:
 
 
 def _may_be_default(relation: Signature, value: nodes.Term) -> bool:
-    """Whether a property's default may answer: then any first value may change that."""
+    """Return whether a property's default may apply: then any first value matters."""
     if relation.default_function is not None or not isinstance(value, nodes.Const):
         return True
     return value.value == relation.default
@@ -114,13 +113,13 @@ def _function(
 
 
 def of_resources(args: tuple[nodes.Term, ...]) -> Iterator[Watch]:
-    """Watches of the resources among some arguments."""
+    """Return the watches of the resources among some arguments."""
     for arg in args:
         if isinstance(arg, nodes.Var):
             yield Watch(resource=arg.name)
 
 
 def of_age(age: nodes.Term) -> Iterator[Watch]:
-    """The watch of a `believe` that may ask for an age."""
+    """Return the watch of a `believe` that may return an age."""
     if isinstance(age, nodes.Var):
         yield Watch(age=age.name)

@@ -1,7 +1,6 @@
-"""What compiled queries and terms call at run time: arithmetic, comparison, sets.
+"""Run-time helpers of compiled queries: arithmetic, comparison, sets.
 
-A helper that cannot do its work raises `QueryFault`; its caller says which clause
-it was [L 2.46].
+A helper raises `QueryFault` for invalid values; its caller adds the clause [L 2.46].
 """
 
 from __future__ import annotations
@@ -14,18 +13,18 @@ from rapc.base.values import Number, Text, format_atom, number
 
 
 class QueryFault(Exception):
-    """An unbound variable or a value of the wrong kind met in a computation.
+    """An unbound variable or a value of the wrong kind in a computation.
 
-    The text says which.
+    The text names the variable or value.
     """
 
 
 class TooManySteps(Exception):  # an end of the search, not an error
-    """A question has gone back too often in vain, and is given up [L 2.70]."""
+    """A query exceeded its limit of steps back and is aborted [L 2.70]."""
 
 
 class Unbound:
-    """The type of the mark of a variable without a value."""
+    """The type of the marker for a variable without a value."""
 
     def __repr__(self) -> str:
         return "UNBOUND"
@@ -41,11 +40,11 @@ def _numbers(args: Sequence[object]) -> list[Number]:
     for arg in args:
         if type(arg) is not int and type(arg) is not float:
             raise QueryFault(f"`{format_atom(arg)}` is not a number")
-    return list(args)  # type: ignore[arg-type]  # the loop has seen to it
+    return list(args)  # type: ignore[arg-type]  # the loop has checked the types
 
 
 def _result(compute: Callable[[], float]) -> Number:
-    """Return a computed number in its one form. Raises QueryFault beyond measure."""
+    """Return a computed number in canonical form. Raises QueryFault on overflow."""
     try:
         found = number(compute())
     except (ValueError, OverflowError):
@@ -60,7 +59,7 @@ def _measured(found: Number) -> Number:
 
 
 def add(args: Sequence[object]) -> Number:
-    """`(+ a b ...)`. Raises QueryFault on anything but numbers, and beyond measure."""
+    """Return `(+ a b ...)`. Raises QueryFault for non-numbers, and on overflow."""
     if len(args) == 2:
         one, other = args
         if type(one) is int and type(other) is int:
@@ -70,7 +69,7 @@ def add(args: Sequence[object]) -> Number:
 
 
 def subtract(args: Sequence[object]) -> Number:
-    """`(- a b ...)`; `(- a)` is the negative. Raises QueryFault as `add`."""
+    """Return `(- a b ...)`; `(- a)` is the negative. Raises QueryFault as `add`."""
     if len(args) == 2:
         one, other = args
         if type(one) is int and type(other) is int:
@@ -80,7 +79,7 @@ def subtract(args: Sequence[object]) -> Number:
 
 
 def multiply(args: Sequence[object]) -> Number:
-    """`(* a b ...)`. Raises QueryFault as `add`."""
+    """Return `(* a b ...)`. Raises QueryFault as `add`."""
     return reduce(_product, _numbers(args))
 
 
@@ -89,7 +88,7 @@ def _product(a: Number, b: Number) -> Number:
 
 
 def divide(args: Sequence[object]) -> Number:
-    """`(/ a b ...)`; a whole quotient is an int. Raises QueryFault, on 0 too."""
+    """Return `(/ a b ...)`; an int if whole. Raises QueryFault, on 0 too."""
     return reduce(_quotient, _numbers(args))
 
 
@@ -102,12 +101,12 @@ def _quotient(a: Number, b: Number) -> Number:
 
 
 def size_of(args: Sequence[object]) -> Number:
-    """`(size-of ?set)`. Raises QueryFault on anything but a set."""
+    """Return `(size-of ?set)`. Raises QueryFault for anything but a set."""
     return len(set_members(args[0]))
 
 
 def value_of(args: Sequence[object]) -> Number:
-    """`(value ?counter)`. Raises QueryFault on anything but a counter."""
+    """Return `(value ?counter)`. Raises QueryFault for anything but a counter."""
     counter = args[0]
     if not isinstance(counter, Counter):
         raise QueryFault(f"`{format_atom(counter)}` is not a counter")
@@ -115,7 +114,7 @@ def value_of(args: Sequence[object]) -> Number:
 
 
 def set_members(value: object) -> Mapping[object, None]:
-    """The members of a set resource. Raises QueryFault on anything else."""
+    """Return the members of a set resource. Raises QueryFault for anything else."""
     if not isinstance(value, SetResource):
         raise QueryFault(f"`{format_atom(value)}` is not a set")
     return value.members  # type: ignore[return-value]  # keys are looked up only
@@ -133,9 +132,10 @@ FUNCTIONS: Mapping[str, Callable[[Sequence[object]], Number]] = {
 
 
 def as_value(result: object) -> Value:
-    """Return what a registered function returned as the value of a term.
+    """Return the result of a registered function as the value of a term.
 
-    Raises QueryFault for what is no value of the language, None and `bool` among it.
+    Raises QueryFault for a result that is not a value of the language, for example None
+    or a `bool`.
     """
     if type(result) is int or type(result) is float:
         return _result(lambda: result)
@@ -145,5 +145,5 @@ def as_value(result: object) -> Value:
 
 
 def holds(result: object) -> bool:
-    """Whether what a declared function returned counts as true when it is a test."""
+    """Return whether the result of a declared function counts as true in a test."""
     return result not in (None, False, "false", "nil")

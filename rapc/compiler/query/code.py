@@ -1,11 +1,11 @@
-"""The writer of generated code: names, constants, functions, and its compilation.
+"""The writer of generated code: names, constants, functions, compilation.
 
-Nothing of a program's text is ever pasted into generated code: constants are handed to
-it, and the names of locals are made here. So formulas of one shape come to the same
-text, and that is compiled once.
+No text of a program is inserted into generated code: constants are passed as arguments,
+and the names of locals are generated. So formulas of equal shape have equal generated
+text, which is compiled once.
 
-Not here: the lines of one function (`function`), and what is generated for which
-formula (`formulas`, `facts`, `term_code`).
+Not here: the lines of one function (`function`), and the code for each kind of formula
+(`formulas`, `facts`, `term_code`).
 """
 
 from __future__ import annotations
@@ -26,13 +26,14 @@ SHAPES = 1024
 
 
 class ResultMode(Enum):
-    """What a generated function returns.
+    """The kind of result of a generated function.
 
-    The two texts are the statement for a solution, and the one without a further
-    solution. All that writes code asks for them through `FunctionWriter`
-    (`return_solution`, `return_all_of`, `skip`), so a mode that is to say why there is
-    no solution needs a row here, its case in `return_all_of`, and in `skip_if` and
-    `skip_unless` a line that notes the part and the bindings at which it was given up.
+    The two texts are the statement for a solution, and the statement for no further
+    solution. All writers of code obtain the texts through `FunctionWriter`
+    (`return_solution`, `return_all_of`, `skip`). A new mode, for example to report why
+    there is no solution, needs a row here, its case in `return_all_of`, and in
+    `skip_if` and `skip_unless` a line that records the part and the bindings of the
+    failure.
     """
 
     #: An iterator over the solutions.
@@ -46,12 +47,12 @@ class ResultMode(Enum):
 
 
 class CodeWriter:
-    """The code of one variant of a query while it is written: functions and constants.
+    """The unfinished code of one variant of a query: functions and constants.
 
     Args:
         signatures: the declarations.
-        where: the clause's name for faults, with its place in the source.
-        later: makes a query of a part of the formula, compiled when it is asked.
+        where: the clause's name for faults, with its position in the source.
+        later: returns a query for a part of the formula, compiled at its first use.
     """
 
     def __init__(
@@ -62,17 +63,17 @@ class CodeWriter:
     ) -> None:
         self.signatures = signatures
         self.later = later
-        #: What the code is handed, in order: `k1`, `k2` and so on in its text.
+        #: The arguments of the code, in order: `k1`, `k2` and so on in its text.
         self.constants: list[object] = []
-        #: What the code does, part by part, for a person to read.
+        #: The steps of the code, part by part, for explanations.
         self.steps: list[PlanStep] = []
-        #: How many `or` and `not` the next step stands in.
+        #: The number of `or` and `not` around the next step.
         self.depth = 0
-        #: Whether the code counts its steps back: a question may take very many.
+        #: Whether the code counts its steps back: a query may need very many.
         self.counts = False
-        #: The functions that several places call, by what they are made for.
+        #: The shared functions, by the part that each solves.
         self.shared: dict[object, Any] = {}
-        #: The Python locals by variable, in the order in which they came.
+        #: The Python locals by variable, in the order of their creation.
         self.locals: dict[str, str] = {}
         self._before: list[str] = []
         self._functions: list[str] = []
@@ -84,15 +85,15 @@ class CodeWriter:
         self._places = {"": self.where}
 
     def note(self, formula: nodes.Formula, path: AccessPath, **rest: Any) -> None:
-        """Note what is done for a part of the formula, before its code is written."""
+        """Record the step for a part of the formula, before its code is written."""
         self.steps.append(PlanStep(formula, self.depth, path, **rest))
 
     def fresh(self, prefix: str) -> str:
-        """Return a name that nothing else has."""
+        """Return an unused name."""
         return f"{prefix}{self.serial()}"
 
     def serial(self) -> int:
-        """Return a number that nothing else has."""
+        """Return an unused number."""
         self._serial += 1
         return self._serial
 
@@ -103,13 +104,13 @@ class CodeWriter:
         return self.locals[variable]
 
     def place(self, within: str) -> str:
-        """Return a constant for the clause's name with those of queries before it."""
+        """Return a constant for the clause's name with the names of outer queries."""
         if within not in self._places:
             self._places[within] = self.constant(within + self.clause)
         return self._places[within]
 
     def constant(self, value: object) -> str:
-        """Return a name under which the code finds `value`."""
+        """Return the name of `value` in the code."""
         self.constants.append(value)
         return f"k{len(self.constants)}"
 
@@ -141,7 +142,7 @@ class CodeWriter:
         return name
 
     def add(self, lines: Iterable[str]) -> None:
-        """Add the lines of a function that is complete."""
+        """Add the lines of a complete function."""
         self._functions.extend(f"    {line}" for line in lines)
 
     def source(self) -> str:
@@ -159,7 +160,7 @@ items, and the function to be called in place of `query` while there are any."""
 
 
 class _Source:
-    """A loader as `linecache` asks for one: a traceback shows the generated lines."""
+    """A loader for `linecache`: a traceback shows the generated lines."""
 
     __slots__ = ("_source",)
 
@@ -188,7 +189,7 @@ def compile_source(source: str) -> Maker:
 
 
 def made_of(source: str, namespace: dict[str, Any]) -> Any:
-    """Return the function `make` that generated source defines; tracebacks show it.
+    """Return the function `make` of generated source; tracebacks show the source.
 
     Args:
         source: the code; no text of a program is in it.

@@ -1,9 +1,9 @@
 """Facts, properties and `believe` to generated Python.
 
-A fact all of which is known is looked for in memory; a property whose index is known
-is one look-up with its default behind it (T 2.2.2); everything else runs through the
-smallest index that a known argument selects. Every index keeps its facts in the
-order of their last assertion, so the choice never shows in the answers.
+A completely known fact is tested for membership in memory; a property with a known
+index is one look-up and then its default (T 2.2.2); any other pattern scans the
+smallest index that a known argument selects. Each index keeps its facts in the order of
+their last assertion, so the choice of an index never changes the order of solutions.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class _Query(msgspec.Struct, frozen=True):
 
     @property
     def may_be_external(self) -> bool:
-        """Whether it may ask for items at the robot's own place (L 7)."""
+        """Return whether it may match items at the robot's own place (L 7)."""
         if self.relation.name != "location" or not self.relation.is_property:
             return False
         place = self.args[-1]
@@ -47,9 +47,10 @@ class _Query(msgspec.Struct, frozen=True):
 
     @property
     def has_no_default(self) -> bool:
-        """Whether its value is another constant than the default: a fact must say it.
+        """Return whether its value is a constant other than the default.
 
-        The default does not answer then, nor does the age of a fact with that index.
+        Then only a fact can match, and neither the default nor the age of a fact with
+        that index applies.
         """
         value = self.args[-1]
         return (
@@ -61,12 +62,12 @@ class _Query(msgspec.Struct, frozen=True):
 
     @property
     def places(self) -> tuple[int, ...]:
-        """The places of the known arguments, from 1."""
+        """Return the places of the known arguments, from 1."""
         return tuple(at for at, k in enumerate(self.known, 1) if k is not None)
 
 
 def write_pattern(fn: FunctionWriter, formula: nodes.Proposition) -> None:
-    """A proposition, a property, or a declared function used as a test."""
+    """Write a proposition, a property, or a declared function used as a test."""
     relation = fn.code.signatures.relations.get(formula.name)
     if relation is not None:
         _fact(fn, relation, formula, formula)
@@ -84,7 +85,7 @@ def write_pattern(fn: FunctionWriter, formula: nodes.Proposition) -> None:
 
 
 def write_believe(fn: FunctionWriter, formula: nodes.Believe) -> None:
-    """A pattern with a limit on its age, or asking for it (T 2.2.3)."""
+    """Write a pattern with a limit on its age, or with its age as output (T 2.2.3)."""
     relation = fn.code.signatures.relations.get(formula.pattern.name)
     if relation is None:
         write_pattern(fn, formula.pattern)
@@ -112,7 +113,7 @@ def _fact(
 
 
 def _member(fn: FunctionWriter, query: _Query) -> None:
-    """A fact all of which is known: it is in memory or not."""
+    """Write the membership test of a completely known fact."""
     fn.code.note(query.formula, AccessPath.MEMBER, by=query.places)
     name = query.relation.name
     if all(isinstance(arg, nodes.Const) for arg in query.args):
@@ -132,7 +133,7 @@ def _member(fn: FunctionWriter, query: _Query) -> None:
 
 
 def _look_up(fn: FunctionWriter, query: _Query) -> None:
-    """A property whose index is known: one look, then the default (T 2.2.2)."""
+    """Write a look-up of a property by its index, with its default (T 2.2.2)."""
     must_exist = query.age is not None and _asks_age(fn, query.age, query.args)
     _note_look_up(fn, query, must_exist)
     size = len(query.args)
@@ -160,7 +161,7 @@ def _look_up(fn: FunctionWriter, query: _Query) -> None:
 
 
 def _either(fn: FunctionWriter, query: _Query, fact: str, parts: Sequence[str]) -> str:
-    """A local for the value that a fact gives, or else the default."""
+    """Return a local for the value that a fact has, or else the default."""
     relation = query.relation
     function = relation.default_function
     stored = f"{fact}[{len(query.args)}]"
@@ -189,7 +190,7 @@ def _note_look_up(fn: FunctionWriter, query: _Query, must_exist: bool) -> None:
 
 
 def _scan(fn: FunctionWriter, query: _Query) -> None:
-    """Run through the facts of the smallest index that a known argument selects."""
+    """Write a scan of the smallest index that a known argument selects."""
     places = _worth_an_index(query)
     rest = tuple(at for at in query.places if at not in places or len(places) > 1)
     ways = (AccessPath.ALL, AccessPath.INDEX, AccessPath.SMALLEST)
@@ -214,9 +215,9 @@ def _scan(fn: FunctionWriter, query: _Query) -> None:
 
 
 def _worth_an_index(query: _Query) -> tuple[int, ...]:
-    """The places of known arguments to look facts up by.
+    """Return the places of known arguments that select an index.
 
-    A truth value as a property's value tells little: it counts only by itself.
+    A truth value of a property selects few facts: it counts only by itself.
     """
     places = query.places
     value = query.args[-1] if query.args else None
@@ -231,7 +232,7 @@ def _worth_an_index(query: _Query) -> tuple[int, ...]:
 
 
 def _candidates(fn: FunctionWriter, query: _Query, places: Sequence[int]) -> str:
-    """The expression for the facts to run through; the shortest of several indexes."""
+    """Return the expression for the facts to scan: the shortest of several indexes."""
     name, code = query.relation.name, fn.code
     if not places:
         return code.stamps(name)
@@ -254,7 +255,7 @@ def _candidates(fn: FunctionWriter, query: _Query, places: Sequence[int]) -> str
 
 
 def _binds(fn: FunctionWriter, query: _Query) -> tuple[str, ...]:
-    """The variables that have a value after a pattern and had none before it."""
+    """Return the variables that a pattern gives a value."""
     terms: Iterable[nodes.Term] = (*query.args, *([query.age] if query.age else ()))
     names = (t.name for t in terms if isinstance(t, nodes.Var) and not t.anonymous)
     return tuple(dict.fromkeys(name for name in names if name not in fn.bound))
@@ -263,14 +264,14 @@ def _binds(fn: FunctionWriter, query: _Query) -> tuple[str, ...]:
 def _asks_age(
     fn: FunctionWriter, age: nodes.Term, args: tuple[nodes.Term, ...] = ()
 ) -> bool:
-    """Whether an age is a variable that is unbound and that no argument will bind."""
+    """Return whether an age is an unbound variable that no argument will bind."""
     if not isinstance(age, nodes.Var) or age.name in fn.bound:
         return False
     return age.anonymous or age not in args
 
 
 def _limit(fn: FunctionWriter, age: nodes.Term) -> str:
-    """An expression for the bound age limit of a `believe`."""
+    """Return an expression for the bound age limit of a `believe`."""
     limit = bound_value(fn, age)
     if isinstance(age, nodes.Const) and isinstance(age.value, int | float):
         return str(limit)
@@ -282,7 +283,7 @@ def _limit(fn: FunctionWriter, age: nodes.Term) -> str:
 
 
 def _young(fn: FunctionWriter, query: _Query, fact: str, limit: str) -> str:
-    """The expression for whether a fact is younger than a limit."""
+    """Return the expression for whether a fact is younger than a limit."""
     stamps = fn.code.stamps(query.relation.name)
     return f"ctx.young({stamps}[{fact}], {limit})"
 

@@ -1,10 +1,10 @@
-"""Formulas to generated Python: all that is known of each kind, in `_KINDS`.
+"""Formulas to generated Python: the properties of each kind, in `_KINDS`.
 
-How the code looks is told at the head of `rapc.compiler.query.query`. A writer appends
-to a `FunctionWriter` what finds the solutions of its formula; what is appended after
-it runs once for each of them. What a monitor listens to that waits for a formula is
-gathered by `watches`. To add a kind of formula, add its rule to the grammar, its row to
-the words, its node to `ir/nodes.py`, and a row here.
+The form of the code is described in the head of `rapc.compiler.query.query`. A writer
+appends to a `FunctionWriter` the code that finds the solutions of its formula; code
+that is appended later runs once for each solution. `watches` returns the changes that a
+monitor of a formula listens to. To add a kind of formula, add its rule to the grammar,
+its row to the words, its node to `ir/nodes.py`, and a row here.
 
 Not here: facts and properties (`facts`), terms (`term_code`).
 """
@@ -34,8 +34,8 @@ def solve(
 ) -> None:
     """Write a formula with which a function ends, and close the function.
 
-    `answer` is the expression for a solution. The branches of an `or` that nothing
-    follows become functions that end in the same way.
+    `answer` is the expression for a solution. The branches of a final `or` become
+    functions that end in the same way.
     """
     *before, last = [nodes.Truth(True), *conjuncts(formula)]
     write(fn, nodes.And(tuple(before)))
@@ -57,7 +57,7 @@ def solve(
 
 
 def write(fn: FunctionWriter, formula: nodes.Formula) -> None:
-    """Append the code of a formula; what follows runs once for each solution."""
+    """Append the code of a formula; later code runs once for each solution."""
     query = named.query_of(fn.code.signatures, formula)
     if query is not None and isinstance(formula, nodes.Proposition):
         named.write_use(fn, formula, query, write)
@@ -92,7 +92,7 @@ def _and(fn: FunctionWriter, formula: nodes.And) -> None:
 
 
 def conjuncts(formula: nodes.Formula) -> Iterator[nodes.Formula]:
-    """Iterate over what a formula demands, one thing after another."""
+    """Iterate over the conjuncts of a formula."""
     stack: list[nodes.Formula] = [formula]
     while stack:
         top = stack.pop()
@@ -113,7 +113,7 @@ def _or(fn: FunctionWriter, formula: nodes.Or) -> None:
 def _through(
     fn: FunctionWriter, prefix: str, branches: Sequence[nodes.Formula]
 ) -> None:
-    """Write branches as one generator and loop over what it yields."""
+    """Write branches as one generator, and a loop over its results."""
     needed = [name for branch in branches for name in variable_names(branch)]
     inner = fn.child(prefix, needed, ResultMode.EACH)
     writers = [inner.child(prefix, inner.parameters, ResultMode.EACH) for _ in branches]
@@ -130,9 +130,9 @@ def _through(
 
 
 def _in_either_case(fn: FunctionWriter, formula: nodes.Formula) -> None:
-    """Leave a formula to a query of its own, compiled for what turns out to be bound.
+    """Leave a formula to a separate query, compiled for the bindings at run time.
 
-    Writing it here for each case would take two to the number of such variables.
+    Code for each case would grow by two to the number of possibly bound variables.
     """
     names = variable_names(formula)
     fn.code.note(formula, AccessPath.LATER)
@@ -157,7 +157,7 @@ def _in_either_case(fn: FunctionWriter, formula: nodes.Formula) -> None:
 def _exports(
     fn: FunctionWriter, writers: Sequence[FunctionWriter], names: Iterable[str]
 ) -> Sequence[str]:
-    """The names that generators have to hand out, as some of them may bind them."""
+    """Return the names that the generators of branches must export."""
     return [
         name
         for name in dict.fromkeys(names)
@@ -166,7 +166,7 @@ def _exports(
 
 
 def _searches(fn: FunctionWriter, formula: nodes.Formula) -> bool:
-    """Whether a part may have several solutions, by the text before it [L 2.71]."""
+    """Return whether a part may have several solutions, by preceding text [L 2.71]."""
     if isinstance(formula, nodes.SensorName):
         return fn.is_open(formula.item)
     pattern = formula.pattern if isinstance(formula, nodes.Believe) else formula
@@ -187,9 +187,9 @@ def _loop(
     writers: Sequence[FunctionWriter],
     is_or: bool,
 ) -> None:
-    """Loop over what generators yield, and take note of what they have bound.
+    """Write a loop over the results of generators, and record their bindings.
 
-    They are the branches of an `or`, or one that is the rest of an `and`.
+    The generators are the branches of an `or`, or the rest of an `and`.
     """
     targets = "".join(
         f"{fn.rename(n) if n in fn.maybe else fn.local(n)}, " for n in exports
@@ -308,9 +308,9 @@ _CONNECTIVES = (nodes.And, nodes.Or, nodes.Not, nodes.Truth)
 class _Kind(NamedTuple):
     """A kind of formula."""
 
-    #: Appends its code.
+    #: Append its code.
     write: Callable[[FunctionWriter, Any], None]
-    #: The changes that can change its answer, but for those that its operands tell of.
+    #: The changes that can change its result, except changes that its operands list.
     heard: Callable[[Any, Signatures], Iterable[Watch]] | None = None
 
 
@@ -333,7 +333,7 @@ _KINDS: Mapping[type, _Kind] = {
 
 
 def watches(formula: nodes.Formula, signatures: Signatures) -> tuple[Watch, ...]:
-    """All that can change the answer to a formula, each thing once."""
+    """Return all changes that can change the result of a formula, each once."""
     found: dict[Watch, None] = {}
     stack: list[nodes.Node] = [*named.spelled_out(formula, signatures)]
     stack.reverse()

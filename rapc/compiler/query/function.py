@@ -1,6 +1,6 @@
-"""The writer of one function of generated code: loops, candidates given up, steps back.
+"""The writer of one generated function: loops, rejected candidates, steps back.
 
-Not here: what all functions of a query share, and how its text is compiled (`code`).
+Not here: the shared parts of the functions of a query, and compilation (`code`).
 """
 
 from __future__ import annotations
@@ -19,39 +19,40 @@ they alone come to the square of the facts that there are, at worst."""
 
 
 class FunctionWriter:
-    """One generated function while it is written."""
+    """One unfinished generated function."""
 
     def __init__(
         self, code: CodeWriter, name: str, bound: Iterable[str], mode: ResultMode
     ) -> None:
-        #: What all functions of the query share.
+        #: The shared parts of all functions of the query.
         self.code = code
         self.name = name
         self.mode = mode
-        #: The names of the queries around, as a fault tells of them, up to those that
-        #: the function is handed.
+        #: The names of the outer queries for faults, up to those that are passed in.
         self.within = ""
-        #: Whether it is handed the name of the clause and the queries around.
+        #: Whether the names of the clause and the outer queries are passed in.
         self.is_shared = False
-        #: The variables that it is handed, in order.
+        #: The variables that are passed in, in order.
         self.parameters = tuple(bound)
         for variable in self.parameters:
             code.local(variable)
-        #: Its first lines, unless it is called with its parameters.
+        #: Its first lines, unless the writer derives them from its parameters.
         self.head: list[str] = []
-        #: Whether it is what is called to ask, and sees to it that the question ends.
+        #: Whether it is the entry of the query, which enforces the limit of steps back.
         self.is_whole = False
-        #: The variables surely bound where the next line comes.
+        #: The variables that are certainly bound at the next line.
         self.bound: set[str] = set(self.parameters)
-        #: Those bound in some branch of an `or` only: a local may hold UNBOUND.
+        #: The variables bound in only some branches of an `or`: a local may hold
+        #: UNBOUND.
         self.maybe: set[str] = set()
-        #: How many loops the next line stands in.
+        #: The number of loops around the next line.
         self.loops = 0
-        #: The variables that have a value there by the text [L 2.71].
+        #: The variables with a value there, by the text [L 2.71].
         self.given: set[str] = set(self.parameters)
-        #: How many searching parts stand before the next line, in this function.
+        #: The number of searching parts before the next line, in this function.
         self.searches = 0
-        #: How many stand before the call of the function, up to those that are free.
+        #: The number of searching parts before the call, at most the number of free
+        #: parts.
         self.outer = 0
         self._indent = 1
         self._lines: list[str] = []
@@ -60,7 +61,7 @@ class FunctionWriter:
 
     @property
     def known(self) -> list[str]:
-        """The variables that are or may be bound, in the order in which they came."""
+        """Return the variables that are or may be bound, in the order of binding."""
         return [name for name in self.code.locals if name in self.bound | self.maybe]
 
     def local(self, variable: str) -> str:
@@ -70,8 +71,8 @@ class FunctionWriter:
     def rename(self, variable: str) -> str:
         """Return a new local for `variable` from here on.
 
-        A variable that may be bound keeps its old local untouched, so that the next
-        candidate of a loop finds it as it was.
+        A variable that may be bound keeps its old local unchanged, for the next
+        candidate of a loop.
         """
         self._renamed[variable] = self.code.fresh("v_")
         return self._renamed[variable]
@@ -79,7 +80,7 @@ class FunctionWriter:
     def child(
         self, prefix: str, needed: Iterable[str], mode: ResultMode
     ) -> FunctionWriter:
-        """Begin another function, handed the `needed` variables as far as known."""
+        """Begin another function; pass the `needed` variables if they are known."""
         known = self.bound | self.maybe
         inner = FunctionWriter(
             self.code,
@@ -99,13 +100,13 @@ class FunctionWriter:
         self._lines.append("    " * self._indent + text)
 
     def loop(self, head: str) -> None:
-        """Open a loop; all that follows is inside it."""
+        """Open a loop around all later lines."""
         self.line(head)
         self._indent += 1
         self.loops += 1
 
     def search(self, head: str) -> None:
-        """Open the loop of a searching part; where it ends, that is a step back."""
+        """Open the loop of a searching part; the end of the loop is a step back."""
         if self.is_deep:
             self._counted.append(self._indent)
         self.loop(head)
@@ -113,17 +114,17 @@ class FunctionWriter:
 
     @property
     def is_deep(self) -> bool:
-        """Whether a searching part that stands here takes steps back that count."""
+        """Return whether the steps back of a searching part at this line count."""
         return self.outer + self.searches >= FREE_SEARCHES
 
     def is_open(self, term: nodes.Term) -> bool:
-        """Whether a term is a variable that by the text need not have a value."""
+        """Return whether a term is a variable that by the text may lack a value."""
         return isinstance(term, nodes.Var) and (
             term.anonymous or term.name not in self.given
         )
 
     def step_back(self, indent: int | None = None) -> None:
-        """Count a step back, at the present depth or at another."""
+        """Write the count of a step back, at the present or a given depth."""
         self.code.counts = True
         margin = "    " * (self._indent if indent is None else indent)
         self._lines.append(f"{margin}ctx.steps_left -= 1")
@@ -131,20 +132,20 @@ class FunctionWriter:
 
     @property
     def skip(self) -> str:
-        """The statement that gives up the candidate at hand."""
+        """Return the statement that rejects the present candidate."""
         return "continue" if self.loops else self.mode.value[1]
 
     def skip_unless(self, condition: str) -> None:
-        """Give up the candidate unless `condition` holds."""
+        """Reject the candidate unless `condition` holds."""
         self.line(f"if not ({condition}): {self.skip}")
 
     def skip_if(self, condition: str) -> None:
-        """Give up the candidate if `condition` holds."""
+        """Reject the candidate if `condition` holds."""
         self.line(f"if {condition}: {self.skip}")
 
     @property
     def where(self) -> str:
-        """The expression for the clause's name, and those of the queries around."""
+        """Return the expression for the names of the clause and the outer queries."""
         if not self.is_shared:
             return self.code.place(self.within)
         return f"{self.code.constant(self.within)} + where" if self.within else "where"
@@ -155,7 +156,7 @@ class FunctionWriter:
         return f"{inner.name}({', '.join(inner.place_and(taken))})"
 
     def place_and(self, names: Sequence[str]) -> list[str]:
-        """Return parameters with that for the clause's name before them, if any."""
+        """Return parameters, after the parameter for the clause's name, if any."""
         return [*(["where"] if self.is_shared else []), *names]
 
     def return_solution(self, solution: str) -> None:
@@ -192,16 +193,16 @@ class FunctionWriter:
         self.code.add([*opened, *body])
 
     def _count(self) -> None:
-        """Count a step back behind the loop of each part that is deep.
+        """Count a step back after the loop of each deep part.
 
-        What is written here is reached where the loop has found nothing, so a question
-        that has its answer at once pays nothing for it.
+        The counting code runs only when the loop finds no solution, so a query with an
+        immediate solution has no cost.
         """
         for indent in reversed(self._counted):
             self.step_back(indent)
 
     def _bounded(self, body: Iterable[str]) -> list[str]:
-        """Return the lines of a whole question so that they end within its bound."""
+        """Return the lines of a whole query with the limit of its steps back."""
         return [
             "    ctx.steps_left = ctx.most_steps",
             "    try:",

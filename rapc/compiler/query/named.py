@@ -1,12 +1,12 @@
-"""Named queries: what `(name term...)` stands for, and how it becomes code.
+"""Named queries: the meaning of `(name term...)`, and its code.
 
-A use of a query means its formula with the terms put in [T 5.4]; the other variables of
-the formula are its own. A short formula is written where it is used, as if it stood
-there. A long one becomes a function of its own, once for each way in which its
-arguments are known: so a chain of queries, each of which uses the one before it twice,
-grows with its text and not with all that it comes to.
+A use of a query means its formula with the terms inserted [T 5.4]; the other variables
+of the formula are local. A short formula is written in place. A long formula becomes a
+function, one for each pattern of known arguments. So the code of a chain of queries,
+each of which uses the preceding query twice, grows with the text and not with the
+number of expanded parts.
 
-Not here: what is wrong with a query (the checker says), and which queries there are
+Not here: errors of queries (the checker), and the table of queries
 (`rapc.library.signatures`).
 """
 
@@ -42,7 +42,7 @@ def query_of(signatures: Signatures, formula: nodes.Formula) -> Signature | None
 def write_use(
     fn: FunctionWriter, use: nodes.Proposition, query: Signature, write: Write
 ) -> None:
-    """Append the code of a use of a query; what follows runs once per solution."""
+    """Append the code of a use of a query; later code runs once per solution."""
     fn.code.note(use, AccessPath.NAMED)
     fn.code.depth += 1
     if _fits(fn, query):
@@ -63,7 +63,7 @@ def parts_of(formula: nodes.Formula, signatures: Signatures) -> Iterator[nodes.F
 def spelled_out(
     formula: nodes.Formula, signatures: Signatures
 ) -> Iterator[nodes.Formula]:
-    """Iterate over a formula and what the queries in it stand for, each use once."""
+    """Iterate over a formula and the formulas of its queries, each use once."""
     yield formula
     seen: set[nodes.Formula] = set()
     stack = [formula]
@@ -80,18 +80,18 @@ def spelled_out(
 
 
 class _Shape(msgspec.Struct, frozen=True):
-    """How the arguments of a query are known: one function serves all uses of it."""
+    """The known arguments of a query: all uses of a shape share one function."""
 
     name: str
-    #: What stands for each argument within the function.
+    #: The terms for the arguments within the function.
     args: tuple[nodes.Term, ...]
-    #: The variables that have or may have a value, which the function is handed.
+    #: The passed variables: those with a value, and those that may have a value.
     handed: tuple[str, ...]
-    #: Those of them that may have none.
+    #: The passed variables that may have no value.
     maybe: tuple[str, ...]
-    #: Those of them that have a value by the text [L 2.71].
+    #: The passed variables that have a value by the text [L 2.71].
     given: tuple[str, ...]
-    #: How many searching parts stand before it, up to those that are free.
+    #: The number of searching parts before the call, at most the number of free parts.
     outer: int
 
 
@@ -99,18 +99,18 @@ class _Made(msgspec.Struct, frozen=True):
     """A function that yields the solutions of a query."""
 
     call: str
-    #: The variables it yields values of, and whether each surely has one.
+    #: The variables whose values it yields, and whether each is certainly bound.
     exports: tuple[tuple[str, bool], ...]
-    #: The variables that have a value behind it, by the text.
+    #: The variables that have a value after the call, by the text.
     given: frozenset[str]
-    #: How many searching parts it has.
+    #: The number of its searching parts.
     searches: int
 
 
 def _call(
     fn: FunctionWriter, use: nodes.Proposition, query: Signature, write: Write
 ) -> None:
-    """Loop over what the function of a query yields."""
+    """Write a loop over the results of the function of a query."""
     inner: dict[str, str] = {}
     handed: dict[str, str] = {}
     args: list[nodes.Term] = []
@@ -150,19 +150,19 @@ def _call(
 
 
 def _shown(variable: str, number: int) -> str:
-    """Return a name that is nobody else's, told as `variable` where it has no value."""
+    """Return a unique name, shown as `variable` if it has no value."""
     return f"{variable.partition(' ')[0]}  {number}"
 
 
 def _target(fn: FunctionWriter, variable: str) -> str:
-    """Return the local that takes a value; a new one if there may be one before."""
+    """Return the local that receives a value; a new local if it may be bound."""
     return fn.rename(variable) if variable in fn.maybe else fn.local(variable)
 
 
 def _made(
     fn: FunctionWriter, shape: _Shape, query: Signature, free: list[str], write: Write
 ) -> _Made:
-    """Return the function for a shape, written when the shape is first met."""
+    """Return the function for a shape, written at the first use of the shape."""
     made: _Made | None = fn.code.shared.get(shape)
     if made is not None:
         return made
@@ -186,7 +186,7 @@ def _made(
 
 
 def _place(fn: FunctionWriter, query: Signature) -> str:
-    """Return the expression for the clause's name, with that of the query before."""
+    """Return the expression for the clause's name, after the name of its query."""
     before, fn.within = fn.within, f"`{query.name}` in {fn.within}"
     place = fn.where
     fn.within = before
@@ -198,9 +198,10 @@ def _parameters(query: Signature) -> list[str]:
 
 
 def _put_in(use: nodes.Proposition, query: Signature, mark: str) -> nodes.Formula:
-    """Return the formula of a query with terms put in and its own variables marked.
+    """Return the formula of a query with terms inserted and variables renamed.
 
-    No variable of a program has a name with a space in it, as the marked ones have.
+    No variable of a program has a name with a space, so the renamed variables are
+    unique.
     """
     assert query.formula is not None
     put: dict[str, nodes.Term] = {}
@@ -213,7 +214,7 @@ def _put_in(use: nodes.Proposition, query: Signature, mark: str) -> nodes.Formul
 
 
 def _fits(fn: FunctionWriter, query: Signature) -> bool:
-    """Whether a query is written where it is used: short, with few loops in all."""
+    """Return whether a query is written in place: short, with few loops in all."""
     if _size(query.name, fn.code.signatures, ()) > MOST_INLINE:
         return False
     loops = fn.loops
@@ -231,7 +232,7 @@ def _fits(fn: FunctionWriter, query: Signature) -> bool:
 
 
 def _size(name: str, signatures: Signatures, above: tuple[str, ...]) -> int:
-    """Return how many parts the formula of a query comes to, or a number too many."""
+    """Return the number of parts of the formula of a query, or a number too large."""
     formula = signatures.predicates[name].formula
     if formula is None or name in above:
         return MOST_INLINE + 1

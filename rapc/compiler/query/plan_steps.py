@@ -1,7 +1,7 @@
-"""What a compiled query does, step by step, told to a person.
+"""Steps of a compiled query, for explanations.
 
-The writers of generated code note each step as they write it, so what is told is what
-is done; `rapc.compiler.explain` puts it in words.
+The writers of generated code record each step while they write it, so the explanation
+equals the execution; `rapc.compiler.explain` formats the steps.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from rapc.ir import nodes
 
 
 class AccessPath(Enum):
-    """How a part of a formula is worked off."""
+    """The access path of a part of a formula."""
 
     MEMBER = "look whether it is in memory"
     VALUE = "look up the value"
@@ -32,12 +32,12 @@ class AccessPath(Enum):
 
 
 class PlanStep(msgspec.Struct, frozen=True):
-    """One part of a formula, and how it is worked off.
+    """One part of a formula, and its access path.
 
-    `depth` counts the `or` and `not` it stands in. `by` are the places of the
-    arguments that facts are looked up by, from 1; `tested` those of arguments that
-    are known and compared; `binds` the variables that have a value after it.
-    `default` is what a property has without a fact, None where none may answer.
+    `depth` is the number of `or` and `not` around it. `by` are the places of the
+    arguments that select facts, from 1; `tested` the places of known arguments that are
+    compared; `binds` the variables that have a value after it. `default` is the default
+    of a property, None if no default may apply.
     """
 
     formula: nodes.Formula
@@ -50,7 +50,7 @@ class PlanStep(msgspec.Struct, frozen=True):
 
     @property
     def most(self) -> int | None:
-        """Return how many facts are looked at: 0, 1, or None where memory decides."""
+        """Return the highest number of facts read: 0, 1, or None if it is open."""
         return _MOST.get(self.way)
 
 

@@ -1,17 +1,17 @@
-"""Compiled queries: how a formula becomes a Python function that asks a memory.
+"""Compiled queries: formulas as Python functions that query a memory.
 
-Four ideas. A `Query` is a formula of a clause. A `Variant` is that formula compiled for
-the variables that have a value beforehand and for what is wanted of the answer (its
-result mode: the first solution, all of them, or whether there is one). A `BoundQuery`
-is a query that has met one memory. A `CodeWriter` writes the text of a variant.
+The module has four classes. A `Query` is a formula of a clause. A `Variant` is that
+formula compiled for a set of bound variables and a result mode (the first solution, all
+solutions, or whether there is a solution). A `BoundQuery` is a query bound to one
+memory. A `CodeWriter` writes the text of a variant.
 
-Formulas are compiled because they are asked at every choice and every change: what is
-left to do then are a few look-ups, and no walk over a tree. Variants differ since the
-same formula is another question where more is known: `(q ?place ?item)` is a look into
-memory if both have values, and a loop if one of them has none. They are made when they
-are first asked for; after that nothing reads the IR.
+Formulas are compiled because the interpreter evaluates them at every choice and every
+change: an evaluation consists of a few look-ups, without a walk over a tree. Variants
+differ because the best access path depends on the known values: `(q ?place ?item)` is a
+membership test if both variables have values, and a loop if one variable has none. A
+variant is compiled at its first use; after that no code reads the IR.
 
-An example. The first solution of
+For example, the first solution of
 
     (and (q ?place ?item) (color ?item red) (not (heavy ?item true)))
 
@@ -39,35 +39,35 @@ where `?place` has a value is found by this text, which `CodeWriter.source` retu
             return None
         return query
 
-`make` is called once for each memory that the query is bound to, `query` for each
-question. Constants (`k`) are handed in, so that no text of a program is part of the
-code, and formulas of one shape share it: here `k2` is `?place`, `k3` the name `q` and
-`k4` the value `red`. What memory is asked by is looked up before (`m`): the facts of
-`q` by their first argument, the facts of `color` and of `heavy`. Then:
+`make` is called once for each memory that the query is bound to, `query` once for each
+evaluation. Constants (`k`) are arguments, so that no text of a program is part of the
+code, and formulas of equal shape share the code: here `k2` is `?place`, `k3` the name
+`q` and `k4` the value `red`. The indexes of memory are looked up beforehand (`m`): the
+facts of `q` by their first argument, the facts of `color` and of `heavy`. Then:
 
-- `and` is one part after the other, each inside the loops of those before it. So the
-  solutions come in the order that the language promises [L 2]: that of the text, and
-  within a part that of the facts' last assertion.
-- `(q ?place ?item)`: the first argument is known, so the index by it gives the facts
-  (`f1`) to run through; `?item` (`v1`) is bound to the second argument of each.
-- `(color ?item red)`: all is known, and `red` is not the default of `color`: the fact
-  is in memory, or the candidate is given up (`continue`: try the next fact).
-- `not` is a function of its own (`no6`) that stops at its first solution. So are the
-  branches of an `or`, and what is nested deeper than CPython allows loops to be.
-- The end of the text is a solution, and what the mode makes of it: `FIRST` returns
+- `and` is a sequence of parts, each inside the loops of the preceding parts. So the
+  solutions come in the order that the language promises [L 2]: the order of the text,
+  and within a part the order of the facts' last assertion.
+- `(q ?place ?item)`: the first argument is known, so the index by it returns the facts
+  (`f1`) of the loop; `?item` (`v1`) is bound to the second argument of each fact.
+- `(color ?item red)`: all arguments are known, and `red` is not the default of `color`:
+  the fact is in memory, or the candidate is rejected (`continue`: try the next fact).
+- `not` is a separate function (`no6`) that stops at its first solution. The branches of
+  an `or`, and parts nested deeper than CPython permits, are separate functions, too.
+- The end of the text is a solution, and the mode determines the result: `FIRST` returns
   the new bindings.
 
-A variable that only some branch of an `or` binds may or may not have a value after it.
-What uses the variable then is a query of its own, compiled for what turns out
-(`Query.extended`), since writing all cases out would take two to the number of such
-variables.
+A variable that only some branches of an `or` bind may or may not have a value after the
+`or`. The part that uses the variable then is a separate query, compiled for the
+bindings at run time (`Query.extended`), because code for all cases would grow by two to
+the number of these variables.
 
-A conjunction is a search, and may look at every combination of facts. So behind the
-loop of each part with two searching parts before it a step back is counted, and a
-question that takes too many is given up (`TooManySteps`). Which parts search is said
-by the text [L 2.71]: loops that only the way of writing code needs do not count.
+A conjunction is a search, and may visit every combination of facts. So the code counts
+a step back after the loop of each part with two searching parts before it, and aborts a
+query with too many steps back (`TooManySteps`). The text determines which parts search
+[L 2.71]: loops that only the generated code needs do not count.
 
-What is written is also noted, step by step (`plan_steps`), for `rapc explain`.
+The writer also records the steps (`plan_steps`), for `rapc explain`.
 
 Not here: the writers of formulas (`formulas`), facts (`facts`) and terms (`term_code`);
 terms outside of formulas (`term_value`).
@@ -101,27 +101,27 @@ class QueryingContext(QuestionContext, Protocol):
 
     @property
     def bound(self) -> BoundQueries:
-        """The queries already bound to this context."""
+        """Return the queries already bound to this context."""
 
 
 class QueryPrefix(NamedTuple):
-    """A conjunct of a query, with what it takes to tell that it fails."""
+    """A conjunct of a query, with a query that tests whether it fails."""
 
     part: nodes.Formula
-    #: The query of all conjuncts up to it.
+    #: The query of all conjuncts up to this conjunct.
     up_to_it: Query
     #: The conjunct as RAP text.
     text: str
 
 
 class Query:
-    """A formula ready to be asked.
+    """A formula ready for evaluation.
 
     Args:
-        formula: what is asked.
-        signatures: the declarations that say what its names mean.
-        where: the clause's name for faults, with its place in the source.
-        is_whole: whether it is no part of another question, within whose bound it is.
+        formula: the formula.
+        signatures: the declarations of its names.
+        where: the clause's name for faults, with its position in the source.
+        is_whole: whether it is not part of another query, whose limit applies.
     """
 
     def __init__(
@@ -141,7 +141,7 @@ class Query:
         self._variants: dict[tuple[tuple[str, ...], ResultMode, bool], Variant] = {}
 
     def bind(self, ctx: QueryingContext) -> BoundQuery:
-        """Return the query bound to one memory, to be asked again and again."""
+        """Return the query bound to one memory, for repeated evaluation."""
         return ctx.bound[self]
 
     def first(self, ctx: QueryingContext, env: Bindings) -> dict[str, Value] | None:
@@ -149,13 +149,13 @@ class Query:
         return ctx.bound[self].first(env)
 
     def holds(self, ctx: QueryingContext, env: Bindings) -> bool:
-        """Whether there is a solution."""
+        """Return whether there is a solution."""
         return ctx.bound[self].holds(env)
 
     def solutions(
         self, ctx: QueryingContext, env: Bindings
     ) -> Iterator[dict[str, Value]]:
-        """Iterate over the new bindings of each solution, found one at a time."""
+        """Iterate over the new bindings of each solution, computed on demand."""
         return ctx.bound[self].solutions(env)
 
     def extended(
@@ -164,10 +164,10 @@ class Query:
         """Iterate over the values of all variables for each solution.
 
         Args:
-            ctx: what is asked.
+            ctx: the context of the evaluation.
             where: the clause's name for faults.
-            values: those known so far, in the order of `variables`, UNBOUND where one
-                is not known.
+            values: the known values, in the order of `variables`, UNBOUND for an
+                unknown value.
         """
         pairs = zip(self.variables, values, strict=True)
         env = {name: value for name, value in pairs if value is not builtin.UNBOUND}
@@ -197,9 +197,9 @@ class Query:
     def variant(
         self, inputs: tuple[str, ...], mode: ResultMode, by_place: bool = False
     ) -> Variant:
-        """Return the formula compiled for some bound variables, all of them its own.
+        """Return the formula compiled for some bound variables, all from the formula.
 
-        Its function takes an environment, or with `by_place` the values one by one.
+        Its function takes an environment, or with `by_place` the values as arguments.
         """
         key = (inputs, mode, by_place)
         variant = self._variants.get(key)
@@ -209,17 +209,17 @@ class Query:
         return variant
 
     def steps(self, inputs: tuple[str, ...]) -> tuple[PlanStep, ...]:
-        """Return what is done, step by step, where these variables are bound."""
+        """Return the steps of the evaluation if these variables are bound."""
         return tuple(self._write(inputs, ResultMode.FIRST, False)[0].steps)
 
     def outputs(self, inputs: tuple[str, ...]) -> tuple[str, ...]:
-        """Return the variables that a solution may bind where these are bound."""
+        """Return the variables that a solution may bind if these are bound."""
         return self.variant(inputs, ResultMode.FIRST).outputs
 
     def _write(
         self, inputs: tuple[str, ...], mode: ResultMode, by_place: bool
     ) -> tuple[CodeWriter, tuple[str, ...]]:
-        """Write the code for some bound variables; return it with those it binds."""
+        """Write the code for some bound variables; return it with its outputs."""
         code = CodeWriter(self._signatures, self.where, self._later)
         fn = FunctionWriter(code, "query", inputs, mode)
         fn.is_whole = self._is_whole
@@ -239,7 +239,7 @@ class Query:
         return Query(part, self._signatures, self.where, is_whole=False)
 
     def _within(self, where: str) -> Query:
-        """Return the query as a part of another one, with another name for faults."""
+        """Return the query as a part of another query, with its name for faults."""
         if where == self.where:
             return self
         if where not in self._elsewhere:
@@ -249,16 +249,17 @@ class Query:
 
 
 def _head_by_place(fn: FunctionWriter) -> list[str]:
-    """The head of a function that is given the values of its variables by place.
+    """Return the first lines of a function with the variables as parameters.
 
-    Names that items have lost since are first replaced, by who sees to them.
+    Names that items have lost meanwhile are first replaced, by the aliases of the
+    memory.
     """
     names = ", ".join(fn.local(name) for name in fn.parameters)
     return [f"def query({names}):", f"    if aliases: return aliased({names})"]
 
 
 def _head_by_name(fn: FunctionWriter) -> list[str]:
-    """The head of a function that takes what it needs from an environment."""
+    """Return the first lines of a function that reads variables from an environment."""
     return [
         "def query(env):",
         *(
@@ -269,7 +270,7 @@ def _head_by_name(fn: FunctionWriter) -> list[str]:
 
 
 def _answer(fn: FunctionWriter, outputs: Sequence[str]) -> str:
-    """The expression for the new bindings, without variables that have none."""
+    """Return the expression for the new bindings, without unbound variables."""
     pairs = [(fn.code.constant(name), fn.local(name)) for name in outputs]
     if not fn.maybe.isdisjoint(outputs):
         listed = "".join(f"({key}, {value}), " for key, value in pairs)
@@ -287,7 +288,7 @@ class Variant:
     ) -> None:
         #: The generated text.
         self.source = code.source()
-        #: What the text is handed.
+        #: The constants that the text uses.
         self.constants = tuple(code.constants)
         #: The bound variables, all of which the formula uses.
         self.inputs = inputs
@@ -300,9 +301,9 @@ class Variant:
         aliases: Mapping[str, str] | None = None,
         aliased: Callable[..., Any] | None = None,
     ) -> Callable[..., Any]:
-        """Return the function that asks one memory.
+        """Return the function that evaluates the query on one memory.
 
-        While `aliases` holds anything, `aliased` is called in its place.
+        While `aliases` is not empty, `aliased` is called instead.
         """
         return compile_source(self.source)(ctx, self.constants, aliases, aliased)
 
@@ -311,7 +312,7 @@ Ask = Callable[[Bindings], Any]
 
 
 class BoundQuery:
-    """A query bound to one memory: its functions take the environment alone."""
+    """A query bound to one memory: its functions take only the environment."""
 
     __slots__ = ("first", "holds", "solutions")
 
@@ -327,7 +328,7 @@ class BoundQuery:
             _Variants(query, ctx, ResultMode.ANY), names
         )
         each: Ask = select(_Variants(query, ctx, ResultMode.EACH), names)
-        #: Iterates over the new bindings of each solution, found one at a time.
+        #: Iterates over the new bindings of each solution, computed on demand.
         self.solutions: Callable[[Bindings], Iterator[dict[str, Value]]] = each
 
 
@@ -365,11 +366,11 @@ class _Variants(dict[int, Ask]):
 
 @lru_cache(maxsize=64)
 def _variant_selector(count: int) -> Callable[[_Variants, Sequence[str]], Ask]:
-    """Return what makes the function that picks a variant of `count` variables.
+    """Return a factory of the function that selects a variant of `count` variables.
 
-    The function computes a number with a bit for each variable that is in the
-    environment, and looks the variant up by it. It is asked at every question, so it
-    is one generated expression, made of the count alone.
+    The function computes a number with a bit for each variable in the environment, and
+    looks up the variant by this number. The function runs at every evaluation, so it is
+    one generated expression, which depends only on the count.
     """
     names = "".join(f"n{at}, " for at in range(count))
     bits = " | ".join(f"(n{at} in env) << {at}" for at in range(count))

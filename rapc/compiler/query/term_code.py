@@ -1,7 +1,7 @@
-"""Terms to generated Python: known values, computed ones, and matching.
+"""Terms to generated Python: known values, computed values, and matching.
 
 `formulas` and `facts` write terms through these functions. A value that is missing or
-of the wrong kind is traced as a fault and gives up the candidate [L 2].
+of the wrong kind is traced as a fault and rejects the candidate [L 2].
 """
 
 from __future__ import annotations
@@ -14,15 +14,15 @@ from rapc.ir import nodes
 
 
 def fault(fn: FunctionWriter, what: str) -> None:
-    """Trace a fault and give up; `what` is an expression or a constant's name."""
+    """Write the trace of a fault; `what` is an expression or a constant's name."""
     fn.line(f"ctx.fault({fn.where}, {what})")
     fn.line(fn.skip)
 
 
 def known_value(fn: FunctionWriter, term: nodes.Term) -> str | None:
-    """An expression for a term's value, or None for a variable that is not bound.
+    """Return an expression for a term's value, or None for an unbound variable.
 
-    A computed term is computed here, and a fault in it gives up the candidate.
+    A computed term is computed here, and a fault in it rejects the candidate.
     """
     if isinstance(term, nodes.Const):
         return fn.code.constant(term.value)
@@ -34,9 +34,9 @@ def known_value(fn: FunctionWriter, term: nodes.Term) -> str | None:
 
 
 def bound_value(fn: FunctionWriter, term: nodes.Term) -> str | None:
-    """Return what `known_value` returns; an unbound variable is traced as a fault.
+    """Return the result of `known_value`; trace an unbound variable as a fault.
 
-    Returns None when the code to give up has been written: nothing may follow.
+    Return None after the code for the rejection: no code may follow.
     """
     known = known_value(fn, term)
     if known is not None:
@@ -49,7 +49,7 @@ def bound_value(fn: FunctionWriter, term: nodes.Term) -> str | None:
 
 
 def argument_code(fn: FunctionWriter, args: Sequence[nodes.Term]) -> list[str] | None:
-    """Expressions for terms that must be bound; None as `bound_value`."""
+    """Return expressions for terms that must be bound; None as `bound_value`."""
     found = []
     for arg in args:
         known = bound_value(fn, arg)
@@ -73,10 +73,10 @@ def _computed(fn: FunctionWriter, term: nodes.Call) -> str:
 def registered(
     fn: FunctionWriter, name: str, listed: str, form: str = "as_value({})"
 ) -> str:
-    """Return what `attempt` returns for a registered function, put into a form.
+    """Return the result of `attempt` for a registered function.
 
-    An exception that it raises is the host's: it goes on, and says which clause it
-    was that asked.
+    An exception of the function belongs to the host: it propagates, with the name of
+    the clause.
     """
     called = f"ctx.functions[{fn.code.constant(name)}](ctx.view, {listed})"
     result = attempt(fn, form.format(called))
@@ -87,7 +87,7 @@ def registered(
 
 
 def attempt(fn: FunctionWriter, expression: str) -> str:
-    """Return a new local for the value of an expression; a fault in it gives up."""
+    """Return a new local for the value of an expression; a fault in it rejects."""
     result = fn.code.fresh("t")
     fn.line("try:")
     fn.line(f"    {result} = {expression}")
@@ -98,7 +98,7 @@ def attempt(fn: FunctionWriter, expression: str) -> str:
 
 
 def match(fn: FunctionWriter, term: nodes.Term, value: str) -> None:
-    """Match a term with a value that is there: test it or bind a variable."""
+    """Match a term with a known value: write a test or bind a variable."""
     known = known_value(fn, term)
     if known is not None:
         fn.skip_if(f"{known} != {value}")

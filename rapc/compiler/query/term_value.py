@@ -1,6 +1,7 @@
 """Terms computed in an environment: arguments, amounts, times.
 
-Those within formulas are compiled with them, in `rapc.compiler.query.term_code`.
+Terms within formulas are compiled with the formulas, in
+`rapc.compiler.query.term_code`.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from rapc.ir import nodes
 
 
 class TermValue:
-    """A term ready to be computed in an environment; `name` if it is a variable."""
+    """A term for evaluation in an environment; `name` if it is a variable."""
 
     __slots__ = ("_known", "name", "term", "where")
 
@@ -23,7 +24,7 @@ class TermValue:
         self._known = term.value if isinstance(term, nodes.Const) else None
 
     def value(self, ctx: QuestionContext, env: Bindings) -> Value | None:
-        """The value, or None while a variable is unbound or of the wrong kind."""
+        """Return the value, or None if a variable is unbound or of the wrong kind."""
         if self.name is not None:
             return env.get(self.name)
         if self._known is not None:
@@ -34,7 +35,7 @@ class TermValue:
             return None
 
     def needed(self, ctx: QuestionContext, env: Bindings) -> Value | None:
-        """Return what `value` returns; trace what is unbound or of the wrong kind."""
+        """Return the result of `value`; trace an unbound or ill-typed value."""
         if self._known is not None:
             return self._known
         try:
@@ -48,13 +49,13 @@ class TermValue:
             return _computed(self.term, ctx, env)
         except builtin.QueryFault:
             raise
-        except Exception as error:  # of a registered function: say who asked it
+        except Exception as error:  # of a registered function: add the clause
             error.add_note(self.where)
             raise
 
 
 def _computed(term: nodes.Term, ctx: QuestionContext, env: Bindings) -> Value:
-    """Return the value of a term; raises QueryFault where it has none."""
+    """Return the value of a term; raise QueryFault if there is none."""
     if isinstance(term, nodes.Const):
         return term.value
     if isinstance(term, nodes.Var):
