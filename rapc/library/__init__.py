@@ -1,1 +1,1 @@
-"""From files to a library."""
+"""Loading and linking of RAP files into a library."""

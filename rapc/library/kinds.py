@@ -1,11 +1,11 @@
-"""Kinds of values: which values a declared argument may have.
+"""Kinds of values, which restrict the values of declared arguments.
 
-`number`, `text`, `item` (any name) and `symbol` are known; others are declared, open to
-any symbol or closed to the values listed. The values of a kind that `:is` another are
-of that other too. `unknown` is of every kind.
+The kinds `number`, `text`, `item` (any name) and `symbol` are built in. A declared kind
+is open to any symbol or closed to the listed values. If a kind `:is` a parent kind, its
+values are also of the parent kind. `unknown` is of every kind.
 
-Kinds are held wherever a fact or a goal comes in from outside; what a library itself
-puts together is looked at by the checker alone.
+The kinds of facts and goals from outside the library are validated at run time. Inside
+a library only the checker validates kinds.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ T = TypeVar("T")
 
 
 Test = Callable[[object], bool]
-"""Tells whether a value is of one kind."""
+"""A predicate: whether a value is of a kind."""
 
 UNKNOWN = "unknown"
-"""The value that is of every kind."""
+"""The value of every kind."""
 
 
 def _is_name(value: object) -> bool:
@@ -42,11 +42,11 @@ _KNOWN: Mapping[str, Test] = {
 }
 
 KNOWN_KINDS = tuple(_KNOWN)
-"""Kinds that need no declaration: `item` is any name."""
+"""The built-in kinds."""
 
 
 class Kinds:
-    """The kinds that a library declares, and those that are known.
+    """The declared kinds of a library and the built-in kinds.
 
     Args:
         declared: the declarations by name.
@@ -61,7 +61,7 @@ class Kinds:
                 self._below.setdefault(form.above, []).append(form.name)
 
     def __contains__(self, name: object) -> bool:
-        """Whether a kind is declared or known."""
+        """Return whether a kind is declared or built in."""
         return name in _KNOWN or name in self._declared
 
     def __iter__(self) -> Iterator[str]:
@@ -69,13 +69,13 @@ class Kinds:
         return iter([*_KNOWN, *self._declared])
 
     def holds(self, kind: str, value: object) -> bool:
-        """Whether a value is of a kind; one that nobody declares has all values."""
+        """Return whether a value is of a kind; an undeclared kind has all values."""
         return self.test(kind)(value)
 
     def test(self, kind: str) -> Test:
-        """Return what tells whether a value is of a kind, as `holds` does.
+        """Return the predicate of a kind; see `holds`.
 
-        It is made once: worlds tell of things, and handlers assert them, all the time.
+        The predicate is cached, because it tests each datum and each asserted fact.
         """
         found = self._tests.get(kind)
         if found is None:
@@ -92,9 +92,10 @@ class Kinds:
         return root if root is _is_name else lambda v: v == UNKNOWN or root(v)
 
     def values(self, kind: str) -> Sequence[Atom] | None:
-        """Return the values of a closed kind; None for others.
+        """Return the values of a closed kind; None for an open kind.
 
-        The values of kinds below are among them; one that is open opens it.
+        The values of descendant kinds are included. A kind with an open descendant is
+        open.
         """
         found: list[Atom] = []
         for name in self._with_those_below(kind):
@@ -105,9 +106,9 @@ class Kinds:
         return list(dict.fromkeys(found))
 
     def above(self, kind: str) -> Sequence[str]:
-        """Return the kinds that all values of a kind are of too, nearest first.
+        """Return the ancestors of a kind, parent first.
 
-        In a circle each stands once, the kind itself last.
+        In a cycle each kind is returned once, the kind itself last.
         """
         found: dict[str, None] = {}
         declared = self._declared.get(kind)
@@ -119,7 +120,7 @@ class Kinds:
         return list(found)
 
     def apart(self, one: str, other: str) -> bool:
-        """Whether two kinds were meant for different values, so that none is both."""
+        """Return whether two kinds have no common value except `unknown`."""
         if one not in self or other not in self:
             return False
         named = ({one, *self.above(one)}, {other, *self.above(other)})
@@ -151,14 +152,14 @@ class Kinds:
 def misfits(
     kinds: Kinds, args: Sequence[nodes.Argument], values: Sequence[T]
 ) -> Iterator[tuple[nodes.Argument, T]]:
-    """Yield the arguments with a kind whose value is not of it, with the value."""
+    """Yield each argument whose value is not of its declared kind, with the value."""
     for arg, value in zip(args, values, strict=False):
         if arg.kind is not None and not kinds.holds(arg.kind, value):
             yield arg, value
 
 
 def said_of(arg: nodes.Argument, value: Atom) -> str:
-    """Say of a value that it is not of the kind of an argument."""
+    """Return the message for a value that is not of the kind of an argument."""
     assert arg.kind is not None
     named = f"`{format_atom(value)}` is no {arg.kind}"
     return f"{named}, which `{arg.variable.name}` was declared"

@@ -1,4 +1,4 @@
-"""Mappings whose values are made when they are first asked for."""
+"""Mappings with values computed at the first access."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ V = TypeVar("V")
 
 
 class Lazy(Mapping[str, V]):
-    """Values by names that are known, each made once.
+    """A mapping with fixed names and lazy values, each computed once.
 
     Args:
         names: the names.
-        make: what makes the value of a name.
+        make: returns the value of a name.
     """
 
     def __init__(self, names: Collection[str], make: Callable[[str], V]) -> None:

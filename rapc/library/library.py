@@ -1,8 +1,8 @@
-"""A linked library: every definition of a set of files under its name, immutable.
+"""The linked library: all definitions of a set of files by name, immutable.
 
-Linking collects names and reports those defined twice and those the language keeps
-for itself. What a reference means, and whether it means anything, is for
-`rapc.analysis` to say; finding and reading the files is for `rapc.library.loader`.
+Linking collects the definitions and reports duplicate and reserved names.
+Not here: the check of references (`rapc.analysis`), and reading files
+(`rapc.library.loader`).
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from rapc.library.kinds import KNOWN_KINDS
 from rapc.parser.unit import SourceUnit
 
 BUILTIN_NAMES = frozenset((*ALONE, *QUERIES, *CALLS))
-"""What formulas and terms may begin with that no library can declare [L 2.69]."""
+"""The reserved first words of formulas and terms [L 2.69]."""
 
 DUPLICATE = Rule(
     code="RAP060",
@@ -59,22 +59,22 @@ asked for. So do the kinds `number`, `text`, `item` and `symbol`.""",
 )
 
 _RESERVED = {"predicate": BUILTIN_NAMES, "kind": frozenset(KNOWN_KINDS)}
-"""The names of the language, by the space that they are taken from."""
+"""The reserved names, by name space."""
 
 RULES = (DUPLICATE, BUILTIN)
-"""The rules that linking can break."""
+"""The rules that linking reports."""
 
 
 Named = nodes.TopForm | DefineTest
-"""What may have a name in a library."""
+"""The forms that may have a name in a library."""
 
 
 class Library(msgspec.Struct, frozen=True):
-    """All definitions by name, in the order of the text; nothing changes afterwards.
+    """All definitions by name, in the order of the text, immutable.
 
-    `files` holds every file read, by the name that spans carry; `forms` every
-    top-level form, also one whose name was taken before; `tests` the tests in them.
-    A library that was compiled to a file and read from it has `forms` no more.
+    `files` has every file read, by its name in spans. `forms` has every top-level form,
+    also forms with duplicate names, and is empty in a library read from a compiled
+    file. `tests` has the tests of all files.
     """
 
     raps: Mapping[str, nodes.DefineRap]
@@ -111,7 +111,7 @@ KINDS: Mapping[type[nodes.Node], tuple[str, str, str]] = {
     nodes.DefineAgenda: ("agendas", "agenda", "agenda"),
     nodes.DeclareIndistinctClass: ("indistinct", "class", "indistinct class"),
 }
-"""For each kind of definition: its field, the space its names share, its word."""
+"""For each kind of definition: its field, its name space, its word in messages."""
 
 SEQUENCES: Mapping[type[nodes.Node], str] = {
     nodes.DeclareComparator: "comparators",
@@ -121,10 +121,10 @@ SEQUENCES: Mapping[type[nodes.Node], str] = {
 
 
 def link(units: Sequence[SourceUnit]) -> tuple[Library, tuple[Diagnostic, ...]]:
-    """Link parsed files into one library; of two definitions the first one stays.
+    """Link parsed files into a library; of duplicate definitions the first stays.
 
-    Returns the library and what is wrong with its names. What the parser found is
-    not repeated.
+    Returns the library and the findings about its names, without the findings of the
+    parser.
     """
     files = {unit.file.name: unit.file for unit in units}
     forms = tuple(form for unit in units for form in unit.forms)
@@ -151,9 +151,9 @@ def link(units: Sequence[SourceUnit]) -> tuple[Library, tuple[Diagnostic, ...]]:
 
 
 def digest(library: Library) -> str:
-    """Return what tells a library from others: a digest of its texts, in order.
+    """Return a digest of the texts of a library, in order.
 
-    It is the same wherever the sources lie.
+    The digest does not depend on the paths of the sources.
     """
     found = hashlib.sha256()
     for source in library.files.values():
@@ -165,19 +165,19 @@ def digest(library: Library) -> str:
 
 
 def name_span(files: Mapping[str, SourceFile], form: Named) -> Span:
-    """Return where a definition states its name; the whole form if that is unknown."""
+    """Return the span of the name in a definition; if unknown, of the whole form."""
     found: Span | None = getattr(form, "name_span", None)
     return found or word_span(files, form.span, 1)
 
 
 def word_span(files: Mapping[str, SourceFile], span: Span, position: int) -> Span:
-    """Return where a list states one of its first words, its head being word 0."""
+    """Return the span of a word at the front of a list; its head is word 0."""
     source = files.get(span.file)
     return span if source is None else source.word(span, position)
 
 
 def _key(form: Named) -> tuple[str, ...] | None:
-    """Return what no other form may share with a form; None if all may."""
+    """Return the key that makes a form unique; None if duplicates are allowed."""
     if isinstance(form, nodes.DeclareComparator):
         return ("comparator", form.class_name, form.place or "")
     if isinstance(form, DefineTest):

@@ -1,13 +1,12 @@
-"""Find and read RAP files, follow `require`, and link what was read.
+"""Loading of RAP files: find and read files, follow `require`, and link the units.
 
-A `require` means a file or folder beside its own, or a standard library. A test runs
-its file, what that requires, and what the test itself requires; what other tests
-require is left out, so two tests of one file may run libraries that could not be linked
-into one.
+A `require` means a file or folder beside the requiring file, or a standard library. The
+library of a test has the test's file, the files that it requires, and the files that
+the test itself requires. Files that only other tests require are left out: two tests of
+a file may run libraries that could not be linked into one.
 
-What cannot be read at all is a `LoadError` (`rapc.base.files`), one line for the user;
-everything else that is wrong is a diagnostic, and what could be made of the rest is
-there as well.
+A path that cannot be read raises `LoadError` (`rapc.base.files`), one line for the
+user. All other faults are findings, and the result has the valid rest.
 """
 
 from __future__ import annotations
@@ -44,29 +43,26 @@ from rapc.parser.parse import parse
 from rapc.parser.unit import SourceUnit
 
 Parse = Callable[[SourceFile], SourceUnit]
-"""What makes a unit of a file: `rapc.parser.parse.parse`, or what remembers units."""
+"""A parser of files: `rapc.parser.parse.parse`, or a cache such as `Units`."""
 
 Names = dict[Identity, str]
-"""The name of each file, under which it was read first.
+"""The name of each file at its first read.
 
-Loads that share one give a file the same name, whatever path leads to it.
+Loads that share the mapping use the same name for a file, for each path to the file.
 """
 
 STANDARD_INPUT = "<stdin>"
-"""What spans call the text on standard input."""
+"""The name in spans of the text on standard input."""
 
 
 class Units:
-    """Reads files, and remembers what it made of them as long as they stay the same.
-
-    For `load` and its like, as their `parser`.
-    """
+    """A `parser` for `load` and similar functions that caches the units of files."""
 
     def __init__(self) -> None:
         self._made: dict[str, SourceUnit] = {}
 
     def __call__(self, source: SourceFile) -> SourceUnit:
-        """Return the unit of a file; it is parsed unless its text is as before."""
+        """Return the unit of a file, from the cache if its text is unchanged."""
         made = self._made.get(source.name)
         if made is None or made.file.text != source.text:
             made = self._made[source.name] = parse(source)
@@ -74,7 +70,7 @@ class Units:
 
 
 _LONG = 60
-"""How much of a required name is repeated in messages."""
+"""The number of characters of a required name that messages repeat."""
 
 UNRESOLVED = Rule(
     code="RAP062",
@@ -93,7 +89,7 @@ is missing, so most of what uses it would be reported as unknown too.""",
 )
 
 RULES = (UNRESOLVED,)
-"""The rules that loading can break."""
+"""The rules that loading reports."""
 
 
 class Loaded(msgspec.Struct, frozen=True):
@@ -103,14 +99,14 @@ class Loaded(msgspec.Struct, frozen=True):
     library: Library
     #: The files, each after those that it requires.
     units: tuple[SourceUnit, ...]
-    #: What the reader, the forms, `require` and linking found.
+    #: The findings of the reader, the forms, `require` and linking.
     diagnostics: tuple[Diagnostic, ...]
-    #: The files that files require themselves, by their names.
+    #: The directly required files of each file, by name.
     required: Mapping[str, tuple[str, ...]] = {}
 
     @property
     def files(self) -> Mapping[str, SourceFile]:
-        """Every file read, by the name that spans carry, first read first."""
+        """Every file read, by its name in spans, first read first."""
         return self.library.files
 
 
@@ -123,20 +119,20 @@ def load(
     parser: Parse = parse,
     names: Names | None = None,
 ) -> Loaded:
-    """Read files and folders, all they require, and link them into one library.
+    """Read files and folders with all required files, and link them into a library.
 
     Args:
         paths: files, folders (all `.rap` files below, sorted) or `-` for standard
             input. Folders whose name begins with a dot are left out below a folder.
         tests: whether `*.test.rap` files found in folders are read as well.
-        texts: what stands for the texts of some files, by the names they would get; a
-            path among them need not exist.
-        parser: what makes units of files.
-        names: the names of files that are read more than once.
+        texts: replacements for the texts of some files, by file name; a file among
+            them need not exist.
+        parser: the parser of files.
+        names: the names of files, shared by several loads.
 
     Raises:
         LoadError: for a path that is missing, unreadable, not UTF-8 or not text, and
-            for folders that lead back into themselves.
+            for folders with a link to a folder above.
     """
     typed = list(dict.fromkeys(map(str, paths)))
     given = [Path(n) for n in typed if n != "-" and not n.startswith(STANDARD)]
@@ -159,10 +155,10 @@ def load_for_test(
     parser: Parse = parse,
     names: Names | None = None,
 ) -> Loaded:
-    """Link what a test runs: its file, and what that and the test itself require.
+    """Link the library of a test: its file with the required files of both.
 
-    What other tests of the file require is left out. There may be more than one file
-    of tests. Raises LoadError as `load`.
+    Files that only other tests of the file require are left out. Several files of tests
+    are allowed. Raises LoadError as `load`.
     """
     wanted = frozenset(form.name for form in requires)
     reading = _Reading(
@@ -176,12 +172,12 @@ def load_for_test(
 def read_tests(
     paths: Iterable[str | Path], texts: Mapping[str, str] | None = None
 ) -> Iterator[SourceFile]:
-    """Read the files named, and all `*.test.rap` files below the folders named.
+    """Read files, and all `*.test.rap` files below folders.
 
-    A path may be `-` for standard input; `texts` stand for files of these names.
+    A path may be `-` for standard input; `texts` replace the files of their names.
 
     Raises:
-        LoadError: for what cannot be read, and as `load` for folders.
+        LoadError: for an unreadable file, and for folders as in `load`.
     """
     seen: set[Identity] = set()
     for path in dict.fromkeys(map(str, paths)):
@@ -202,7 +198,7 @@ def read_tests(
 
 @gc_paused()
 def load_text(text: str, name: str = "<text>") -> Loaded:
-    """Link one text as if it were a file in the working folder; see `load`."""
+    """Link a text like a file in the working directory; see `load`."""
     reading = _Reading(tests=False)
     reading.add(SourceFile(name, fold_line_ends(text)))
     return reading.finish()
@@ -210,7 +206,7 @@ def load_text(text: str, name: str = "<text>") -> Loaded:
 
 @gc_paused()
 def load_sources(sources: Iterable[SourceFile]) -> Loaded:
-    """Link texts that are a whole library: what they require is not looked for."""
+    """Link the texts of a complete library; `require` is not followed."""
     reading = _Reading(tests=False, follow=False)
     for source in sources:
         reading.add(source)
@@ -218,28 +214,29 @@ def load_sources(sources: Iterable[SourceFile]) -> Loaded:
 
 
 class _Opened(msgspec.Struct, frozen=True):
-    """A file that was parsed while the files that it requires are being read."""
+    """A parsed file whose required files are being read."""
 
     unit: SourceUnit
-    #: The names of files.
+    #: The names of the required files.
     required: Iterator[str]
 
 
 class _Reading:
-    """The files of one load; those that a file requires come before it.
+    """The files of a load; a file follows the files that it requires.
 
     Args:
-        tests: whether test files in folders that are required are read as well.
-        of_tests: names what is read of that which tests require; all of it if None.
-        given: the paths that the user named, among which a copy of a standard library
-            may be.
-        follow: whether what files require is read at all.
-        texts: what stands for the texts of some files, by name.
-        parser: what makes units of files.
-        names: the names of files that were read before.
+        tests: whether test files in required folders are read as well.
+        of_tests: the names that are followed among the `require` of tests; None for
+            all.
+        given: the paths that the user named; a copy of a standard library may be among
+            them.
+        follow: whether `require` is followed.
+        texts: replacements for the texts of some files, by name.
+        parser: the parser of files.
+        names: the names of files, shared by several loads.
     """
 
-    def __init__(  # what kind of load it is, each with a default
+    def __init__(  # options of the kinds of load, each with a default
         self,
         tests: bool,
         of_tests: frozenset[str] | None = None,
@@ -264,12 +261,12 @@ class _Reading:
         self.required: dict[str, list[Identity]] = {}
 
     def read_all(self, names: Iterable[str]) -> None:
-        """Read files that were not read before, under whatever name."""
+        """Read the files that were not read before, under any name."""
         for name in filter(None, map(self._new, names)):
             self.add(self.source(name))
 
     def source(self, name: str) -> SourceFile:
-        """Read a file, or standard input, unless another text stands for it."""
+        """Read a file or standard input, unless `texts` has a replacement."""
         text = self.texts.get(name)
         if text is None:
             is_input = name == STANDARD_INPUT
@@ -277,7 +274,7 @@ class _Reading:
         return SourceFile(name, text)
 
     def add_first(self, source: SourceFile) -> None:
-        """Parse a file that was read before this began, or a text; see `add`."""
+        """Parse a file that was already read, or a text; see `add`."""
         path = path_of(source.name)
         if os.path.lexists(path):
             identity = identity_of(path)
@@ -286,7 +283,7 @@ class _Reading:
         self.add(source)
 
     def add(self, source: SourceFile) -> None:
-        """Parse a text, after all that it requires."""
+        """Parse a text, and add its unit after the units of all required files."""
         opened = [self._open(source)]
         while opened:
             name = next(opened[-1].required, None)
@@ -296,7 +293,7 @@ class _Reading:
                 opened.append(self._open(self.source(new)))
 
     def finish(self) -> Loaded:
-        """Link what was read."""
+        """Link the units."""
         linked, names = library.link(self.units)
         required = {
             name: tuple([self.seen[one] for one in there])
@@ -307,10 +304,7 @@ class _Reading:
         return Loaded(linked, tuple(self.units), found, required)
 
     def _new(self, name: str) -> str | None:
-        """Return the name of a file that was not read before, by this name or another.
-
-        None if it was read.
-        """
+        """Return the name of a new file; None if it was read, under any name."""
         identity = identity_of(path_of(name))
         if identity in self.seen:
             return None
@@ -345,11 +339,11 @@ class _Reading:
                     yield form
 
 
-# --- what a `require` means --------------------------------------------------------
+# --- resolution of `require` -------------------------------------------------------
 
 
 def standard_libraries() -> tuple[str, ...]:
-    """The names of the standard libraries that are installed, sorted."""
+    """Return the names of the installed standard libraries, sorted."""
     folder = path_of(STANDARD)
     if not folder.is_dir():
         return ()
@@ -359,10 +353,11 @@ def standard_libraries() -> tuple[str, ...]:
 def resolve(name: str, requiring: str, given: Sequence[Path]) -> str | None:
     """Return the file or folder a `require` means; never the requiring file itself.
 
-    It is named as the requiring file was, without `..` where that is the same file, or
-    `rapc:truck` if it comes with rapc. A copy of a standard library among the paths
-    `given`, or one that contains the requiring file, stands for the installed one, also
-    where one file of it is required: else all its names were defined twice.
+    The result has the form of the name of the requiring file, without `..` if that is
+    the same file; a standard library is `rapc:truck`. A copy of a standard library
+    replaces the installed library if the copy is among the paths `given` or contains
+    the requiring file. The same holds for single files of the library. Otherwise all
+    names of the library would be defined twice.
     """
     if os.path.isabs(name):
         return None
@@ -383,7 +378,7 @@ def resolve(name: str, requiring: str, given: Sequence[Path]) -> str | None:
 
 
 def _without_detour(path: Path) -> Path:
-    """Return a path without `..`, unless a link makes that another file."""
+    """Return a path without `..`, unless a link makes that a different file."""
     plain = Path(os.path.normpath(path))
     return plain if os.pardir in path.parts and same_file(plain, path) else path
 
@@ -391,12 +386,12 @@ def _without_detour(path: Path) -> Path:
 def _copies(
     name: str, installed: Path, requiring: Path | None, given: Sequence[Path]
 ) -> Iterator[Path]:
-    """Yield the copies of an installed library that a reader would take for it.
+    """Yield the copies that replace an installed library.
 
     Args:
         name: the library.
-        installed: where it is installed.
-        requiring: the file that requires it; None for one that is installed, too.
+        installed: the folder of the installed library.
+        requiring: the file that requires the library; None for an installed file.
         given: the paths that the user named.
     """
     for path in given:
@@ -413,10 +408,10 @@ def _copies(
 
 
 def _is_copy(folder: Path, installed: Path) -> bool:
-    """Whether a folder has all the RAP files that an installed library has."""
+    """Return whether a folder has all the RAP files of an installed library."""
     try:
         there, here = set(os.listdir(installed)), set(os.listdir(folder))
-    except OSError:  # no folder, or one that may not be read
+    except OSError:  # not a folder, or not readable
         return False
     return {name for name in there if name.endswith(SUFFIX)} <= here
 
@@ -429,7 +424,7 @@ def _in_folder(name: str, folder: Path, requiring: Path) -> Path | None:
 
 
 def unresolved(form: nodes.Require, requiring: Path) -> Diagnostic:
-    """Return what is to be said of a `require` in a file that means nothing."""
+    """Return the finding for a `require` that cannot be resolved."""
     names = [name for name in _beside(requiring) if name != requiring.stem]
     known = [*names, *standard_libraries()]
     without = form.name.removesuffix(SUFFIX)
@@ -447,7 +442,7 @@ def unresolved(form: nodes.Require, requiring: Path) -> Diagnostic:
 
 
 def _advice(name: str, close: str | None) -> str:
-    """Return what to write for `name`, where `close` is what may be meant."""
+    """Return the help for the unknown `name` with the similar name `close`."""
     if close is None:
         return ""
     if name == close + SUFFIX:
@@ -456,7 +451,7 @@ def _advice(name: str, close: str | None) -> str:
 
 
 def _beside(requiring: Path) -> list[str]:
-    """Return what could be required from beside a file."""
+    """Return the names of files and folders beside a file, valid for `require`."""
     try:
         with os.scandir(requiring.parent) as entries:
             listed = [(entry.name, entry.is_dir()) for entry in entries]
@@ -470,20 +465,20 @@ def _beside(requiring: Path) -> list[str]:
 
 
 class FilesOfTests(msgspec.Struct, frozen=True):
-    """Files of tests, and the libraries that they run."""
+    """Files of tests, with the libraries of the tests."""
 
-    #: The tests that stand in the files themselves, in the order of the text.
+    #: The tests in the files themselves, in the order of the text.
     tests: tuple[DefineTest, ...]
-    #: A library for each set of required files; it holds the tests that run it alone.
+    #: A library for each set of required files, only with the tests that run it.
     libraries: tuple[Loaded, ...]
 
 
 def alike(
     sources: Iterable[SourceFile], parser: Parse = parse
 ) -> Iterator[Sequence[SourceFile]]:
-    """Yield files of tests, those together that hold tests alone and require the same.
+    """Yield groups of test files: files with only tests and equal `require` forms.
 
-    `load_tests` gives these the same libraries whether it gets one or all of them.
+    `load_tests` returns the same libraries for a file alone and for its group.
     """
     found: dict[tuple[str, ...], list[SourceFile]] = {}
     for source in sources:
@@ -502,13 +497,13 @@ def load_tests(
     parser: Parse = parse,
     names: Names | None = None,
 ) -> FilesOfTests:
-    """Link what the tests of files run; there is a library even if there is no test.
+    """Link the libraries of the tests in files; one library even without tests.
 
     Args:
-        sources: the files; several only if they are `alike`.
-        texts: what stands for the texts of required files, by name.
-        parser: what makes units of files.
-        names: the names of files that are read more than once.
+        sources: the files; several only if they are a group of `alike`.
+        texts: replacements for the texts of required files, by name.
+        parser: the parser of files.
+        names: the names of files, shared by several loads.
 
     Raises:
         LoadError: as `load`.

@@ -1,13 +1,13 @@
-"""Saved libraries as bytes: one versioned file in place of many sources.
+"""Compiled libraries as bytes: one versioned file in place of many sources.
 
-A line of text says what the file is: `rapc-library`, then format, version of rapc and
-checksum. The rest is JSON: for each source its name, its text and the IR of its forms,
-and which sources make up the library and those of its tests. No code is in it: queries
-are compiled from the IR when they are first asked, as they are from sources.
+The first line is `rapc-library`, the format, the version of rapc and the checksum. The
+rest is JSON: each source with its name, its text and the IR of its forms, and the
+sources of the library and of the libraries of its tests. The file has no code: queries
+are compiled from the IR at their first use, as for sources.
 
-Nothing in a file is trusted. What is declared is looked at when the file is read, a RAP
-when it is first asked for, which is why reading takes so little time. Files are read
-by `rapc.host`, and written by `rapc compile`.
+The content of a file is not trusted. Declarations are validated when the file is read.
+A RAP is validated at its first use, which keeps reading fast.
+Not here: reading the files (`rapc.host`), and writing the files (`rapc compile`).
 """
 
 from __future__ import annotations
@@ -36,27 +36,27 @@ from rapc.library.signatures import Signatures
 from rapc.parser.unit import SourceUnit
 
 FORMAT = 6
-"""The version of the format; a change of the IR is one of the format."""
+"""The version of the format; each change of the IR changes the format."""
 
 _HEAD = re.compile(rb"rapc-library (\d{1,9}) ([!-~]{1,40}) ([0-9a-f]{64})\n")
 
 
 class _WrongError(Exception):
-    """As `SavedError`, the name of the file left out."""
+    """A `SavedError` without the name of the file."""
 
 
 class _Unit(msgspec.Struct, frozen=True, array_like=True):
-    """A source: its forms, each as JSON of its own, and which of them are RAPs."""
+    """A source: its forms, each as separate JSON, and the index of its RAPs."""
 
     file: str
     text: str
     forms: tuple[msgspec.Raw, ...]
-    #: The places of the RAPs among the forms, by name.
+    #: The indexes of the RAPs among the forms, by name.
     raps: dict[str, int]
 
 
 class _Suite(msgspec.Struct, frozen=True, array_like=True):
-    """Some tests, the sources of the library that they run, and its name."""
+    """A set of tests with the name and the sources of their library."""
 
     name: str
     units: tuple[int, ...]
@@ -64,7 +64,7 @@ class _Suite(msgspec.Struct, frozen=True, array_like=True):
 
 
 class _Body(msgspec.Struct, frozen=True, array_like=True):
-    """All sources; which of them are the library, and its name; the tests."""
+    """All sources, the name and the sources of the library, and the tests."""
 
     name: str
     library: tuple[int, ...]
@@ -73,11 +73,11 @@ class _Body(msgspec.Struct, frozen=True, array_like=True):
 
 
 class Suite(NamedTuple):
-    """Tests that run one library."""
+    """A set of tests that run the same library."""
 
     tests: Sequence[DefineTest]
     library: Library
-    #: What traces call the library.
+    #: The name of the library in traces.
     name: str
 
 
@@ -85,17 +85,17 @@ class Suite(NamedTuple):
 
 
 def encode(library: Library, name: str, suites: Iterable[Suite] = ()) -> bytes:
-    """Serialise a checked library and its tests; equal ones give equal bytes.
+    """Serialise a checked library and its tests; equal input gives equal bytes.
 
     Args:
         library: the library, linked from sources and free of errors.
-        name: what traces call it.
-        suites: the tests that came with it.
+        name: the name of the library in traces.
+        suites: the tests of the library.
 
     Raises:
-        SavedError: for a library that could not be read back: one in which errors
-            were silenced that keep it from being run, one with a file whose name
-            cannot be printed, or one that was read from a compiled library.
+        SavedError: for a library that could not be read back, that is, a library
+            with suppressed errors that prevent a run, with an unprintable file name,
+            or read from a compiled library.
     """
     if len(library.raps) > len(library.forms):
         raise SavedError(f"`{name}` is a compiled library already")
@@ -118,13 +118,13 @@ def encode(library: Library, name: str, suites: Iterable[Suite] = ()) -> bytes:
 
 
 def seal(payload: bytes, version: str = VERSION, form: int = FORMAT) -> bytes:
-    """A payload behind the line that says what it is."""
+    """Return a payload after its first line: format, version and checksum."""
     checksum = hashlib.sha256(payload).hexdigest()
     return COMPILED + f"{form} {version} {checksum}\n".encode() + payload
 
 
 def _units(library: Library, units: dict[str, _Unit]) -> tuple[int, ...]:
-    """The places of a library's sources among all; those that are new are added."""
+    """Return the indexes of a library's sources in `units`; add missing sources."""
     forms: dict[str, list[nodes.TopForm]] = {name: [] for name in library.files}
     for form in library.forms:
         forms[form.span.file].append(form)
@@ -152,16 +152,16 @@ def _unit(source: SourceFile, forms: Sequence[nodes.TopForm]) -> _Unit:
 class SavedLibrary:
     """A checked library that was read from bytes.
 
-    `library` is what linking its sources made, `name` what traces call it.
+    `library` is the linked library, `name` its name in traces.
 
     Args:
-        data: all that the file holds.
-        file: its name, for what is wrong with it.
+        data: the bytes of the file.
+        file: the name of the file, for messages.
 
     Raises:
-        SavedError: for bytes that are none, are damaged, come from another version,
-            or hold what no source is compiled to. Whatever is asked of it later, and
-            reading a RAP of its library, may raise this too.
+        SavedError: for bytes that are not a compiled library, are damaged, come from a
+            different version, or have content that no source compiles to. The methods,
+            and reading a RAP of the library, may raise the error, too.
     """
 
     def __init__(self, data: bytes, file: str) -> None:
@@ -174,7 +174,7 @@ class SavedLibrary:
             self.library, _ = self._linked(self._body.library)
 
     def suites(self) -> Iterator[Suite]:
-        """Yield the tests with the libraries that they run, all of it looked at."""
+        """Yield the tests with their libraries, completely validated."""
         for suite in self._body.suites:
             with _errors_name(self._file):
                 library, verifier = self._linked(suite.units)
@@ -185,14 +185,14 @@ class SavedLibrary:
             yield Suite(tests, library, suite.name)
 
     def look_at_all(self) -> None:
-        """Look at everything now, not when it is asked for."""
+        """Validate the whole content at once, not at its first use."""
         _look_at_all(self.library)
         deque(self.suites(), 0)
 
     def _linked(self, places: tuple[int, ...]) -> tuple[Library, Verifier]:
-        """Return the library of some of the sources, its RAPs not yet decoded.
+        """Return the library of some of the sources, with lazy RAPs.
 
-        The same sources give the same library, however many suites name them.
+        The library is cached: suites with the same sources share it.
         """
         if places not in self._read:
             self._read[places] = self._link(places)
@@ -217,7 +217,7 @@ class SavedLibrary:
         return msgspec.structs.replace(linked, raps=raps, forms=()), verifier
 
     def _rap(self, name: str, unit: _Unit, at: int) -> nodes.DefineRap:
-        """Decode a RAP. Raises SavedError if there is another form in its place."""
+        """Decode a RAP; raise SavedError if its index leads to a different form."""
         with _errors_name(self._file):
             if not 0 <= at < len(unit.forms):
                 raise _WrongError(f"lacks the RAP `{name}`")
@@ -227,14 +227,14 @@ class SavedLibrary:
             return made
 
     def _verified(self, rap: nodes.DefineRap, verifier: Verifier) -> nodes.DefineRap:
-        """Return a RAP. Raises SavedError if it cannot be run."""
+        """Return a RAP; raise SavedError if the RAP is invalid."""
         with _errors_name(self._file):
             verifier.rap(rap)
             return rap
 
 
 def _look_at_names(body: _Body) -> None:
-    """See that the names of files and libraries can be shown on any terminal."""
+    """Validate that the names of files and libraries are printable."""
     libraries = (body.name, *[suite.name for suite in body.suites])
     for name in (*libraries, *[unit.file for unit in body.units]):
         if not name.isprintable():
@@ -242,13 +242,13 @@ def _look_at_names(body: _Body) -> None:
 
 
 def _look_at_all(library: Library) -> None:
-    """Read every RAP once. Raises SavedError."""
+    """Read every RAP once; raise SavedError for an invalid RAP."""
     deque(library.raps.values(), 0)
 
 
 @contextmanager
 def _errors_name(file: str) -> Iterator[None]:
-    """Say of a file what turns out to be wrong with its content."""
+    """Add the name of the file to errors about its content, as SavedError."""
     try:
         yield
     except _WrongError as error:
@@ -261,19 +261,19 @@ def _errors_name(file: str) -> Iterator[None]:
 
 
 def _declarations(unit: _Unit) -> Iterator[int]:
-    """The places of the forms of a source that are no RAPs."""
+    """Return the indexes of the forms of a source that are not RAPs."""
     raps = {*unit.raps.values()}
     return (at for at in range(len(unit.forms)) if at not in raps)
 
 
 def _parsed(unit: _Unit, places: Iterable[int]) -> SourceUnit:
-    """A source with some of its forms."""
+    """Return a source with some of its forms."""
     forms = tuple(_decode(unit.forms[at], nodes.TopForm) for at in places)
     return SourceUnit(SourceFile(unit.file, unit.text), forms)
 
 
 def _payload(data: bytes) -> memoryview:
-    """Return what follows the first line, if that line is the right one."""
+    """Return the bytes after the first line; raise if that line is invalid."""
     if not data.startswith(COMPILED):
         raise _WrongError("is no compiled library")
     head = _HEAD.match(data)
@@ -301,5 +301,5 @@ def _decode(data: memoryview | msgspec.Raw, kind: Any) -> Any:
 
 @cache
 def _decoder(kind: Any) -> msgspec.json.Decoder[Any]:
-    """Return the decoder of a type; making one takes as long as many decodings."""
+    """Return the decoder of a type, cached: a decoder is expensive to make."""
     return msgspec.json.Decoder(kind)

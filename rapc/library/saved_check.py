@@ -1,9 +1,8 @@
-"""Whether IR that no parser has made can be run.
+"""Validation of IR from a compiled library, which may come from any author.
 
-A compiled library may come from anywhere. What was decoded has the right types; here it
-is held against what parser and checker see to in sources: words and numbers that can be
-written, names that are declared and get as many arguments as they take, steps that
-exist. What is merely unwise is let through.
+The decoder has already validated the types. This module validates the properties that
+parser and checker guarantee for sources: valid words and numbers, declared names with
+the right number of arguments, existing steps. Warnings of the checker are not repeated.
 """
 
 from __future__ import annotations
@@ -28,18 +27,17 @@ _LOOKED_AT = frozenset({nodes.Var, nodes.Call, nodes.SetTest, nodes.HistoryTest}
 
 
 class UnsoundError(Exception):
-    """IR that no source is compiled to; the text says in a few words what is wrong."""
+    """An error for IR that no source compiles to; the text is a short reason."""
 
 
 class Verifier:
-    """Looks at the definitions of a library, one by one.
+    """A validator for the definitions of a library.
 
-    All methods raise UnsoundError for what cannot be run.
+    All methods raise UnsoundError for invalid definitions.
 
     Args:
-        signatures: what the library declares; its RAPs need not be decoded.
-        files: the names of its files, to one of which each span points; None for nodes
-            that may stand anywhere.
+        signatures: the declarations of the library; its RAPs need not be decoded.
+        files: the names of its files, for the check of spans; None for no check.
     """
 
     def __init__(
@@ -59,7 +57,7 @@ class Verifier:
         raise UnsoundError("something is nested too deeply")
 
     def _below(self, level: list[Any]) -> list[Any]:
-        """Return what nodes hold, after a check; `level` grows by what is in tuples."""
+        """Validate a level of nodes and return the next; `level` grows by tuples."""
         below: list[Any] = []
         words, files, contents = self._words, self._files, _contents()
         for value in level:
@@ -83,7 +81,7 @@ class Verifier:
     def _own(
         self, node: nodes.Var | nodes.Call | nodes.SetTest | nodes.HistoryTest
     ) -> None:
-        """Check what only nodes of some kinds have."""
+        """Validate the parts that only some kinds of nodes have."""
         if isinstance(node, nodes.Var):
             if node.name[:1] != "?":
                 raise UnsoundError(f"`{node.name}` is no name of a variable")
@@ -95,7 +93,7 @@ class Verifier:
             raise UnsoundError(f"`{word}` takes {wanted}, not {len(node.args)}")
 
     def declaration(self, form: nodes.TopForm) -> None:
-        """Look at a form that is no RAP."""
+        """Validate a form that is not a RAP."""
         self.node(form)
         if isinstance(form, nodes.DeclareProperty):
             for exclusion in form.excludes:
@@ -109,7 +107,7 @@ class Verifier:
             raise UnsoundError("a RAP stands among the declarations")
 
     def rap(self, rap: nodes.DefineRap) -> None:
-        """Look at a RAP."""
+        """Validate a RAP."""
         try:
             self._rap(rap)
         except UnsoundError as error:
@@ -133,7 +131,7 @@ class Verifier:
                 self._steps(method.body.steps)
 
     def formula(self, formula: nodes.Formula) -> None:
-        """Look at what a formula asks for."""
+        """Validate the names and the size of a formula."""
         for count, part in enumerate(walk.subformulas(formula)):
             if count > MAX_PARTS:
                 raise UnsoundError("a formula is too large")
@@ -160,7 +158,7 @@ class Verifier:
                     raise UnsoundError(f"there is no step `{tag}`")
 
     def _goal(self, goal: nodes.Goal, *, given: bool = False) -> None:
-        """Look at a goal. One that is `given` need not name its outputs."""
+        """Validate a goal; a `given` goal need not name its outputs."""
         outputs: int | None = len(goal.outputs)
         if given:
             outputs = outputs or None
@@ -173,7 +171,7 @@ def _raise(fault: Fault | None) -> None:
 
 
 def _tags(step: nodes.Step) -> Iterator[str]:
-    """The steps that a step's annotations name."""
+    """Yield the tags of steps in a step's annotations."""
     for annotation in step.annotations:
         if isinstance(annotation, nodes.For | nodes.UntilStart | nodes.UntilEnd):
             yield annotation.tag
@@ -183,7 +181,7 @@ def _tags(step: nodes.Step) -> Iterator[str]:
 
 @cache
 def _contents() -> Mapping[type, Callable[[Any], Iterable[Any]]]:
-    """Return for each kind of node what takes all from it that is to be looked at."""
+    """Return for each kind of node a function that returns the parts to validate."""
     return {kind: _content(kind) for kind in CHILDREN}
 
 
@@ -195,7 +193,7 @@ def _content(kind: type[nodes.Node]) -> Callable[[Any], Iterable[Any]]:
 
 
 def _word(word: str) -> str:
-    """A word of the language, or a resource in a trace, after a look whether it is."""
+    """Return a valid word of the language or resource in a trace, or raise."""
     parted = not _FORBIDDEN.isdisjoint(word) and not word.startswith(_RESOURCES)
     if not word or not word.isprintable() or parted:
         raise UnsoundError(f"{ascii(word)[:60]} is no word of the language")
@@ -203,7 +201,7 @@ def _word(word: str) -> str:
 
 
 def _number(value: float) -> None:
-    """See that a number is in its one form and within measure."""
+    """Validate that a number is in its canonical form and within the limit."""
     whole = isinstance(value, float) and value.is_integer()
     if whole or abs(value) > LARGEST_NUMBER:
         raise UnsoundError("a number cannot be written")

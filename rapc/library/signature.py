@@ -1,7 +1,6 @@
-"""What one declaration says about a name: a signature, of a form or of what is offered.
+"""The signature of a declared name, from a form or from the offer of a world.
 
-Not here: which names there are, and what is wrong with a use of one
-(`rapc.library.signatures`).
+Not here: the table of all names and the check of uses (`rapc.library.signatures`).
 """
 
 from __future__ import annotations
@@ -27,7 +26,7 @@ Kind = Literal[
     "skill",
     "event",
 ]
-"""What a name is declared to be."""
+"""The kind of a declaration."""
 
 Declared = (
     nodes.DeclareProposition
@@ -42,21 +41,21 @@ Declared = (
 """Declarations of names with arguments."""
 
 CONSTANT_DEFAULTS = ("unknown", "true", "false")
-"""Defaults of properties that are values; any other names a registered function."""
+"""Property defaults that are values; any other default is a registered function."""
 
 
 class Signature(msgspec.Struct, frozen=True):
-    """What one declaration says about a name."""
+    """The signature of a declared name."""
 
     kind: Kind
     name: str
     #: The fewest arguments (inputs of a RAP) that a use may have.
     least: int
-    #: The most arguments; None where the declaration gives no list (T A.1).
+    #: The most arguments; None if the declaration has no list (T A.1).
     most: int | None
-    #: The declared arguments with their kinds; None where there is no list of them.
+    #: The declared arguments with their kinds; None if the declaration has no list.
     args: tuple[nodes.Argument, ...] | None = None
-    #: The declaration; of a RAP, its name in the index.
+    #: The span of the declaration; for a RAP, of its name in the index.
     span: Span = NOWHERE
     #: The number of outputs of a RAP.
     outputs: int = 0
@@ -64,14 +63,14 @@ class Signature(msgspec.Struct, frozen=True):
     results: tuple[str, ...] = ()
     #: A property's default value, or the name of the function that computes it.
     default: str | None = None
-    #: The predicates that a function reads; None where nothing is said of them.
+    #: The predicates that a function reads; None if not declared.
     reads: tuple[str, ...] | None = None
-    #: What a query stands for; None for all else.
+    #: The formula of a query; None for all other kinds.
     formula: nodes.Formula | None = None
 
     @property
     def is_property(self) -> bool:
-        """Whether this is a property, so that its last argument is its value."""
+        """Whether the name is a property: its last argument is its value."""
         return self.kind == "property"
 
     @property
@@ -81,27 +80,27 @@ class Signature(msgspec.Struct, frozen=True):
 
     @property
     def written(self) -> str:
-        """The name with its arguments' names, as a use would write them."""
+        """The name with the names of its arguments, in the form of a use."""
         args = self.args or ()
         return format_list([self.name, *(arg.variable.name for arg in args)])
 
     def full(self, terms: Sequence[nodes.Term]) -> tuple[nodes.Term, ...]:
-        """Return the arguments of a use with the value `true` that was left out.
+        """Return the arguments of a use, with a left-out value `true` added.
 
-        A property one argument short means the value `true` [L 2.11].
+        A property without its last argument has the value `true` [L 2.11].
         """
         if self.leaves_value_out(len(terms)):
             return (*terms, nodes.Const("true"))
         return tuple(terms)
 
     def leaves_value_out(self, count: int) -> bool:
-        """Whether a use with `count` arguments is a property without its value."""
+        """Return whether a use with `count` arguments leaves out a property's value."""
         return self.kind == "property" and count > 0 and count + 1 == self.most
 
     def miscount(self, count: int, *, erased: bool = False) -> str | None:
-        """Say what is wrong with `count` arguments, or return None.
+        """Return the message for a wrong number of arguments, or None.
 
-        What is `erased` is a prefix, which may be shorter than what is declared.
+        An `erased` pattern is a prefix, which may be shorter than the declaration.
         """
         least, most = 0 if erased else self.least, self.most
         if most is not None and (count > most or count < least):
@@ -122,7 +121,7 @@ class Signature(msgspec.Struct, frozen=True):
 def of_declaration(kind: Kind, form: Declared) -> Signature:
     """Return the signature of a declaration.
 
-    The value of a property may be left out where an argument precedes it [L 2.11].
+    The value of a property may be left out after an argument [L 2.11].
     """
     count = None if form.args is None else len(form.args)
     is_property = isinstance(form, nodes.DeclareProperty)
@@ -151,10 +150,10 @@ def of_rap(rap: nodes.DefineRap) -> Signature:
 
 
 def of_counts(kind: Kind, offered: Mapping[str, int]) -> dict[str, Signature]:
-    """Return signatures of which a world tells the numbers of arguments alone."""
+    """Return the signatures of offered names, with only the number of arguments."""
     return {name: Signature(kind, name, n, n) for name, n in offered.items()}
 
 
 def amount(count: int, word: str) -> str:
-    """Return a number with a noun in the number it asks for: `no inputs`, `1 input`."""
+    """Return a number with its noun: `no inputs`, `1 input`, `2 inputs`."""
     return plural(count, word) if count else f"no {word}s"

@@ -1,13 +1,13 @@
-"""The signature table: each name that a library or a world declares, its arguments.
+"""The signature table: each name that a library or a world declares, with arguments.
 
-Whether a name is known where it stands, and with how many arguments, is answered here
-and nowhere else: for passes, tests, faults, scripts, questions of a host, admission to
-a world and compiled libraries alike, in the same words. Not here: where the use stands,
-and what becomes of the answer (a finding, a refusal, an exception).
+This module alone checks whether a name is known and has the right number of arguments.
+The check serves passes, tests, faults, scripts, host queries, admission to a world and
+compiled libraries, with the same messages. Not here: the position of the use, and the
+form of the report (a finding, a refusal, an exception).
 
-A `Use` says how a name is used; it decides in which table the name is looked up and
-which kinds of declaration serve. Propositions, properties, functions and named queries
-share a table, for a formula does not say which it means.
+A `Use` selects the table for the lookup and the kinds of declaration that are valid.
+Propositions, properties, functions and named queries share a table, because a formula
+does not tell them apart.
 """
 
 from __future__ import annotations
@@ -48,51 +48,51 @@ Use = Literal[
     "skill",
     "event",
 ]
-"""How a name is used: to ask for a RAP; as a proposition in a formula, in a `believe`,
-put into memory or taken out of it; as the function of a computed term; as what is sent
-to a world or comes from there."""
+"""The use of a name: as a goal; as a proposition in a formula or in a `believe`,
+asserted or erased; as the function of a computed term; as a request to a world or a
+message from it."""
 
 SPACES = ("RAP", "predicate", "primitive", "datum", "skill", "event")
-"""The spaces that names with arguments share."""
+"""The name spaces of names with arguments."""
 
 _IN_MEMORY: Sequence[Kind] = ("proposition", "property")
-"""The kinds of predicates of which memory holds facts."""
+"""The kinds of predicates that have facts in memory."""
 
 
 class Fault(msgspec.Struct, frozen=True):
-    """Why a name cannot be used as it is."""
+    """An invalid use of a name."""
 
-    #: Whether the name is unknown, or declared as something else, or takes other
-    #: arguments than it is given.
+    #: The sort of fault: the name is unknown, of a wrong kind, or has wrong arguments;
+    #: or a result is unknown.
     sort: Literal["unknown", "kind", "arguments", "result"]
-    #: What is wrong, in one line.
+    #: The message, in one line.
     message: str
-    #: What to do about it: a question, an advice, or nothing.
+    #: The help: a question, an advice, or nothing.
     help: str = ""
-    #: The declaration that the use does not meet; None where there is none.
+    #: The declaration that the use violates; None if the name is not declared.
     declared: Signature | None = None
-    #: What may be meant by an unknown name, if it is declared.
+    #: The declaration of a similar name, if there is one.
     near: Signature | None = None
-    #: The name at fault.
+    #: The invalid name.
     name: str = ""
-    #: The name that can be written in its place; None if there is none.
+    #: The name to write in its place; None if there is none.
     meant: str | None = None
 
     def __str__(self) -> str:
-        """The message, with the name that may have been meant."""
+        """Return the message, with the question about a similar name."""
         question = self.help.startswith(_QUESTION)
         return f"{self.message}; {self.help}" if question else self.message
 
 
 class Signatures:
-    """All signatures of a library, or of what a world offers, by name.
+    """All signatures of a library, or of the offer of a world, by name.
 
-    The tables are complete and never change; what is remembered is which names were
-    found to be near to an unknown one.
+    The tables are complete and never change. Similar names for unknown names are
+    cached.
 
     Args:
-        tables: the signatures by the space that their names share, and by name; the
-            names of skills and events have their colon.
+        tables: the signatures by name space and name; the names of skills and events
+            have their colon.
         kinds: the kinds of values.
     """
 
@@ -104,9 +104,9 @@ class Signatures:
         self.raps = self._tables["RAP"]
         #: The propositions, properties, functions and queries.
         self.predicates = predicates = self._tables["predicate"]
-        #: The propositions and properties: what may stand in memory.
+        #: The propositions and properties, which may have facts in memory.
         self.relations = {n: s for n, s in predicates.items() if s.kind in _IN_MEMORY}
-        #: The functions that are declared.
+        #: The declared functions.
         self.functions = {n: s for n, s in predicates.items() if s.kind == "function"}
         self.primitives = self._tables["primitive"]
         self.data = self._tables["datum"]
@@ -118,7 +118,7 @@ class Signatures:
     def of(cls, library: Library) -> Signatures:
         """Return the signatures of a linked library.
 
-        A RAP is looked at when its signature is asked for.
+        The signature of a RAP is made at its first use.
         """
         tables: dict[str, dict[str, Signature]] = {}
         for field, space, word in KINDS.values():
@@ -131,7 +131,7 @@ class Signatures:
 
     @classmethod
     def offered(cls, offer: Offer) -> Signatures:
-        """Return the signatures of what a world offers; they have no place."""
+        """Return the signatures of the offer of a world, which have no span."""
         primitives = {
             name: Signature("primitive", name, count, count, results=tuple(results))
             for name, (count, results) in offer.primitives.items()
@@ -152,14 +152,14 @@ class Signatures:
         outputs: int | None = None,
         within: str = "",
     ) -> Fault | None:
-        """Return what is wrong with a use of a name, or None.
+        """Return the fault in a use of a name, or None.
 
         Args:
-            use: how the name is used.
+            use: the use.
             name: the name.
-            count: how many arguments (inputs) it is given.
-            outputs: how many outputs are taken of a RAP; None if none are named.
-            within: the RAP that asks for the name; nothing if none does.
+            count: the number of arguments (inputs).
+            outputs: the number of outputs of a goal; None if the goal has none.
+            within: the RAP that uses the name, or nothing.
         """
         declared = self.table(use).get(name)
         if declared is None:
@@ -180,10 +180,10 @@ class Signatures:
     def wrong_kind(
         self, use: Use, name: str, values: Sequence[Atom | None]
     ) -> str | None:
-        """Return what is wrong with the kinds of the values given to a name, or None.
+        """Return the message for an argument of a wrong kind, or None.
 
-        A name that is not declared, and arguments without kinds, hold nothing. None
-        stands for a value that is not known yet.
+        An undeclared name and arguments without kinds have no fault. The value None is
+        a value that is not known yet.
         """
         declared = self.table(use).get(name)
         args = declared.args if declared is not None else None
@@ -197,9 +197,9 @@ class Signatures:
         return None
 
     def no_result(self, name: str, result: str) -> Fault | None:
-        """Return what is wrong with `result` as a result of a primitive, or None.
+        """Return the fault in the `result` of a primitive, or None.
 
-        A primitive that is not declared has no results to hold it against.
+        The result of an undeclared primitive is not checked.
         """
         declared = self.primitives.get(name)
         if declared is None or result in declared.results:
@@ -216,14 +216,14 @@ class Signatures:
         )
 
     def table(self, use: Use) -> Mapping[str, Signature]:
-        """Return the signatures among which a name used so is looked up."""
+        """Return the signatures for a use."""
         return self._tables[_SPACE_OF.get(use, use)]
 
     def unknown(self, use: Use, name: str, within: str = "") -> Fault:
-        """Return what to say about a name that is not declared, used so.
+        """Return the fault for an undeclared name.
 
-        The RAP `within` which the name stands is meant only if the name is a slip: few
-        RAPs ask for themselves.
+        The RAP `within` is suggested only if the name is a slip: few RAPs use
+        themselves.
         """
         word = _word(use)
         near = self._near.get(use)
@@ -246,7 +246,7 @@ class Signatures:
         return Fault("unknown", message, help_, near=declared, name=name, meant=meant)
 
     def _meant_elsewhere(self, use: Use, name: str) -> str:
-        """Return what to do about a name that is known in another place, or nothing."""
+        """Return the help for a name that is valid for a different use, or nothing."""
         if use == "goal" and name in self.primitives:
             return (
                 f"`{name}` is a primitive, and a RAP is wanted here: define one with "
@@ -261,11 +261,11 @@ class Signatures:
         return f"write `{meant}`" if meant else ""
 
     def _meant(self, use: Use) -> Iterable[str]:
-        """The declared names that may be meant by an unknown one."""
+        """Return the declared names to search for a similar name."""
         return self.functions if use == "computed" else self.table(use)
 
 
-# --- words ---------------------------------------------------------------------------
+# --- messages ------------------------------------------------------------------------
 
 _QUESTION = "did you mean"
 
@@ -276,18 +276,18 @@ _SPACE_OF: Mapping[Use, str] = {
     **dict.fromkeys(_OF_PREDICATES, "predicate"),
     "goal": "RAP",
 }
-"""The space in which a name used so is looked up; that of its own name for others."""
+"""The name space of a use; for uses not listed, the space of the same name."""
 
 
 def _word(use: Use) -> str:
-    """Return the word for what is unknown if a name used so is."""
+    """Return the word in messages for an unknown name of a use."""
     if use == "computed":
         return "function"
     return "sensor datum" if use == "datum" else _SPACE_OF.get(use, use)
 
 
 def _advice(word: str) -> str:
-    """Return what to do about an unknown name."""
+    """Return the help for an unknown name."""
     if word == "function":
         return "declare it with `declare-memory-function`"
     forms = {"RAP": "define it", "predicate": "declare it"}
@@ -296,7 +296,7 @@ def _advice(word: str) -> str:
 
 
 _OPERATORS: Mapping[str, str] = {"!=": "n=", "<>": "n=", "/=": "n=", "==": "="}
-"""What other languages call a comparison, and what it is called here."""
+"""Comparison operators of other languages, with their names in RAP."""
 
 _NO_FACT: Mapping[Use, str] = {
     "believed": "has no age",
@@ -306,11 +306,11 @@ _NO_FACT: Mapping[Use, str] = {
 
 
 _COMPUTED: Container[Kind] = ("function", "query")
-"""What is asked for without standing in memory."""
+"""The kinds of names that are evaluated and have no facts in memory."""
 
 
 def _miscount(declared: Signature, use: Use, count: int, outputs: int | None) -> str:
-    """Say what is wrong with the numbers of arguments and outputs, or nothing."""
+    """Return the message for wrong numbers of arguments and outputs, or nothing."""
     message = declared.miscount(count, erased=use == "erased") or ""
     if outputs is None or outputs == declared.outputs:
         return message
@@ -319,7 +319,7 @@ def _miscount(declared: Signature, use: Use, count: int, outputs: int | None) ->
 
 
 def _other_kind(use: Use, kind: Kind) -> str | None:
-    """Say why a predicate of a kind does not serve a use; None where it does."""
+    """Return the reason why a predicate of a kind is invalid for a use, or None."""
     if kind == "function" or (kind == "query" and use != "computed"):
         return _NO_FACT.get(use)
     return "computes nothing" if use == "computed" else None
