@@ -1,8 +1,9 @@
-"""The clauses that hold a formula: what each binds, and when the interpreter asks it.
+"""The clauses with a formula: their bindings and the time of their evaluation.
 
-This is the one list of these clauses. Walks, passes, plans and explanations read it; a
-clause that is added here is walked, checked for bindings, names and contradictions,
-compiled and explained. Its syntax is in the grammar, its field in `rapc.ir.nodes`.
+This is the only list of these clauses. Walks, passes, plans and explanations read the
+list: a clause added to it is walked, checked for bindings, names and contradictions,
+compiled and explained. Not here: the syntax of a clause (the grammar), and its field
+(`rapc.ir.nodes`).
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import msgspec
 from rapc.ir import nodes
 
 When = Literal["select", "wake", "choose", "run"]
-"""When a clause is evaluated.
+"""The time of evaluation of a clause.
 
 `select`: in each cycle of the task [L 3.1]; `wake`: while the task waits for its
 monitor [L 5]; `choose`: when a method is chosen; `run`: while a method runs.
@@ -25,20 +26,20 @@ monitor [L 5]; `choose`: when a method is chosen; `run`: while a method runs.
 class Clause(msgspec.Struct, frozen=True):
     """A clause with a formula."""
 
-    #: Its name in the language, and the field of its node.
+    #: The name of the clause in the language, and its field in the node.
     word: str
     field: str
     when: When
-    #: Whether a method starts, or continues, only where it holds.
+    #: Whether the clause must hold for a method to start or continue.
     required: bool = True
-    #: Whether the variables that it binds are bound in the method.
+    #: Whether the bindings of the clause hold in the method.
     hands_on: bool = False
-    #: Whether it must hold for all tasks below, too.
+    #: Whether the clause must hold for all descendant tasks, too.
     inherited: bool = False
 
     @property
     def is_condition(self) -> bool:
-        """Whether a selected task, or its method, continues only where it holds."""
+        """Whether a selected task or its method needs the clause to continue."""
         return self.required and self.when != "wake"
 
 
@@ -58,7 +59,7 @@ METHOD = (
 """The clauses of a method."""
 
 FOR = Clause("for", "formula", "run", hands_on=True)
-"""The annotation of a step that holds a formula."""
+"""The annotation of a step with a formula."""
 
 CLAUSES = (*RAP, *METHOD, FOR)
 
@@ -66,7 +67,7 @@ CLAUSES = (*RAP, *METHOD, FOR)
 def held(
     clauses: Iterable[Clause], node: nodes.DefineRap | nodes.Method
 ) -> Iterator[tuple[Clause, nodes.Formula]]:
-    """Yield those of some clauses that a RAP or a method has, with their formulas."""
+    """Yield the clauses that a RAP or a method has, with their formulas."""
     for clause in clauses:
         formula = getattr(node, clause.field)
         if formula is not None:

@@ -1,9 +1,9 @@
-"""Definitions as people write them: trees as documents, documents as lines.
+"""Layout of definitions: trees to documents, documents to lines.
 
-A list that does not fit on its line is broken between its operands: a definition, a
-method and what holds rows of others go on below their first word, two columns to the
-right of it; all else goes on behind the word, one operand below the other. An option
-stays beside its value. What `_BROKEN` names is never on one line.
+A list that does not fit on its line is broken between its operands. In a definition, a
+method and a list of lists the operands continue below the first word, indented by two
+columns. In all other lists the operands are aligned after the word, one on each line.
+An option stays on the line of its value. Lists in `_BROKEN` are never on one line.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ from rapc.language.heads import FORMS, heads, rules_by_head, words_of_shape
 from rapc.language.shapes import Shape, is_list, is_rule, leaves
 
 WIDTH = 88
-"""How many columns a line has."""
+"""The number of columns of a line."""
 
 
 class Note(msgspec.Struct, frozen=True):
     """A comment among the operands of a list; without text, a blank line."""
 
     text: str
-    #: Whether the comment stands behind an operand, on its line.
+    #: Whether the comment follows an operand, on its line.
     beside: bool = False
 
 
@@ -36,12 +36,12 @@ Noted = str | Note | tuple["Noted", ...]
 
 
 def laid_out(node: nodes.Node, width: int = WIDTH) -> str:
-    """Any node as text of lines of a width, as far as its atoms let it."""
+    """Return a node as text; lines are within `width` if the atoms allow it."""
     return " ".join(lines(tree, width) for tree in trees(node))
 
 
 def lines(tree: Noted, width: int = WIDTH) -> str:
-    """A tree as text of lines of a width; strings keep the lines that they have."""
+    """Return a tree as text with lines within `width`; strings stay unchanged."""
     used = {letter for text in _texts(tree) for letter in text}
     kept = next(chr(at) for at in _PRIVATE if chr(at) not in used)
     text: str = pformat(document(_without_lines(tree, kept)), width=width)
@@ -60,7 +60,7 @@ def _texts(tree: Noted) -> Iterator[str]:
 
 
 _PRIVATE = range(0xE000, 0x10FFFF)
-"""Characters one of which stands for the ends of lines within strings."""
+"""Candidates for the character that replaces line ends within strings."""
 
 
 def _without_lines(tree: Noted, kept: str) -> Noted:
@@ -72,11 +72,11 @@ def _without_lines(tree: Noted, kept: str) -> Noted:
 
 
 def document(tree: Noted, after: str = "") -> AbstractDoc:
-    """Return the document of a tree: what may be broken, and where it goes on then.
+    """Return the document of a tree, with its possible line breaks and indentation.
 
-    Its atoms have no ends of lines in them. `after` is what stands behind it, such as
-    the parentheses of the lists that end with it, and has to fit on its last line. A
-    list with comments is never on one line.
+    The atoms of the tree have no line ends. `after` is the text that follows the tree,
+    for example closing parentheses, and must fit on its last line. A list with comments
+    is never on one line.
     """
     if isinstance(tree, str):
         return TextDoc(tree + after)
@@ -114,14 +114,14 @@ def document(tree: Noted, after: str = "") -> AbstractDoc:
 
 
 def _is_filled(word: str, row: Sequence[Noted]) -> bool:
-    """Whether a line takes as many of a list's operands as there is room for."""
+    """Return whether a list fills each line with as many operands as fit."""
     if word.startswith("declare-"):
         return len(row) == 1 and not str(row[0]).startswith('"')
     return not word or word in _FILLED
 
 
 def _wide(tree: Noted) -> int:
-    """Return how many columns a tree takes on one line, its comments aside."""
+    """Return the width of a tree on one line, without its comments."""
     if isinstance(tree, tuple):
         inner = [_wide(one) for one in tree if not isinstance(one, Note)]
         return sum(inner) + max(1, len(inner)) + 1
@@ -129,7 +129,7 @@ def _wide(tree: Noted) -> int:
 
 
 def _is_noted(tree: Noted) -> bool:
-    """Whether there is a comment in a tree."""
+    """Return whether a tree has a comment."""
     stack = [tree]
     while stack:
         one = stack.pop()
@@ -141,7 +141,7 @@ def _is_noted(tree: Noted) -> bool:
 
 
 def _together(operands: Sequence[Noted]) -> list[Sequence[Noted]]:
-    """The operands of a list, each option with the value behind it."""
+    """Return the operands of a list, each option together with its value."""
     found: list[Sequence[Noted]] = []
     at = 0
     while at < len(operands):
@@ -158,7 +158,7 @@ def _is_option(tree: Noted) -> bool:
 
 
 def _side_by_side(row: Sequence[Noted], column: int, after: str) -> AbstractDoc:
-    """An operand that begins at a column of its list, or an option with its value."""
+    """Return the document of an operand or an option with its value, at a column."""
     if len(row) == 1:
         return document(row[0], after).nest(column)
     option, value = row
@@ -168,7 +168,7 @@ def _side_by_side(row: Sequence[Noted], column: int, after: str) -> AbstractDoc:
 
 
 def _beside(word: str, operands: Sequence[Sequence[Noted]]) -> int:
-    """Return how many operands stay beside the word or list that heads their list."""
+    """Return the number of operands on the line of the head of their list."""
     told = _BESIDE.get(word, 0) if word else 1
     behind = operands if word else operands[1:]
     atoms = next((at for at, row in enumerate(behind) if not _is_name(row)), 0)
@@ -176,7 +176,7 @@ def _beside(word: str, operands: Sequence[Sequence[Noted]]) -> int:
 
 
 def _is_name(row: Sequence[Noted]) -> bool:
-    """Whether an operand is an atom, and no string or option with its value."""
+    """Return whether an operand is an atom, but no string and no option with value."""
     return len(row) == 1 and isinstance(row[0], str) and row[0][0] != '"'
 
 
@@ -185,14 +185,14 @@ def _holds_list(row: Sequence[Noted]) -> bool:
 
 
 def _has_rows(rule: str) -> bool:
-    """Whether a list holds any number of lists of one kind."""
+    """Return whether a list ends with any number of lists of the same kind."""
     last = RULES[rule][-1]
     inner = _entered(last) if last[0] in ("*", "+") else []
     return bool(inner) and all(is_list(RULES.get(one, "")) for one in inner)
 
 
 def _entered(shape: Shape) -> list[str]:
-    """The leaves of a shape and of the groups in it."""
+    """Return the leaves of a shape and of the groups in it."""
     return [
         one
         for leaf in leaves(shape)
@@ -205,7 +205,7 @@ def _is_group(leaf: str) -> bool:
 
 
 def _first_words(shape: Shape) -> set[str]:
-    """The words of a shape behind which something stands that belongs to them."""
+    """Return the words of a shape that have a value after them."""
     if isinstance(shape, str):
         return set()
     inner = [word for part in shape[1:] for word in _first_words(part)]
@@ -227,7 +227,7 @@ _BELOW = frozenset(FORMS) | {
     if rule == "method" or (_has_rows(rule) and rule not in rules_by_head("formula"))
     for word in heads(rule)
 }
-"""The words whose operands stand below them, two columns to the right."""
+"""The words with their operands on the lines below, indented by two columns."""
 
 _BROKEN = frozenset(
     (
@@ -236,17 +236,17 @@ _BROKEN = frozenset(
         *("define-memory-rule", "define-event-rule", "match-result"),
     )
 )
-"""The words whose lists are never on one line, if they hold anything."""
+"""The words whose lists are never on one line if they have a list inside."""
 
 _JOINED = frozenset(("and", "or", "resources"))
-"""The words whose lists are never on one line, if they hold two lists or more."""
+"""The words whose lists are never on one line if they have two lists or more."""
 
 _FILLED = frozenset(("facts", "primitives", "primitives-include"))
-"""The words of lists of facts and requests, which stand side by side."""
+"""The words of lists of facts and requests, which fill their lines."""
 
 _BESIDE = {
     **dict.fromkeys(FORMS, 1),
     "define-memory-rule": 2,
     "at": 1,
 }
-"""How many operands stay beside a word; atoms that lists come behind always do."""
+"""The number of operands on the line of a word, besides atoms before a list."""

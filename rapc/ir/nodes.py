@@ -1,10 +1,10 @@
-"""Every node of the IR: what a RAP file says, without judging it.
+"""All nodes of the IR, which represents the content of RAP files without checks.
 
-Nodes are frozen; sequences are tuples; the span is the last field and takes no part in
-comparison, so two spellings of one definition are equal. Nodes hold no meaning: what a
-name refers to is found by `rapc.library.library` and `rapc.analysis`.
+Nodes are frozen, and sequences are tuples. The span is the last field and is not
+compared: two spellings of a definition are equal.
+Not here: the meaning of names (`rapc.library.library` and `rapc.analysis`).
 
-Sources: [T 4], [T A], [S 3], [S 4]; those of tests are in docs/testing.md.
+Sources: [T 4], [T A], [S 3], [S 4]; for tests: docs/testing.md.
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ class Node(
     array_like=True,
     kw_only=True,
 ):
-    """The base of all nodes: compared by type and fields, the span left out.
+    """The base of all nodes, compared by type and fields without the span.
 
-    Nodes are trees, so the garbage collector need not look after them. In a compiled
-    library a node is a list: its type's name, then its fields.
+    Nodes are trees without cycles, and the garbage collector ignores them. In a
+    compiled library a node is a list: its type's name, then its fields.
     """
 
     #: The position in the text; the last field of each node.
@@ -61,7 +61,7 @@ def compared_fields(kind: type[Node]) -> tuple[str, ...]:
 
 @cache
 def _told(kind: type[Node]) -> Callable[[Node], object]:
-    """Return what takes the values that make two nodes equal from a node of a kind."""
+    """Return a function that returns the compared values of a node of a kind."""
     fields = compared_fields(kind)
     return attrgetter(*fields) if fields else lambda node: ()
 
@@ -70,7 +70,7 @@ def _told(kind: type[Node]) -> Callable[[Node], object]:
 
 
 class Const(Node, frozen=True, eq=False):
-    """A symbol, number or string. A `:keyword` is a symbol that starts so."""
+    """A symbol, number or string. A `:keyword` is a symbol with a leading colon."""
 
     value: Atom
 
@@ -82,7 +82,7 @@ class Var(Node, frozen=True, eq=False):
 
     @property
     def anonymous(self) -> bool:
-        """Whether this is the bare `?`, a new variable at each place."""
+        """Whether the variable is the bare `?`, a new variable at each occurrence."""
         return self.name == "?"
 
 
@@ -96,38 +96,38 @@ class Call(Node, frozen=True, eq=False):
 Term = Const | Var | Call
 
 Used = Term
-"""An operand that needs its value: unbound variables in it are a fault."""
+"""An operand that needs its value: an unbound variable in the operand is a fault."""
 
 Matched = Term
-"""An operand that is held against a value: an unbound variable takes it."""
+"""An operand that is matched with a value, which binds an unbound variable."""
 
 
 # --- formulas [L 2] -----------------------------------------------------------
 
 
 class Truth(Node, frozen=True, eq=False):
-    """`t` or `true` (always succeeds), `nil` or `false` (never does)."""
+    """`t` or `true` (always succeeds), `nil` or `false` (never succeeds)."""
 
     value: bool
 
 
 class Pattern(Node, frozen=True, eq=False):
-    """A name with terms for arguments; which kind of name, the types below say."""
+    """A name with terms as arguments; the subclasses are the kinds of names."""
 
     name: str
     args: tuple[Term, ...]
 
 
 class Proposition(Pattern, frozen=True, eq=False):
-    """A fact asked, asserted or erased, or a declared test.
+    """A fact that is queried, asserted or erased, or a declared test.
 
-    Which of these it is follows from where it stands and from what its name is
-    declared to be: a property, a proposition, or a function used as a test.
+    The use follows from the position and from the declaration of the name: a property,
+    a proposition, or a function used as a test.
     """
 
 
 class Request(Pattern, frozen=True, eq=False):
-    """What a primitive asks of the world."""
+    """The request of a primitive to the world."""
 
 
 class Signal(Pattern, frozen=True, eq=False):
@@ -143,7 +143,7 @@ class Datum(Pattern, frozen=True, eq=False):
 
 
 class Thing(Pattern, frozen=True, eq=False):
-    """What is used or claimed: `wheels`, without arguments, or `(arm ?arm)`."""
+    """A thing used or claimed: `wheels`, without arguments, or `(arm ?arm)`."""
 
 
 class And(Node, frozen=True, eq=False):
@@ -209,7 +209,7 @@ class Count(Node, frozen=True, eq=False):
 
 
 class Otherwise(Node, frozen=True, eq=False):
-    """`otherwise` in a context: no method before this one in the text holds now."""
+    """`otherwise` in a context: no preceding method in the text applies."""
 
 
 Formula = (
@@ -228,7 +228,7 @@ Formula = (
 )
 
 Closed = Formula
-"""A part that hands nothing out: what is bound in it is known in it alone."""
+"""A part with local bindings, which are not visible outside the part."""
 
 
 # --- RAPs: clauses, methods, task-nets, annotations [T 4], [S 3] ----------------
@@ -251,19 +251,19 @@ class Resource(Node, frozen=True, eq=False):
 
 
 class DeclaredEffect(Node, frozen=True, eq=False):
-    """A fact that is brought about or, negated, taken away: `p`, `(not p)`, `(may p)`.
+    """A fact that is asserted or, if negated, erased: `p`, `(not p)`, `(may p)`.
 
-    For planner and checker, of RAPs, of the results of primitives and of data.
+    Planner and checker use the declared effects of RAPs, results and data.
     """
 
     pattern: Proposition
     negated: bool
-    #: Whether the fact can, but need not, come or go; never so of RAPs.
+    #: Whether the effect is possible, but not certain; always false for RAPs.
     possible: bool
 
 
 class Goal(Node, frozen=True, eq=False):
-    """`(rap args... [=> outs...])`: what a step or a top-level task asks for."""
+    """`(rap args... [=> outs...])`: the goal of a step or of a top-level task."""
 
     name: str
     args: tuple[Term, ...]
@@ -329,7 +329,7 @@ class Step(Node, frozen=True, eq=False):
 
 
 class TaskNet(Node, frozen=True, eq=False):
-    """The steps of a method; none means the method ends well at once."""
+    """The steps of a method; without steps the method succeeds at once."""
 
     steps: tuple[Step, ...]
 
@@ -356,9 +356,9 @@ Body = TaskNet | Primitive | Skills
 
 
 class Method(Node, frozen=True, eq=False):
-    """One way to carry a RAP out. `position` counts from 1 in the text.
+    """A method of a RAP. `position` counts from 1 in the text.
 
-    `constraints` and `skills` stand with a task-net alone.
+    Only a method with a task-net has `constraints` and `skills`.
     """
 
     name: str | int | None
@@ -366,28 +366,28 @@ class Method(Node, frozen=True, eq=False):
     context: Formula | None
     notations: tuple[Proposition, ...]
     body: Body
-    #: What must hold for all tasks below while the method is under way.
+    #: The formula that must hold for all descendants while the method is under way.
     constraints: Formula | None = None
-    #: What nobody else may use while the method is under way.
+    #: The things that no other task may use while the method is under way.
     claims: tuple[Thing, ...] = ()
-    #: What is switched on while the method is under way.
+    #: The skills that are switched on while the method is under way.
     skills: tuple[Skill, ...] = ()
 
 
 class VariableKind(Node, frozen=True, eq=False):
-    """`(?variable kind)` in an index: of which kind its values are."""
+    """`(?variable kind)` in an index: the kind of the variable's values."""
 
     variable: str
     kind: str
 
 
 class DefineRap(Node, frozen=True, eq=False):
-    """A RAP. `name_span` is where its name stands in the index."""
+    """A RAP. `name_span` is the span of its name in the index."""
 
     name: str
     inputs: tuple[Var, ...]
     outputs: tuple[Var, ...]
-    #: The kinds of those inputs and outputs of which one is told.
+    #: The declared kinds of inputs and outputs.
     kinds: tuple[VariableKind, ...]
     duration: Term | None
     monitor_state: Formula | None
@@ -416,9 +416,9 @@ class DeclareKind(Node, frozen=True, eq=False):
     """`(declare-kind name [:is kind] [(value...)] ["doc"])`: a kind of values."""
 
     name: str
-    #: The kind of which all its values are too.
+    #: The parent kind, which includes all values of this kind.
     above: str | None
-    #: The only values there are; None where any symbol may be one.
+    #: The values of a closed kind; None for an open kind.
     values: tuple[Atom, ...] | None
     doc: str
 
@@ -455,7 +455,7 @@ class DeclareProperty(Node, frozen=True, eq=False):
 class DeclareFunction(Node, frozen=True, eq=False):
     """`(declare-memory-function name (arg...) [:reads (pred...)] ["doc"])`.
 
-    `reads` is None where nothing was said.
+    `reads` is None if it is not declared.
     """
 
     name: str
@@ -472,7 +472,7 @@ class DeclareIndistinctClass(Node, frozen=True, eq=False):
 
 
 class ComparatorRow(Node, frozen=True, eq=False):
-    """One property of a comparator declared in RAP: `veto`, `ignore` or a weight."""
+    """A property of a comparator declared in RAP: `veto`, `ignore` or a weight."""
 
     property: str
     treatment: Literal["veto", "ignore", "score"]
@@ -489,7 +489,7 @@ class DeclareComparator(Node, frozen=True, eq=False):
 
 
 class ResultEffects(Node, frozen=True, eq=False):
-    """`:on (result effect...)`: what memory holds after a result of a primitive."""
+    """`:on (result effect...)`: the declared effects of a result of a primitive."""
 
     result: str
     effects: tuple[DeclaredEffect, ...]
@@ -502,11 +502,11 @@ class DeclarePrimitive(Node, frozen=True, eq=False):
     args: tuple[Argument, ...]
     results: tuple[str, ...]
     atomic: bool
-    #: What a request needs for itself while it is under way.
+    #: The things that a request uses while it is under way.
     uses: tuple[Thing, ...]
-    #: The names of the data that may come with it.
+    #: The names of the data that may come with the result.
     tells: tuple[str, ...]
-    #: What its results do to memory; a result that is not named: nothing is known.
+    #: The declared effects of results; the effects of other results are unknown.
     on: tuple[ResultEffects, ...]
     doc: str
 
@@ -516,7 +516,7 @@ class DeclareDatum(Node, frozen=True, eq=False):
 
     name: str
     args: tuple[Argument, ...]
-    #: What the datum does to memory; None where nothing is said.
+    #: The declared effects of the datum; None if not declared.
     on: tuple[DeclaredEffect, ...] | None
     doc: str
 
@@ -526,9 +526,10 @@ class DeclareSkill(Node, frozen=True, eq=False):
 
     name: str
     args: tuple[Argument, ...]
-    #: The names of the events that it may tell, with colons; None where none are said.
+    #: The names of the events that the skill may send, with colons; None if not
+    #: declared.
     events: tuple[str, ...] | None
-    #: What it needs for itself while it is on.
+    #: The things that the skill uses while it is on.
     uses: tuple[Thing, ...]
     doc: str
 
@@ -547,7 +548,7 @@ class DeclareEvent(Node, frozen=True, eq=False):
 class DefineQuery(Node, frozen=True, eq=False):
     """`(define-query (name arg...) formula ["doc"])`: a formula with a name.
 
-    Where it is used, a proposition of that name stands.
+    A use of the query is a proposition of that name.
     """
 
     name: str
@@ -568,14 +569,14 @@ class RuleAction(Node, frozen=True, eq=False):
 
 
 class Alternative(Node, frozen=True, eq=False):
-    """`(query action...)` of a rule; no query is written as true."""
+    """`(query action...)` of a rule; a missing query is true."""
 
     query: Formula
     actions: tuple[RuleAction, ...]
 
 
 class Rule(Node, frozen=True, eq=False):
-    """`(rule (query action...)...)`: the first query with a solution acts."""
+    """`(rule (query action...)...)`: the first query with a solution is carried out."""
 
     alternatives: tuple[Alternative, ...]
 
@@ -613,11 +614,11 @@ class Require(Node, frozen=True, eq=False):
     name: str
 
 
-# --- what is given -----------------------------------------------------------------
+# --- scripts, tasks and agendas ----------------------------------------------------
 
 
 class Moved(Node, frozen=True, eq=False):
-    """`(item place)`: an item that a handler has introduced is at another place now.
+    """`(item place)`: the move of an introduced item to a place.
 
     Both are constants or, in a row of a script, variables.
     """
@@ -630,10 +631,10 @@ RowKind = Literal["request", "enable", "disable"]
 
 
 class ScriptRow(Node, frozen=True, eq=False):
-    """`((request) [result] option...)`: what the world answers, and what comes of it.
+    """`((request) [result] option...)`: the world's reply to a request, with effects.
 
-    `request` may hold variables; with `kind` `enable` or `disable` its name is that of
-    a skill. `after` is None for an atomic primitive, `times` for a row without limit.
+    `request` may have variables; with the `kind` `enable` or `disable` it is a skill.
+    `after` is None for an atomic primitive, `times` is None for a row without limit.
     `pauses` are the waits before each of the `signals`.
     """
 
@@ -651,14 +652,14 @@ class ScriptRow(Node, frozen=True, eq=False):
     signals: tuple[Signal, ...]
     refused: bool
     pauses: tuple[Number, ...] = ()
-    #: How long after a skill has told its signals it tells them again; None: never.
+    #: The time after which a skill repeats its signals; None: no repetition.
     every: Number | None = None
 
 
 class GivenTask(Node, frozen=True, eq=False):
     """`(task goal [:priority n] [:deadline t] [:at t] [:background true])`.
 
-    `at` stands in agendas alone.
+    `at` occurs only in agendas.
     """
 
     goal: Goal
@@ -669,7 +670,7 @@ class GivenTask(Node, frozen=True, eq=False):
 
 
 class DefineAgenda(Node, frozen=True, eq=False):
-    """`(define-agenda name (require "name")... task...)`: what is to be done."""
+    """`(define-agenda name (require "name")... task...)`: a list of tasks."""
 
     name: str
     requires: tuple[Require, ...]
@@ -678,7 +679,7 @@ class DefineAgenda(Node, frozen=True, eq=False):
 
 
 class Answer(Node, frozen=True, eq=False):
-    """`((function arg...) value)`: what a function returns that nobody registered.
+    """`((function arg...) value)`: the value of a function that is not registered.
 
     The arguments are constants and variables.
     """
@@ -725,7 +726,7 @@ class Signals(Node, frozen=True, eq=False):
 
 
 class Cancel(Node, frozen=True, eq=False):
-    """`(cancel goal)`: every live top-level task that matches it."""
+    """`(cancel goal)`: cancel every live top-level task that matches the goal."""
 
     goal: Goal
 
@@ -737,7 +738,7 @@ class Until(Node, frozen=True, eq=False):
     cycles: int | None
 
 
-# --- what is expected --------------------------------------------------------------
+# --- expectations ------------------------------------------------------------------
 
 
 class ListPattern(Node, frozen=True, eq=False):
@@ -780,13 +781,13 @@ class Active(Node, frozen=True, eq=False):
 
 
 class Primitives(Node, frozen=True, eq=False):
-    """`(primitives request...)`: all of them, and skills enabled, in order."""
+    """`(primitives request...)`: all requests and enabled skills, in order."""
 
     requests: tuple[Request | Skill, ...]
 
 
 class PrimitivesInclude(Node, frozen=True, eq=False):
-    """`(primitives-include request...)`: in order, with others between."""
+    """`(primitives-include request...)`: in order, other requests allowed between."""
 
     requests: tuple[Request | Skill, ...]
 
@@ -806,8 +807,8 @@ class MemoryHolds(Node, frozen=True, eq=False):
 class MethodChosen(Node, frozen=True, eq=False):
     """`(method rap name [n times])`.
 
-    `method` is written as the trace has it: a name, or `#1` for one without;
-    `times` is None where any number from one will do.
+    `method` has the form of the trace: a name, or `#1` for a method without name;
+    `times` is None for any number from 1.
     """
 
     rap: str
@@ -830,7 +831,7 @@ class EndsBy(Node, frozen=True, eq=False):
 
 
 class TraceHas(Node, frozen=True, eq=False):
-    """`(trace event-pattern...)`: in order, with others between."""
+    """`(trace event-pattern...)`: in order, other events allowed between."""
 
     events: tuple[EventPattern, ...]
 
@@ -856,7 +857,7 @@ class Expect(Node, frozen=True, eq=False):
     expectations: tuple[Expectation, ...]
 
 
-# --- the whole -----------------------------------------------------------------------
+# --- tests and top-level forms -------------------------------------------------------
 
 Action = Asserts | Erases | Moves | Loses | Signals | GivenTask | Cancel | Expect
 
@@ -869,9 +870,9 @@ class At(Node, frozen=True, eq=False):
 
 
 class DefineTest(Node, frozen=True, eq=False):
-    """`(define-test name ["doc"] clause...)`, with what its file says of all tests.
+    """`(define-test name ["doc"] clause...)`, with the test defaults of its file.
 
-    `name_span` is where its name stands.
+    `name_span` is the span of its name.
     """
 
     name: str

@@ -1,10 +1,10 @@
-"""IR to RAP text: terms, formulas, goals, whole definitions, by the grammar's shapes.
+"""Printing of IR as RAP text: terms, formulas, goals and definitions.
 
-The text reads back as what was printed; it is one line, which `rapc.ir.layout` breaks.
-A node is written by the rule that it is read by: each operand of the rule takes the
-next field of the node, each clause or option the field of its name. What would be so
-without being said is left out. `OPERANDS_OF` has the nodes whose fields are not the
-operands of their rules, `_BY_HAND` those that no shape tells how to write.
+The text is one line, and parsing it gives an equal node. A node is written by the
+grammar rule that also reads the node. Each operand of the rule takes the next field of
+the node, each clause or option the field of its name. Default values are left out.
+`OPERANDS_OF` has the nodes whose operands are not their fields, `_BY_HAND` the nodes
+with their own functions. Not here: line breaks (`rapc.ir.layout`).
 """
 
 from __future__ import annotations
@@ -32,42 +32,42 @@ from rapc.language.heads import heads
 from rapc.language.shapes import Shape, is_rule, is_word
 
 Bindings = Mapping[str, object]
-"""Values by variable name (with its question mark): atoms, or what `str` writes."""
+"""Values by variable name (with its question mark): atoms, or objects with `str`."""
 
 Tree = str | tuple["Tree", ...]
-"""A text as it is nested: an atom as it is written, or what stands in a list."""
+"""A nested text: an atom in its written form, or the trees in a list."""
 
 Row = Sequence[Tree]
-"""Trees that stand side by side: most nodes are one, options a word and its value."""
+"""A sequence of trees: one for most nodes, a word and its value for options."""
 
 Write = Callable[[Any, Bindings | None], Row]
-"""Makes trees of a value."""
+"""A function that returns the trees of a value."""
 
 
 def format_term(term: nodes.Term, bindings: Bindings | None = None) -> str:
-    """A term; a variable that is bound is written as its value."""
+    """Return a term as text; a bound variable is written as its value."""
     return format_node(term, bindings)
 
 
 def format_goal(goal: nodes.Goal, bindings: Bindings | None = None) -> str:
-    """A goal: `(find box => ?place)`."""
+    """Return a goal as text: `(find box => ?place)`."""
     return format_node(goal, bindings)
 
 
 def format_formula(
     formula: nodes.Formula | nodes.Pattern, bindings: Bindings | None = None
 ) -> str:
-    """A formula on one line, or any name with its arguments."""
+    """Return a formula, or any name with its arguments, as text on one line."""
     return format_node(formula, bindings)
 
 
 def format_node(node: nodes.Node, bindings: Bindings | None = None) -> str:
-    """Any node on one line: a formula, a method, a whole definition."""
+    """Return a node as text on one line: a formula, a method, a whole definition."""
     return " ".join(map(one_line, trees(node, bindings)))
 
 
 def one_line(tree: Tree) -> str:
-    """A tree as text on one line."""
+    """Return a tree as text on one line."""
     if isinstance(tree, str):
         return tree
     words = [one if type(one) is str else one_line(one) for one in tree]
@@ -75,13 +75,13 @@ def one_line(tree: Tree) -> str:
 
 
 def trees(node: nodes.Node, bindings: Bindings | None = None) -> Row:
-    """The trees of a node; more than one for options alone."""
+    """Return the trees of a node; more than one only for options."""
     return _writer(type(node))(node, bindings)
 
 
 @cache
 def _writer(kind: type[nodes.Node]) -> Write:
-    """Return what writes nodes of a kind."""
+    """Return the writer for nodes of a kind."""
     by_hand = _BY_HAND.get(kind)
     if by_hand is not None:
         return by_hand
@@ -93,7 +93,7 @@ def _writer(kind: type[nodes.Node]) -> Write:
 
 @cache
 def _by_rule(rule: str, kind: type[nodes.Node]) -> Write:
-    """Return what writes nodes of a kind as their rule has them."""
+    """Return the writer for nodes of a kind by a rule."""
     known = parts(rule, kind)
     names = fields(kind, known)
     operands = OPERANDS_OF.get(kind, lambda node: [getattr(node, n) for n in names])
@@ -102,7 +102,7 @@ def _by_rule(rule: str, kind: type[nodes.Node]) -> Write:
 
 
 _WritePart = Callable[[Any, Iterator[Any], Bindings | None], Row]
-"""Writes a part of a node: a clause of its own, or the operand that comes next."""
+"""A function that writes a part of a node: a clause, or the next operand."""
 
 
 def _row(
@@ -110,7 +110,7 @@ def _row(
     writes: Sequence[_WritePart],
     operands: Callable[[Any], Iterable[Any]],
 ) -> Write:
-    """Return what writes the parts of a rule, in parentheses if it is a list."""
+    """Return the writer for the parts of a rule, with parentheses for a list."""
     nested = RULES[rule][0] == "list"
 
     def write(node: Any, bindings: Bindings | None) -> Row:
@@ -134,9 +134,9 @@ def _part(part: Part, kind: type[nodes.Node], known: Sequence[Part]) -> _WritePa
 def _clause(
     rule: str, field: str, kind: type[nodes.Node], known: Sequence[Part]
 ) -> _WritePart:
-    """Return what writes a clause or an option, if there is something to say in it.
+    """Return the writer for a clause or an option, which leaves out default values.
 
-    Of clauses that share a field that one stands which its node is.
+    Of clauses that share a field, only the clause of the node's rule is written.
     """
     left_out, words, whole = unsaid(rule, kind, field), heads(rule), _whole(rule)
     take = HELD_BY.get(rule) or attrgetter(field)
@@ -160,7 +160,7 @@ def _clause(
 
 @cache
 def _whole(rule: str) -> Write:
-    """Return what writes a rule of a single operand that is no node of its own."""
+    """Return the writer for a rule with a single operand and no node."""
     shape = RULES[rule]
     if is_word(shape):
         return lambda value, bindings: (_word(shape),)
@@ -173,7 +173,7 @@ def _whole(rule: str) -> Write:
 
 @cache
 def _of_shape(shape: Shape) -> Write:
-    """Return what writes an operand: nodes by their rules, others by the shape."""
+    """Return the writer for an operand: nodes by their rules, values by the shape."""
     plain = _plain(shape)
 
     def write(value: Any, bindings: Bindings | None) -> Row:
@@ -185,7 +185,7 @@ def _of_shape(shape: Shape) -> Write:
 
 
 def _plain(shape: Shape) -> Write:
-    """Return what writes values that are no nodes: names, numbers, words, rows."""
+    """Return the writer for values other than nodes: names, numbers, words, rows."""
     if isinstance(shape, str) and is_rule(shape):
         return _whole(shape) if RULES[shape][0] == "seq" else _listed(shape)
     if isinstance(shape, str):
@@ -201,7 +201,7 @@ def _plain(shape: Shape) -> Write:
 
 
 def _plain_choice(choices: Sequence[Shape]) -> Write:
-    """Return what writes one of several words, or an atom of one of several kinds."""
+    """Return the writer for a choice of words, or for a choice of kinds of atoms."""
     if all(map(is_word, choices)):
         colon = ":" * (_word(choices[0])[0] == ":")
         return lambda value, bindings: (
@@ -211,7 +211,7 @@ def _plain_choice(choices: Sequence[Shape]) -> Write:
 
 
 def _if_any(shape: Shape) -> Write:
-    """Return what writes an operand that may be left out."""
+    """Return the writer for an optional operand."""
     inner = shape[1]
     write = _of_shape(inner)
     row = inner[0] == "seq" and inner[-1][0] == "*"
@@ -224,7 +224,7 @@ def _if_any(shape: Shape) -> Write:
 
 
 def _in_row(shape: Shape) -> Write:
-    """Return what writes a value and the words before it; not those behind it."""
+    """Return the writer for a value with the words before it, not after it."""
     *words, last = [part for part in shape[1:] if part[0] != "?"]
     said, write = [_word(word) for word in words], _of_shape(last)
     return lambda value, bindings: [*said, *write(value, bindings)]
@@ -232,7 +232,7 @@ def _in_row(shape: Shape) -> Write:
 
 @cache
 def _listed(rule: str) -> Write:
-    """Return what writes a list, behind its word if it has one, of values in a row."""
+    """Return the writer for a list of values, with its first word if it has one."""
     shape = RULES[rule]
     word = [_word(shape[1])] if shape[0] == "list" and is_word(shape[1]) else []
 
@@ -245,12 +245,12 @@ def _listed(rule: str) -> Write:
 
 
 def _all(values: Iterable[Any], bindings: Bindings | None) -> list[Tree]:
-    """Values in a row: nodes and atoms."""
+    """Return the trees of values: nodes and atoms."""
     return [tree for value in values for tree in _any(value, bindings)]
 
 
 def _any(value: Any, bindings: Bindings | None) -> Row:
-    """A node, an atom, or several of them in a list."""
+    """Return the trees of a node, an atom, or a list of nodes and atoms."""
     if isinstance(value, nodes.Node):
         return trees(value, bindings)
     if type(value) is tuple:
@@ -267,12 +267,12 @@ def _text(value: Any, bindings: Bindings | None) -> Row:
 
 
 def _name_or_text(value: Any, bindings: Bindings | None) -> Row:
-    """A name where it can be one, and a text where not."""
+    """Return a value as a name if it is a valid name, otherwise as a text."""
     named = re.fullmatch(TERMINALS["SYMBOL"], value) and value == value.lower()
     return (format_atom(value if named else Text(value)),)
 
 
-# --- nodes that need a hand --------------------------------------------------------
+# --- nodes with their own writers --------------------------------------------------
 
 
 def _term(term: nodes.Term, bindings: Bindings | None) -> Tree:
@@ -351,4 +351,4 @@ _BY_HAND: Mapping[type, Callable[[Any, Bindings | None], Row]] = {
     nodes.EventPattern: _event,
     nodes.ListPattern: lambda node, bindings: (tuple(_all(node.items, bindings)),),
 }
-"""What writes nodes that no shape tells how to write."""
+"""The writers for nodes that the grammar's shapes do not describe."""

@@ -1,10 +1,12 @@
-"""What the classes of nodes and the grammar say of nodes: fields, operands, parts.
+"""Fields, operands and parts of nodes, from the classes of nodes and the grammar.
 
-The types with which fields are declared say which fields hold nodes, and what becomes
-of the variables in a formula (`operands`). A node is written by the rule it is named
-after, but for those in `_RULES` (`rule_of`). The parts of a list are the fields of the
-node, one after the other; clauses and options, which come in any order, are the fields
-of their names (`parts`); `OPERANDS_OF` has the nodes whose fields are otherwise.
+- The declared type of a field determines whether the field has nodes, and the use of
+  variables in a formula (`operands`).
+- The rule of a node has the name of the node, except for the nodes in `_RULES`
+  (`rule_of`).
+- The operands of a rule are the fields of the node, in order. Clauses and options,
+  which come in any order, are the fields of their names (`parts`).
+- `OPERANDS_OF` has the nodes whose operands are not their fields.
 """
 
 from __future__ import annotations
@@ -25,19 +27,19 @@ from rapc.language.shapes import Shape, is_rule, is_word, leaves
 
 
 def declared(kind: type, field: str) -> str:
-    """Return the type of a field as it is written in its class or one above."""
+    """Return the type of a field as text, from its class or a base class."""
     found = (vars(above).get("__annotations__", {}) for above in kind.__mro__)
     return next(str(types[field]) for types in found if field in types)
 
 
 @cache
 def names_in_type(text: str) -> frozenset[str]:
-    """Return the names in a type as it is written."""
+    """Return the names in the text of a type."""
     return frozenset(_WORD.findall(text))
 
 
 def _children(kind: type[nodes.Node]) -> tuple[str, ...]:
-    """The fields of a type of node whose declared types name nodes."""
+    """Return the fields of a type of node whose declared types name nodes."""
     return tuple(
         field
         for field in kind.__struct_fields__
@@ -48,7 +50,7 @@ def _children(kind: type[nodes.Node]) -> tuple[str, ...]:
 _WORD = re.compile(r"\w+")
 
 _PAIRS = ("keys",)
-"""Fields of pairs of a word and a node, which are no nodes themselves."""
+"""Fields of pairs of a word and a node; the pairs are not nodes."""
 
 _NODES = {
     name
@@ -63,24 +65,24 @@ CHILDREN: Mapping[type, tuple[str, ...]] = {
     if isinstance(kind, type) and issubclass(kind, nodes.Node)
     if kind not in (nodes.Node, nodes.Pattern)
 }
-"""For each type of node, the fields that hold nodes, in the order of the text."""
+"""For each type of node, the fields with nodes, in the order of the text."""
 
 
 class Operands(msgspec.Struct, frozen=True):
-    """The operands of a formula by what becomes of the variables in them."""
+    """The operands of a formula, grouped by the use of their variables."""
 
     #: Terms that need their values.
     used: tuple[nodes.Term, ...] = ()
-    #: Terms that are held against values, all at once; variables take these.
+    #: Terms that are matched with values, all at once; this binds free variables.
     matched: tuple[nodes.Term, ...] = ()
-    #: Formulas that must all hold, from left to right, each handing on what it binds.
+    #: Formulas that must all hold, from left to right; each passes on its bindings.
     parts: tuple[nodes.Formula, ...] = ()
-    #: Formulas that hand nothing out.
+    #: Formulas whose bindings are local.
     closed: tuple[nodes.Formula, ...] = ()
 
 
 def operands(formula: nodes.Formula) -> Operands:
-    """Return what a formula holds; the parts of an `or` are among `parts`."""
+    """Return the operands of a formula; the parts of an `or` are among `parts`."""
     kind = type(formula)
     by_value = _BY_VALUE.get(kind)
     if by_value is not None:
@@ -96,11 +98,11 @@ _ROLES: Mapping[str, str] = {
     "Proposition": "parts",
     "Closed": "closed",
 }
-"""What the types of fields say."""
+"""The group of operands for each type of field."""
 
 
 def _fields(kind: type[nodes.Node]) -> tuple[tuple[str, ...], ...]:
-    """The fields of a kind of formula for each field of `Operands`."""
+    """Return the fields of a kind of formula for each field of `Operands`."""
     said = {
         field: {
             _ROLES[word]
@@ -118,7 +120,7 @@ _FIELDS = {kind: _fields(kind) for kind in nodes.Formula.__args__}
 
 
 def _values(formula: nodes.Formula, fields: tuple[str, ...]) -> tuple[Any, ...]:
-    """The values of some fields of a formula, in a row."""
+    """Return the values of some fields of a formula, in order."""
     found: list[Any] = []
     for field in fields:
         value = getattr(formula, field)
@@ -129,18 +131,21 @@ def _values(formula: nodes.Formula, fields: tuple[str, ...]) -> tuple[Any, ...]:
 PARTS: Mapping[type, tuple[str, ...]] = {
     kind: (*fields[2], *fields[3]) for kind, fields in _FIELDS.items()
 }
-"""For each kind of formula, the fields that hold formulas."""
+"""For each kind of formula, the fields with formulas."""
 
 
 def _history_test(formula: nodes.HistoryTest) -> Operands:
-    """Return the method of a question about history, and the result asked for."""
+    """Return the operands of a history test: the method is used, the result matched."""
     if formula.query == "method-tried":
         return Operands(used=formula.args)
     return Operands(used=formula.args[:-1], matched=formula.args[-1:])
 
 
 def _sensor_name(formula: nodes.SensorName) -> Operands:
-    """Of what is out of sight there is no end: it has to be named."""
+    """Return the operands of a sensor name test; `false` requires a bound item.
+
+    Without a binding, the items out of sight could not be enumerated.
+    """
     value = formula.value
     if type(value) is nodes.Const and value.value == "false":
         return Operands(used=(formula.item,))
@@ -166,17 +171,17 @@ NAMED_BY: Mapping[type, str] = {
     nodes.HistoryTest: "query",
     nodes.ResourceChange: "op",
 }
-"""The field whose words name the rules of a kind: `set-add` that of `set_add`."""
+"""The field whose words name the rules of a kind: `set-add` has the rule `set_add`."""
 
 
 def rule_of(node: nodes.Node) -> str:
-    """Return the rule that a node is written by."""
+    """Return the grammar rule of a node."""
     rule = rule_of_kind(type(node))
     return rule if isinstance(rule, str) else rule(node)
 
 
 def rule_of_kind(kind: type[nodes.Node]) -> str | Callable[[Any], str]:
-    """Return the rule that nodes of a kind are written by, or what tells it of each."""
+    """Return the grammar rule of a kind of node, or a function from nodes to rules."""
     if kind in NAMED_BY:
         return lambda node: getattr(node, NAMED_BY[kind]).replace("-", "_")
     return _RULES.get(kind) or rule_named(kind.__name__)
@@ -184,7 +189,7 @@ def rule_of_kind(kind: type[nodes.Node]) -> str | Callable[[Any], str]:
 
 @cache
 def kind_of_rule(rule: str) -> type[nodes.Node] | None:
-    """Return the kind of node that is written by a rule; None if there is none."""
+    """Return the kind of node that a rule describes; None if there is none."""
     if rule in _ALSO:
         return _ALSO[rule]
     for kind, field in NAMED_BY.items():
@@ -212,18 +217,18 @@ _RULES: Mapping[type, str | Callable[[Any], str]] = {
     nodes.MemoryHolds: "memory",
     nodes.TraceHas: "trace",
 }
-"""The rules of nodes that are called otherwise, or for which their fields decide."""
+"""The rules with a name different from their node, or selected by a field."""
 
 
 _ALSO: Mapping[str, type[nodes.Node]] = {
     "task": nodes.GivenTask,
     "placed": nodes.Moved,
 }
-"""Rules that some nodes are read by and no node is written by."""
+"""Rules that are used to read nodes, but not to write nodes."""
 
 
 def declarations() -> Iterator[tuple[str, type[nodes.Node]]]:
-    """The rules of declarations that are a name and parts in any order, with kinds."""
+    """Yield the rules of declarations with a name and unordered parts, with kinds."""
     for rule in filter(is_rule, leaves(RULES["_form"])):
         kind = kind_of_rule(rule)
         if kind and rule.startswith("declare_") and rule != "declare_class_comparator":
@@ -231,7 +236,7 @@ def declarations() -> Iterator[tuple[str, type[nodes.Node]]]:
 
 
 def parts(rule: str, kind: type[nodes.Node]) -> tuple[Part, ...]:
-    """Return the parts of a rule, in order, as nodes of a kind have them."""
+    """Return the parts of a rule for nodes of a kind, in order."""
     shape = RULES[rule]
     if is_word(shape):
         return (Part(shape),)
@@ -244,7 +249,7 @@ def parts(rule: str, kind: type[nodes.Node]) -> tuple[Part, ...]:
 
 
 def fields(kind: type[nodes.Node], known: Iterable[Part]) -> tuple[str, ...]:
-    """Return the fields of a kind that are operands, in order."""
+    """Return the fields of a kind of node that are operands, in order."""
     named = {NAMED_BY.get(kind), *(part.field for part in known)}
     return tuple(
         field
@@ -254,7 +259,7 @@ def fields(kind: type[nodes.Node], known: Iterable[Part]) -> tuple[str, ...]:
 
 
 def _one_of(item: Shape) -> tuple[Shape, ...]:
-    """The first of several rows that a list may hold; of anything else that alone."""
+    """Return the first of several sequences in a choice; any other item alone."""
     if item[0] == "or" and any(one[0] == "seq" for one in item[1:]):
         first = item[1]
         return tuple(first[1:])
@@ -270,12 +275,12 @@ def _parts(item: Shape, kind: type[nodes.Node]) -> Iterable[Part]:
 
 
 def _is_option(rule: str) -> bool:
-    """Whether a rule is that of an option: a word with a colon and its values."""
+    """Return whether a rule is an option: a word with a colon and its values."""
     return RULES[rule][0] == "seq" and heads(rule)[0].startswith(":")
 
 
 def _clauses(item: Shape) -> tuple[dict[str, None], bool]:
-    """The rules in a group, groups in it entered, and whether it is of clauses."""
+    """Return the rules in a group and its subgroups, and whether they are clauses."""
     found: dict[str, None] = {}
     once = False
     for leaf in filter(is_rule, leaves(item)):
@@ -289,7 +294,7 @@ def _clauses(item: Shape) -> tuple[dict[str, None], bool]:
 
 
 def _field(rule: str, kind: type[nodes.Node]) -> str:
-    """The field that holds a clause or an option: that of its word, or of several."""
+    """Return the field of a clause or an option, by its word or the plural of it."""
     word = heads(rule)[0].strip(":").replace("-", "_")
     names = (_FIELD_OF.get(rule, word), f"{word}s")
     return next(name for name in names if name in kind.__struct_fields__)
@@ -302,11 +307,11 @@ _FIELD_OF = {
     "above": "above",
     "expect": "expectations",
 }
-"""The fields of clauses that are called otherwise."""
+"""The fields of clauses with a different name."""
 
 
 def unsaid(rule: str, kind: type[nodes.Node], field: str) -> Any:
-    """Return what a field holds where its clause or option is left out."""
+    """Return the value of a field if its clause or option is left out."""
     if rule == "primitive_atomic":
         return True
     words = declared(kind, field)
@@ -316,7 +321,7 @@ def unsaid(rule: str, kind: type[nodes.Node], field: str) -> Any:
 
 
 _EMPTY = (("tuple[", ()), ("bool", False), ("int", 0), ("Number", 0))
-"""What fields of a type hold where nothing is said."""
+"""The default values of fields, by the start of their type."""
 
 
 def _index(node: nodes.DefineRap) -> Iterable[Any]:
@@ -334,7 +339,7 @@ def _row_request(node: nodes.ScriptRow) -> Iterable[Any]:
 
 
 def _asked(one: nodes.Request | nodes.Skill) -> Any:
-    """A request as it is, a skill as what is asked: that it be enabled."""
+    """Return a request unchanged, and a skill inside `enable`."""
     return ("enable", one) if isinstance(one, nodes.Skill) else one
 
 
@@ -357,15 +362,15 @@ OPERANDS_OF: Mapping[type, Callable[[Any], Iterable[Any]]] = {
     ),
     nodes.Never: lambda node: (_asked(node.request),),
 }
-"""The operands of nodes whose fields are not those of their rules."""
+"""The operands of nodes whose operands are not their fields."""
 
 
 def _row_signals(row: nodes.ScriptRow) -> tuple[nodes.Signal | Number, ...]:
-    """The signals of a row, each behind the wait for it if there is one."""
+    """Return the signals of a row, each after its pause if there is one."""
     waits = row.pauses or [0] * len(row.signals)
     told = zip(waits, row.signals, strict=True)
     return tuple([part for wait, one in told for part in (wait, one) if part])
 
 
 HELD_BY: Mapping[str, Callable[[Any], Any]] = {"row_signals": _row_signals}
-"""What options hold that is more than their field."""
+"""The values of options that are made from several fields."""

@@ -1,7 +1,7 @@
 """Walks over the IR: formulas of a RAP, parts of a formula, terms.
 
-Everything comes in the order of the text. Which variable is bound where is not known
-here: that depends on declarations and on the order of evaluation (`rapc.analysis`).
+All results are in the order of the text. Not here: bindings of variables, which depend
+on declarations and on the order of evaluation (`rapc.analysis`).
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from rapc.ir.schema import CHILDREN, PARTS
 
 
 class FormulaAt(msgspec.Struct, frozen=True):
-    """A whole formula of a RAP: its clause, and the method or step that holds it."""
+    """A whole formula of a RAP with its clause and its method or step."""
 
     formula: nodes.Formula
     clause: Clause
@@ -27,7 +27,7 @@ class FormulaAt(msgspec.Struct, frozen=True):
 
 
 def formulas(rap: nodes.DefineRap) -> Iterator[FormulaAt]:
-    """Iterate over the formulas of a RAP: its own, then those of methods and steps."""
+    """Yield the formulas of a RAP: its own, then the formulas of methods and steps."""
     for clause, formula in clauses.held(clauses.RAP, rap):
         yield FormulaAt(formula, clause)
     for method in rap.methods:
@@ -40,32 +40,32 @@ def formulas(rap: nodes.DefineRap) -> Iterator[FormulaAt]:
 
 
 def steps(method: nodes.Method) -> tuple[nodes.Step, ...]:
-    """The steps of a method; none if it is a primitive."""
+    """Return the steps of a method; none for a primitive."""
     body = method.body
     return body.steps if isinstance(body, nodes.TaskNet) else ()
 
 
 def given_names(rap: nodes.DefineRap) -> set[str]:
-    """The names of the inputs and resources of a RAP."""
+    """Return the names of the inputs and resources of a RAP."""
     return {v.name for v in (*rap.inputs, *(r.variable for r in rap.resources))}
 
 
 def input_terms(rap: nodes.DefineRap, goal: nodes.Goal) -> dict[str, nodes.Term]:
-    """The terms that the inputs of the RAP of a goal have, by their names."""
+    """Return the terms of a goal by the names of the inputs of its RAP."""
     return {v.name: t for v, t in zip(rap.inputs, goal.args, strict=False)}
 
 
 def ways(formula: nodes.Formula | None) -> tuple[nodes.Formula, ...]:
-    """The parts of an `or`, or another formula alone: ways to make it hold."""
+    """Return the parts of an `or`, or the formula itself: the ways to make it true."""
     if isinstance(formula, nodes.Or):
         return formula.parts
     return () if formula is None else (formula,)
 
 
 def subformulas(formula: nodes.Formula) -> Iterator[nodes.Formula]:
-    """A formula and all formulas in it, each before its parts.
+    """Yield a formula and all formulas in it, each before its parts.
 
-    The proposition in a `believe` is one of them.
+    The proposition in a `believe` is included.
     """
     stack: list[nodes.Formula] = [formula]
     while stack:
@@ -77,7 +77,7 @@ def subformulas(formula: nodes.Formula) -> Iterator[nodes.Formula]:
 
 
 def terms(formula: nodes.Formula) -> Iterator[nodes.Term]:
-    """The terms of a formula and all formulas in it, outermost terms only."""
+    """Yield the terms of a formula and all formulas in it, outermost terms only."""
     for here in subformulas(formula):
         for field in CHILDREN[type(here)]:
             value = getattr(here, field)
@@ -90,7 +90,7 @@ _TERMS = frozenset(nodes.Term.__args__)
 
 
 def subterms(term: nodes.Term) -> Iterator[nodes.Term]:
-    """A term and all terms in it, each before its arguments."""
+    """Yield a term and all terms in it, each before its arguments."""
     stack: list[nodes.Term] = [term]
     while stack:
         here = stack.pop()
@@ -102,7 +102,7 @@ def subterms(term: nodes.Term) -> Iterator[nodes.Term]:
 def variables(*roots: nodes.Node) -> Iterator[nodes.Var]:
     """Yield the variables of some formulas or terms, in the order of the text.
 
-    Those of computed terms are among them, and each bare `?`.
+    The variables of computed terms and each bare `?` are included.
     """
     stack: list[nodes.Node] = list(reversed(roots))
     while stack:
@@ -119,7 +119,7 @@ def variables(*roots: nodes.Node) -> Iterator[nodes.Var]:
 
 
 def variable_names(*roots: nodes.Node) -> tuple[str, ...]:
-    """Return the names of the variables of some formulas or terms, but for bare `?`."""
+    """Return the names of the variables of formulas or terms, without bare `?`."""
     return tuple(dict.fromkeys(v.name for v in variables(*roots) if not v.anonymous))
 
 
@@ -130,9 +130,9 @@ def substitute(node: Substituted, terms: Mapping[str, nodes.Term]) -> Substitute
     """Return a formula, pattern or term with terms in place of its variables.
 
     Args:
-        node: what is changed; its parts without such variables are kept.
-        terms: the terms by the name of the variable that they replace; a term without
-            a span takes that of the variable.
+        node: the formula, pattern or term; parts without the variables stay unchanged.
+        terms: the terms by the name of the replaced variable; a term without a span
+            takes the span of the variable.
     """
     if isinstance(node, nodes.Var):
         new = terms.get(node.name, node)
