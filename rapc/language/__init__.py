@@ -1,1 +1,1 @@
-"""The language as data."""
+"""The grammar of the language as data, with its words and atoms."""

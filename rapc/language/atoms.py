@@ -1,4 +1,4 @@
-"""Values of Python that are values of the language: what programs can write down."""
+"""Validation of Python values as atoms of the language."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from rapc.language.grammar import TERMINALS
 _SYMBOL = re.compile(f"(?:{TERMINALS['SYMBOL']}|{TERMINALS['KEYWORD']})")
 
 _HALF_CHARACTER = re.compile("[\ud800-\udfff]")
-"""A surrogate: it has no place in a file, nor in saved bytes."""
+"""A surrogate, which is invalid in files and in saved bytes."""
 
 
 @lru_cache(maxsize=4096)
 def is_symbol(text: str) -> bool:
-    """Whether a text is a symbol or keyword as the reader returns it, folded.
+    """Return whether a text is a symbol or keyword in the folded form of the reader.
 
-    Handlers assert the same names again and again, so answers are kept.
+    Results are cached, because handlers assert the same names repeatedly.
     """
     if len(text) > MAX_NAME or _HALF_CHARACTER.search(text):
         return False
@@ -29,9 +29,9 @@ def is_symbol(text: str) -> bool:
 
 
 def is_atom(value: object) -> bool:
-    """Whether a value may stand in a fact: a symbol, a number or a string.
+    """Return whether a value is valid in a fact: a symbol, a number or a string.
 
-    Subclasses are none of these, `bool` among them, nor are infinities and `nan`.
+    Subclasses such as `bool`, infinities and `nan` are not valid.
     """
     kind = type(value)
     if kind is str:
@@ -46,11 +46,11 @@ def is_atom(value: object) -> bool:
 
 
 def need_atoms(values: object, what: str) -> None:
-    """Raise ArgumentError unless `values` are a name and what follows it.
+    """Raise ArgumentError unless `values` is a tuple of a name and atoms or None.
 
     Args:
-        values: what a caller hands over as a fact, the front of one, or a goal.
-        what: what it is told of as.
+        values: a caller's argument: a fact, a prefix of a fact, or a goal.
+        what: the noun for the argument in messages.
     """
     if not isinstance(values, tuple):
         raise ArgumentError(f"{what} is {kind(values)}, no tuple", '("name", arg...)')
@@ -63,11 +63,11 @@ def need_atoms(values: object, what: str) -> None:
 
 
 def need_fact(values: object, what: str) -> None:
-    """Raise ArgumentError unless `values` are a name and values that a run can hold.
+    """Raise ArgumentError unless `values` is a tuple of a name and valid atoms.
 
     Args:
-        values: what a caller hands over as a signal or a goal, without variables.
-        what: what it is told of as.
+        values: a caller's argument: a signal or a goal without variables.
+        what: the noun for the argument in messages.
     """
     need_atoms(values, what)
     assert isinstance(values, tuple)
@@ -78,7 +78,7 @@ def need_fact(values: object, what: str) -> None:
 
 
 def kind(value: object) -> str:
-    """Return in words what `value` is: `a text`, `None`, `of type int`."""
+    """Return the type of `value` in words: `a text`, `None`, `of type int`."""
     if isinstance(value, float) and isnan(value):
         return "nan"
     words: dict[type, str] = {type(None): "None", str: "a text", list: "a list"}

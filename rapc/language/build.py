@@ -1,8 +1,7 @@
-"""Make `grammar.py` of `rap.lark`, and a lark parser of it.
+"""Generator of `grammar.py` from `rap.lark`, and the lark parser of `rap.lark`.
 
-`python -m rapc.language.build` writes `grammar.py` anew; a test holds the two together.
-This module and `rapc.language.complete` alone know lark; neither is imported by what
-reads a file.
+`python -m rapc.language.build` writes `grammar.py`; a test compares both files. Only
+this module and `rapc.language.complete` use lark. The parser of files imports neither.
 """
 
 from __future__ import annotations
@@ -25,13 +24,13 @@ FOLDER = Path(__file__).parent
 SOURCE = FOLDER / "rap.lark"
 
 START = "start"
-"""The rule that whole programs are examples of."""
+"""The start rule for whole programs."""
 
 STARTS = (START, "data", "formula", "proposition", "goal", "term")
-"""The rules that a whole text may be an example of."""
+"""The start rules of the parser."""
 
 MARKS = ("(", ")", "#|", "|#")
-"""Quoted texts of the grammar that are no words."""
+"""Quoted texts of the grammar that are not words."""
 
 HEAD = '''\
 """The grammar of `rap.lark` as plain data: terminals, and all that is said of rules.
@@ -53,10 +52,10 @@ from rapc.language.shapes import Production, Shape
 
 @cache
 def parser(*, positions: bool = True) -> Lark:
-    """The LALR parser of whole programs (`start`) and of bare data (`data`).
+    """Return the LALR parser of whole programs (`start`) and of bare data (`data`).
 
-    Comments of the `#| |#` kind are known to `data` alone; blank them for `start`.
-    What its trees do not tell of `positions` it need not gather, a third of its work.
+    Only the rule `data` accepts `#| |#` comments; blank the comments for `start`.
+    Without `positions` in its trees the parser takes a third less time.
     """
     return Lark(
         SOURCE.read_text(encoding="utf-8"),
@@ -68,7 +67,7 @@ def parser(*, positions: bool = True) -> Lark:
 
 
 def whole_word(terminal: TerminalDef) -> None:
-    """Let a quoted word of the grammar match a whole symbol or keyword, in any case."""
+    """Make a quoted word of the grammar match a whole symbol or keyword in any case."""
     pattern = terminal.pattern
     if isinstance(pattern, PatternStr) and pattern.value not in MARKS:
         end = terminals()["_END"]
@@ -78,7 +77,7 @@ def whole_word(terminal: TerminalDef) -> None:
 
 @cache
 def words() -> Mapping[str, str]:
-    """The quoted words of the grammar by the names that lark gives them."""
+    """Return the quoted words of the grammar by their names in lark."""
     grammar = parser(positions=False).grammar
     compiled, _, _ = grammar.compile(list(STARTS), "*")
     return {
@@ -90,7 +89,7 @@ def words() -> Mapping[str, str]:
 
 @cache
 def terminals() -> Mapping[str, str]:
-    """Return the regular expression of each named terminal, as lark reads it."""
+    """Return the regular expression of each named terminal, compiled by lark."""
     grammar = _read()
     compiled, _, _ = grammar.compile(list(STARTS), "*")
     found = {one.name: one.pattern.to_regexp() for one in compiled}
@@ -99,7 +98,7 @@ def terminals() -> Mapping[str, str]:
 
 
 def grammar() -> dict[str, Production]:
-    """The productions but those of bare data, in the order of the grammar."""
+    """Return the productions without bare data, in the order of the grammar."""
     shapes = {str(name): _shape(tree) for name, _, tree, _ in _read().rule_defs}
     said = _said()
     found = {}
@@ -119,7 +118,7 @@ _BREAKS = Production("").breaks
 
 
 def _said() -> dict[str, dict[str, Any]]:
-    """What the lines with `//:` say of the rule or terminal below them."""
+    """Return the annotations (lines with `//:`) by the rule or terminal below them."""
     found: dict[str, dict[str, Any]] = {}
     rows: dict[str, Any] = {}
     for line in SOURCE.read_text(encoding="utf-8").splitlines():
@@ -137,14 +136,14 @@ def _said() -> dict[str, dict[str, Any]]:
 
 
 def _read() -> Any:
-    """The grammar as lark reads it, with its repetitions; lark has no types for it."""
+    """Return lark's grammar before the expansion of repetitions; it has no types."""
     load: Any = load_grammar
     grammar, _ = load(SOURCE.read_text(encoding="utf-8"), SOURCE.name, [], False)
     return grammar
 
 
 def _shape(tree: Tree[Token] | Token) -> Shape:
-    """The shape of an expression of lark's grammar of grammars."""
+    """Return the shape of an expression in lark's syntax tree of a grammar."""
     if isinstance(tree, Token):
         raise TypeError(f"an expression is wanted, not {tree!r}")
     kind, children = tree.data, tree.children
@@ -166,7 +165,7 @@ def _shape(tree: Tree[Token] | Token) -> Shape:
 
 
 def _lists(items: list[Shape]) -> list[Shape]:
-    """The items of a sequence with what stands in parentheses made one of them."""
+    """Return the items of a sequence with each parenthesised part as a `list` item."""
     stack: list[list[Shape]] = [[]]
     for item in items:
         if item == '"("':
@@ -181,7 +180,7 @@ def _lists(items: list[Shape]) -> list[Shape]:
 
 
 def module() -> str:
-    """The text of `grammar.py`."""
+    """Return the text of `grammar.py`."""
     named: dict[str, list[str]] = {}
     for name, pattern in terminals().items():
         named.setdefault(pattern, []).append(name)

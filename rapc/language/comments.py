@@ -1,6 +1,7 @@
-"""Comments, which nest and are therefore more than a terminal of the grammar.
+"""Positions of comments and strings in a text.
 
-So are the places of strings: a comment may hold what looks like one.
+Comments nest, and a comment may contain quotes: terminals of the grammar cannot
+describe either.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from collections.abc import Iterator
 from rapc.language.grammar import TERMINALS
 
 BLOCK_MARK = re.compile(r"#\||\|#")
-"""What begins and ends a comment that nests."""
+"""The start and the end of a nested comment."""
 
 _PIECE = re.compile(
     rf"(?P<string>{TERMINALS['STRING']})|(?P<line>{TERMINALS['COMMENT']})"
@@ -20,7 +21,7 @@ _PIECE = re.compile(
 
 
 def comment_end(text: str, start: int) -> int:
-    """Return where the `#| |#` comment that begins at `start` ends, or -1."""
+    """Return the end of the `#| |#` comment that begins at `start`, or -1."""
     depth = 0
     for mark in BLOCK_MARK.finditer(text, start):
         depth += 1 if mark[0] == "#|" else -1
@@ -30,9 +31,9 @@ def comment_end(text: str, start: int) -> int:
 
 
 def strings(text: str) -> Iterator[tuple[int, int]]:
-    """Yield where the strings in a text begin and end, with their quotes.
+    """Yield the start and end of each string in a text, with the quotes.
 
-    What follows a string or comment that is not closed is left out.
+    The text after an unclosed string or comment is left out.
     """
     for kind, start, end in _pieces(text):
         if kind == "string":
@@ -40,9 +41,9 @@ def strings(text: str) -> Iterator[tuple[int, int]]:
 
 
 def blanked(text: str) -> str | None:
-    """Return `text` with blanks for its comments, line ends among them.
+    """Return `text` with blanks for its comments, also for line ends in comments.
 
-    None if it ends within a comment or a string.
+    The result is None if the text ends within a comment or a string.
     """
     made: list[str] = []
     at = 0
@@ -56,9 +57,9 @@ def blanked(text: str) -> str | None:
 
 
 def _pieces(text: str) -> Iterator[tuple[str | None, int, int]]:
-    """Yield the strings and comments of a text: what it is, its start, its end.
+    """Yield the strings and comments of a text, each as kind, start and end.
 
-    The last one is `open` if it is not closed.
+    The kind of an unclosed string or comment is `open`; it is the last.
     """
     end = 0
     while piece := _PIECE.search(text, end):

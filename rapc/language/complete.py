@@ -1,10 +1,8 @@
-"""What fits at a place in an unfinished text.
+"""Completion: the words and kinds of names that fit at a position in a text.
 
-The answer comes from lark's parser of `rap.lark`: after the text up to the place has
-been read, the parser says which terminals it would take. Those that are words come back
-as words, those that are names as the kind of name that is wanted; whoever asks knows
-which names of that kind there are. Loading the grammar takes about half a second, so it
-is loaded by the first question.
+Lark's parser of `rap.lark` parses the text before the position and returns the accepted
+terminals. A terminal for a word becomes the word, a terminal for a name becomes the
+kind of the name. The grammar loads at the first call, which takes about 0.5 s.
 
 Not here: the names themselves, and texts other than the language (commands of a shell).
 """
@@ -30,30 +28,30 @@ NOTHING: Final = frozenset[str]()
 
 
 class Fits(msgspec.Struct, frozen=True):
-    """What may stand at a place; all empty where nothing is known."""
+    """The completions at a position; all fields are empty if nothing is known."""
 
-    #: Where the word begins that is being written, the place itself if there is none.
+    #: The start of the word at the position; the position itself if there is no word.
     start: int
-    #: The part of that word before the place, in lower case.
+    #: The part of the word before the position, in lower case.
     prefix: str
     #: The words of the language that fit and begin with `prefix`, sorted.
     words: tuple[str, ...] = ()
-    #: The kinds of names that fit, as `rap.lark` calls them: RAP, TAG, PREDICATE, ...
+    #: The kinds of names that fit, by their names in `rap.lark`: RAP, TAG, ...
     kinds: frozenset[str] = NOTHING
     #: Whether a list may begin here.
     opens: bool = False
-    #: Whether the list that the place is in may end here.
+    #: Whether the list around the position may end here.
     closes: bool = False
 
 
 def fits(text: str, *, start: str = START) -> Fits:
-    """Return what fits at the end of `text`; the part of a word there is a prefix.
+    """Return the completions at the end of `text`; a partial word is a prefix.
 
     Args:
-        text: everything before the place. What comes before the last form that
-            begins in column one is not looked at.
-        start: the rule of the grammar that the whole text is to be an example of:
-            a program, or one of `rapc.language.build.STARTS`.
+        text: the text before the position. For programs, only the last form that
+            begins in column 1 is parsed.
+        start: the start rule of the grammar, from `rapc.language.build.STARTS`; the
+            default is a program.
     """
     code = blanked(text)
     if code is None:
@@ -86,7 +84,7 @@ def fits(text: str, *, start: str = START) -> Fits:
 
 
 def _word_start(code: str) -> int:
-    """Return where the word begins that ends some code; its end if there is none."""
+    """Return the start of the word at the end of the code; if none, the end."""
     for word in _NAME.finditer(code, code.rfind("\n") + 1):
         if word.end() == len(code):
             return word.start()
@@ -94,7 +92,7 @@ def _word_start(code: str) -> int:
 
 
 def _accepted(code: str, start: str) -> frozenset[str]:
-    """The terminals that may stand behind some code; none if it is wrong already."""
+    """Return the terminals accepted after the code; none if the code is invalid."""
     try:
         state: Any = parser(positions=False).parse_interactive(code, start=start)
         state.exhaust_lexer()
@@ -104,7 +102,7 @@ def _accepted(code: str, start: str) -> frozenset[str]:
 
 
 def _is_kind(terminal: str, prefix: str) -> bool:
-    """Whether a terminal is a kind of name that may begin with `prefix`."""
+    """Return whether a terminal is a kind of name that may begin with `prefix`."""
     if terminal in words() or terminal in _BRACKETS or terminal not in TERMINALS:
         return False
     return not prefix or _pattern(terminal).match(prefix) is not None
@@ -112,7 +110,7 @@ def _is_kind(terminal: str, prefix: str) -> bool:
 
 @cache
 def _pattern(terminal: str) -> re.Pattern[str]:
-    """A terminal as a regular expression for what may be the beginning of one."""
+    """Return the regular expression for a prefix of a terminal."""
     if TERMINALS[terminal][0] in ":\\":
         return re.compile(re.escape(":" if TERMINALS[terminal][0] == ":" else "?"))
     return re.compile(TERMINALS[terminal])

@@ -1,4 +1,4 @@
-"""The words that begin the lists of the language, and how its rules are written."""
+"""The first words of the lists of the language, and the notation of its rules."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from rapc.language.shapes import Shape, is_list, is_rule, is_word, leaves
 
 
 def words_of_shape(shape: Shape) -> tuple[str, ...]:
-    """The words in a shape, without their quotes; rules are not entered."""
+    """Return the words in a shape, without their quotes; rules are not entered."""
     return tuple([leaf[1:-1] for leaf in leaves(shape) if is_word(leaf)])
 
 
 def heads(rule: str) -> tuple[str, ...]:
-    """The words that a rule may begin with; of a list, the words it is headed by.
+    """Return the possible first words of a rule; for a list, of the list.
 
-    Rules that are headed by a name have none, and so have the alternatives of a group
-    that are.
+    Rules that begin with a name have none. In a group, alternatives that begin with a
+    name add none.
     """
     return _heads(RULES[rule])
 
@@ -40,7 +40,7 @@ def _heads(shape: Shape) -> tuple[str, ...]:
 
 @cache
 def rules_by_head(group: str) -> Mapping[str, str]:
-    """The rules that stand in a rule by the words that head them, groups entered."""
+    """Return the rules within a rule by their first words; groups are entered."""
     found: dict[str, str] = {}
     for rule in filter(is_rule, leaves(RULES[group])):
         if rule[0] == "_":
@@ -52,7 +52,7 @@ def rules_by_head(group: str) -> Mapping[str, str]:
 
 @cache
 def often(rule: str) -> frozenset[str]:
-    """The words of what may stand more than once in a list of a rule."""
+    """Return the first words of the parts that may occur repeatedly in a rule."""
     return frozenset(_often(RULES[rule], repeated=False))
 
 
@@ -68,12 +68,12 @@ def _often(shape: Shape, *, repeated: bool) -> Iterator[str]:
 
 
 def rule_named(node: str) -> str:
-    """The rule that a class of nodes is named after: `last_result` of `LastResult`."""
+    """Return the rule of a class of nodes: `last_result` for `LastResult`."""
     return re.sub(r"(?<!^)(?=[A-Z])", "_", node).lower()
 
 
 def spelling(rule: str) -> str:
-    """Return how a list is written, as in `(believe (fact) term)`."""
+    """Return the notation of a rule, for example `(believe (fact) term)`."""
     return _spelt(RULES[rule])
 
 
@@ -97,11 +97,11 @@ _JOINED: Mapping[Shape, str] = {
     "*": "{0}...",
     "+": "{0}...",
 }
-"""How parts are written together: as alternatives, or one behind the other."""
+"""The notation of parts: {0} joins alternatives, {1} joins a sequence."""
 
 
 FORMS = heads("_form")
-"""What may stand at the top level."""
+"""The first words of top-level forms."""
 
 RAP_CLAUSES = tuple(rules_by_head("define_rap"))
 """The clauses of a `define-rap`."""
@@ -113,10 +113,10 @@ TEST_CLAUSES = heads("_test_clause")
 """The clauses of a `define-test`."""
 
 ANNOTATIONS = heads("annotation")
-"""What may head an annotation of a step."""
+"""The first words of the annotations of a step."""
 
 CALLS = heads("call")
-"""Functions that compute a term; others are declared."""
+"""The built-in functions of computed terms."""
 
 TRUTHS = {"t": True, "true": True, "nil": False, "false": False}
 """The constants that are formulas."""
@@ -129,10 +129,10 @@ ALONE = {
 """The words that are formulas by themselves, with their rules."""
 
 QUERIES = tuple([word for word in heads("formula") if word not in ALONE])
-"""Words that head a formula and are no propositions."""
+"""The first words of formulas that are not propositions."""
 
 SLIPS = {slip: heads(rule)[0] for rule, row in GRAMMAR.items() for slip in row.slips}
-"""Words that print has had, with those that are meant."""
+"""Words of printed programs in place of a first word, with that first word."""
 
 ARROW = "=>"
 """The symbol between the inputs and the outputs of an index or a goal."""
