@@ -1,7 +1,7 @@
 """`rapc check PATH...`: read, link and check RAP libraries.
 
-What is reported is decided in `rapc.analysis` (selection, config, baseline), how it
-looks in `rapc.console` (findings, formats); here the options are put together.
+This module combines the options. `rapc.analysis` selects the findings (selection,
+config, baseline); `rapc.console` formats them (findings, formats).
 """
 
 from __future__ import annotations
@@ -105,7 +105,7 @@ def _contradict(options: Options) -> None:
 
 
 def _with_input(options: Options) -> Options:
-    """Read standard input if it is asked for, and give it its name."""
+    """Read standard input if `-` is a path, and set its file name."""
     if "-" not in options.paths:
         return options
     name = options.stdin_filename or STANDARD_INPUT
@@ -115,18 +115,18 @@ def _with_input(options: Options) -> Options:
 
 
 class Done(msgspec.Struct, frozen=True):
-    """What one check came to."""
+    """The result of one check."""
 
-    #: Everything found, and the files that were read.
+    #: All findings, and the files that were read.
     report: CheckReport
-    #: Whether the exit status is to be 1.
+    #: Whether to exit with status 1.
     grave: bool
-    #: Whether a file could not be written: the exit status is to be 2.
+    #: Whether a file could not be written, which sets exit status 2.
     left: bool = False
 
 
 def _run(options: Options, units: Units) -> Done:
-    """Check, mend if that is asked for, and report."""
+    """Check the paths, fix the files if requested, and report."""
     chosen = settle(options)
     if options.fix or options.diff:
         return _mend(options, chosen, units)
@@ -155,8 +155,8 @@ def _tell(
 ) -> Done:
     """Print findings and the summary, on standard error if `apart`.
 
-    Findings as grave as the fail level decide the exit status. The summary does not
-    offer the fixes that were `refused`.
+    Findings at or above the fail level set the exit status. The summary does not offer
+    the fixes that were `refused`.
     """
     known = ""
     if chosen.baseline is not None:
@@ -177,7 +177,7 @@ def _tell(
 
 
 def _without_known(report: CheckReport, file: Path) -> tuple[CheckReport, str]:
-    """Return a report without what a baseline knows, and words about it."""
+    """Return a report without the findings of a baseline, and a text about it."""
     from rapc.analysis import baseline
 
     compared = baseline.compare(report, file)
@@ -189,7 +189,7 @@ def _without_known(report: CheckReport, file: Path) -> tuple[CheckReport, str]:
 
 
 def _note(report: CheckReport, file: str, chosen: Chosen) -> Done:
-    """Write a baseline; that of before may be replaced."""
+    """Write a baseline; an existing baseline may be replaced."""
     from rapc.analysis import baseline
 
     inputs = (report.files, _OF_LIBRARY), ([chosen.configured_by], _SETTLED)
@@ -205,7 +205,7 @@ def _note(report: CheckReport, file: str, chosen: Chosen) -> Done:
 
 
 def _mend(options: Options, chosen: Chosen, units: Units) -> Done:
-    """Carry out fixes, or show them; a text on standard input goes to the output."""
+    """Apply fixes, or show the fixes; fixed standard input goes to the output."""
     from rapc.analysis import fixes
 
     before: dict[str, str] = {}
@@ -269,7 +269,7 @@ def _summary(report: CheckReport) -> str:
 
 
 def _fixable(report: CheckReport, refused: Container[Fix]) -> str:
-    """Words about the findings that --fix would mend; none if there are none."""
+    """Return a text about the findings that --fix can fix, or no text."""
     fixes = [finding.diagnostic.fix for finding in report.findings]
     offered = [fix for fix in fixes if fix is not None and fix.edits]
     kinds = [fix.applicability for fix in offered if fix not in refused]

@@ -1,4 +1,4 @@
-"""What the options of `rapc check` and a project's configuration come to together."""
+"""Options of `rapc check`, combined with the configuration of a project."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ _Words = tuple[str, ...]
 
 
 class Options(msgspec.Struct, frozen=True, kw_only=True):
-    """The options of `rapc check`, as they were given; click makes them of this table.
+    """The options of `rapc check`, as the user wrote them; click uses this table.
 
-    A field that is described is the option `--NAME`.
+    A field with a description is the option `--NAME`.
     """
 
     paths: tuple[str, ...]
@@ -65,35 +65,35 @@ class Options(msgspec.Struct, frozen=True, kw_only=True):
     watch: Annotated[bool, Opt(help="Check again whenever a file changes.")]
     config: Annotated[str | None, Opt(help="The configuration to use.", **_FILE)]
     isolated: Annotated[bool, Opt(help="Use no configuration.")]
-    #: Texts that stand for files: that on standard input, by its name.
+    #: Texts that replace files: standard input, by its name.
     texts: Mapping[str, str] = {}
 
 
 class Chosen(msgspec.Struct, frozen=True):
-    """What is to be reported, and how."""
+    """The selected rules and the format of the report."""
 
-    #: The rules that report.
+    #: The selected rules.
     selection: Selection
-    #: How findings are printed, one of `FORMATS`.
+    #: The format of findings, one of `FORMATS`.
     format: str
-    #: The least grave finding that makes the exit status 1.
+    #: The lowest severity that sets exit status 1.
     fail_level: Severity
-    #: The file of findings that are known, if any.
+    #: The baseline file, if any.
     baseline: Path | None
-    #: The file that the configuration was read from, if any.
+    #: The configuration file that was read, if any.
     configured_by: Path | None
 
 
 def settle(options: Options) -> Chosen:
-    """Put options and configuration together; an option counts more.
+    """Combine options and configuration; an option overrides the configuration.
 
-    `--select` sets the configuration's choice of rules aside; other options about rules
-    add to it.
+    `--select` replaces the rules of the configuration; other options about rules add
+    rules to the configuration.
 
     Raises:
-        ConfigError: for a configuration that cannot be used.
-        LoadError: for one that cannot be read.
-        UnknownRuleError: for a word that no rule has as its name or code.
+        ConfigError: for an invalid configuration.
+        LoadError: for a configuration that cannot be read.
+        UnknownRuleError: for a word that is not the name or code of a rule.
     """
     found = _configured(options)
     if found.file is not None:
@@ -125,7 +125,7 @@ def settle(options: Options) -> Chosen:
 
 
 def _configured(options: Options) -> Configured:
-    """Return the configuration that counts; an empty one if there is none."""
+    """Return the configuration for the options; an empty one if there is none."""
     if options.isolated:
         return Configured()
     if options.config is None:
@@ -137,11 +137,11 @@ def _configured(options: Options) -> Configured:
 
 
 def nearest_config(path: str) -> Configured:
-    """Return the configuration that counts for a path; an empty one if there is none.
+    """Return the nearest configuration of a path; an empty one if there is none.
 
     Raises:
-        ConfigError: for one that cannot be used.
-        LoadError: for one that cannot be read.
+        ConfigError: for an invalid configuration.
+        LoadError: for a configuration that cannot be read.
     """
     for file in config.files(Path(path)):
         from rapc.analysis.config_file import read_config
@@ -152,7 +152,7 @@ def nearest_config(path: str) -> Configured:
 
 
 def split_at_commas(given: Iterable[str]) -> Iterator[str]:
-    """Yield the words in texts of words with commas between them."""
+    """Yield the words of texts with comma-separated words."""
     for one in given:
         yield from filter(None, (word.strip() for word in one.split(",")))
 

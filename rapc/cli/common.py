@@ -1,10 +1,11 @@
-"""What the commands share that work on libraries: reading, and printing findings.
+"""Shared parts of the commands on libraries: reading, and printing findings.
 
-What compiles, and what prints findings, is imported when it is needed: `rapc check` of
-a sound library has no use for either.
+The compiler and the printers of findings are imported at first use: `rapc check` of a
+library without findings needs neither.
 
-Exit statuses of all commands: 0 for well, 1 for found or failed, 2 for what could not
-be tried. Findings and results go to standard output, everything else to standard error.
+Exit statuses of all commands: 0 for success, 1 for findings or failures, 2 for an
+invalid command or input. Findings and results go to standard output, other text to
+standard error.
 """
 
 from __future__ import annotations
@@ -45,7 +46,7 @@ PIPED_WIDTH = 120
 
 
 def width_of(stream: TextIO) -> int:
-    """Return how many columns there are for what is written to a stream."""
+    """Return the number of columns for text on a stream."""
     if not stream.isatty():
         return PIPED_WIDTH
     import shutil
@@ -60,7 +61,7 @@ def print_line(kind: str, text: str) -> None:
 
 
 def read_paths(paths: Iterable[str]) -> Loaded:
-    """Load files and folders, and say which. Raises LoadError."""
+    """Load files and folders, and print progress. Raises LoadError."""
     loaded = load(paths)
     for name in loaded.files:
         say(f"read {name}")
@@ -70,8 +71,8 @@ def read_paths(paths: Iterable[str]) -> Loaded:
 def load_checked(path: str) -> Program:
     """Return a library for a command that runs it, from sources or saved.
 
-    A finding of severity error is printed and ends the command with status 2; others
-    do not stop it.
+    Findings of severity error are printed and end the command with status 2; other
+    findings do not end the command.
     """
     from rapc.host import CheckError
     from rapc.host import load as load_program
@@ -107,7 +108,7 @@ def refuse_output(
 
 
 def refuse_faulty(*reports: CheckReport) -> None:
-    """Print the findings of reports; any end the command with status 2."""
+    """Print the findings of reports; findings end the command with status 2."""
     for report in reports:
         print_findings(report, "full")
     if any(report.findings for report in reports):
@@ -115,7 +116,7 @@ def refuse_faulty(*reports: CheckReport) -> None:
 
 
 def write_output(file: str, data: bytes) -> None:
-    """Write what an option asks for; a file that cannot be written ends the command."""
+    """Write the file of an option; a failure ends the command."""
     try:
         write_whole(file, data)
     except WriteError as error:
@@ -123,11 +124,12 @@ def write_output(file: str, data: bytes) -> None:
 
 
 def rewrite(name: str, read: str, text: str) -> bool:
-    """Replace the text of a RAP file; if that is refused, print why.
+    """Replace the text of a RAP file; if that fails, print the reason.
 
     Args:
         name: the name of the file.
-        read: its text as it was read; another one by now is left as it is.
+        read: the text when it was read; a file that has changed meanwhile is not
+            written.
         text: its new text.
 
     Returns:
@@ -165,8 +167,8 @@ def print_findings(
     Args:
         report: the report.
         output_format: one of `FORMATS`.
-        statistics: whether findings are counted by rule instead.
-        err: whether they go to standard error.
+        statistics: whether to print counts by rule instead.
+        err: whether to print on standard error.
     """
     if not report.findings and output_format in (*FOR_PEOPLE, "github", "json-lines"):
         return
@@ -181,7 +183,7 @@ def print_findings(
 
 
 def findings_text(report: CheckReport, output_format: str, statistics: bool) -> str:
-    """Return a report's findings as plain text, see `print_findings`."""
+    """Return a report's findings as plain text; see `print_findings`."""
     from rapc.console import findings, formats
 
     if statistics:
@@ -193,7 +195,7 @@ def findings_text(report: CheckReport, output_format: str, statistics: bool) -> 
 
 
 def diff(name: str, before: str, after: str) -> str:
-    """Return how a text changes, as a unified diff."""
+    """Return the difference of two texts as a unified diff."""
     import difflib
 
     old, new = (text.splitlines(keepends=True) for text in (before, after))

@@ -1,4 +1,4 @@
-"""`rapc compile`: a library as one file, and how its queries are asked."""
+"""`rapc compile`: write a library to one file, and explain its queries."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def _explain(library: Program, name: str) -> None:
 
 
 def _encoded(library: Program, path: str, output: str) -> bytes:
-    """The library with its tests, none of which lies where it is to be written."""
+    """Return the compiled library and tests; refuse to overwrite a source file."""
     with gc_paused():
         suites = list(_suites(path))
         used = (library.library, *[suite.library for suite in suites])
@@ -88,8 +88,8 @@ def _encoded(library: Program, path: str, output: str) -> bytes:
 
 
 def _suites(path: str) -> Iterator[Suite]:
-    """The tests that `rapc test` finds at a path; errors in them end the command."""
-    if path == "-":  # it has been read
+    """Yield the tests at a path; errors in the tests end the command."""
+    if path == "-":  # the source is already read
         return
     found = discover.find([path])
     reports = [*found.reports]

@@ -114,7 +114,7 @@ def _folder(name: str) -> Path:
 
 
 def _check_outputs(session: Batch, folder: Path) -> None:
-    """Check that nothing else is lost where tables, plots and commands are written.
+    """Check that tables, plots and commands overwrite no other file.
 
     Raises:
         WriteError: as `rapc.base.outputs.check_output`.
@@ -131,9 +131,9 @@ def _check_outputs(session: Batch, folder: Path) -> None:
 def _run_missing(
     session: Batch, store: Store, cluster: str | None, processes: int | None
 ) -> list[str]:
-    """Have the missing runs done; return what is to be said of those that fail.
+    """Run the missing runs; return the errors of runs without a result.
 
-    What has come in is kept, though the rest be interrupted or the workers lost.
+    Results stay in the store after an interrupt or after the loss of the workers.
     """
     missing = session.missing(store)
     total = sum(len(seeds) for _, seeds in missing)
@@ -163,7 +163,7 @@ def _run_missing(
 
 
 def _bar(session: Batch, total: int) -> AbstractContextManager[Callable[[int], object]]:
-    """A bar that shows how many runs have come in, where somebody would see it."""
+    """Return a bar that shows the number of finished runs, if it is visible."""
     given = settings()
     shown = sys.stderr.isatty() and not given.quiet and not given.verbose
     color = given.colored()
@@ -174,7 +174,7 @@ def _bar(session: Batch, total: int) -> AbstractContextManager[Callable[[int], o
 def _workers(
     session: Batch, total: int, cluster: str | None, processes: int | None
 ) -> Iterator[Workers]:
-    """The processes of this machine, or those of a cluster."""
+    """Yield the processes of this machine, or the workers of a cluster."""
     found: AbstractContextManager[Workers]
     if cluster is None:
         count = min(processes or cores(), total)
@@ -196,13 +196,13 @@ def _workers(
 
 
 def _raise_unless_missing(error: ModuleNotFoundError, package: str) -> None:
-    """Raise `error` again unless `package` is the one that could not be found."""
+    """Raise `error` again unless `package` is the missing package."""
     if (error.name or "").partition(".")[0] != package:
         raise error
 
 
 def _tell(session: Batch, done: BatchResult) -> list[str]:
-    """Say what has come in, if `-v` asks for it; returns what went wrong, as text."""
+    """Print the finished runs if `-v` is set; return the errors as text."""
     point = session.point_of(done.config)
     where = f"part `{point.part}`"
     if point.value is not None:
@@ -241,7 +241,7 @@ def _write(session: Batch, summaries: Sequence[PartSummary], folder: Path) -> No
 
 
 def _draw(summaries: Sequence[PartSummary], folder: Path) -> list[str]:
-    """Draw the parts that vary something; returns their names."""
+    """Draw the parts with a varied setting; return their names."""
     try:
         from rapc.console.experiments.plots import draw_plot
     except ModuleNotFoundError as error:

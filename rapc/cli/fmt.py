@@ -84,14 +84,14 @@ def _source(name: str) -> SourceFile:
 
 
 def _report(source: SourceFile, made: Formatted) -> None:
-    """Print what keeps a file from being laid out."""
+    """Print the errors that prevent formatting of a file."""
     rules = registry.rules()
     findings = tuple(Finding(rules[d.rule], d) for d in made.diagnostics)
     print_findings(CheckReport(findings, {source.name: source}), "full")
 
 
 def _change(source: SourceFile, text: str, check: bool, differ: bool) -> bool:
-    """Write a file's new text, or say how it would change; False if it is refused."""
+    """Write a file's new text, or print the change; return False if that fails."""
     if differ:
         click.echo(diff(source.name, source.text, text), nl=False)
     elif check:

@@ -1,4 +1,4 @@
-"""`rapc graph PATH`: what a library looks like, for programs that draw."""
+"""`rapc graph PATH`: print graphs of a library, for drawing programs."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""The `rapc` command: its sub-commands, imported when they are used, and its errors.
+"""The `rapc` command: its sub-commands, imported at first use, and its errors.
 
-Whatever happens, the user sees no traceback: usage errors are one line with status 2,
-and so is a fault in rapc itself, unless `RAPC_DEBUG=1` asks to see it.
+The user never sees a traceback: a usage error is one line with status 2, and so is a
+fault in rapc itself, unless `RAPC_DEBUG=1` is set.
 """
 
 from __future__ import annotations
@@ -54,11 +54,11 @@ class Commands(click.Group):
     """A group that imports a command only when it is used."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """The names of all commands."""
+        """Return the names of all commands."""
         return list(COMMANDS)
 
     def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
-        """A command by its name, imported."""
+        """Return a command by its name, imported."""
         if name not in COMMANDS:
             return None
         module = f"rapc.cli.{name}"
@@ -128,7 +128,7 @@ def main(args: Sequence[str] | None = None) -> None:
 
 
 def _refuse_foreign(error: SystemExit) -> None:
-    """End with status 2 if other code than rapc's, a world's say, ended the process."""
+    """End with status 2 if foreign code, for example a world, ended the process."""
     *_, (frame, row) = frames(error)
     if str(frame.f_globals.get("__name__")).partition(".")[0] in ("rapc", "click"):
         return
@@ -138,10 +138,10 @@ def _refuse_foreign(error: SystemExit) -> None:
 
 
 def _escape_unprintable() -> None:
-    """Make output escape characters that its encoding lacks, in place of an error.
+    """Make output escape characters that its encoding cannot represent.
 
     A stream that the caller has closed is replaced by the null device: otherwise the
-    first file that is opened would get the number of the stream, and its output.
+    first file that is opened would receive the number of the stream, and its output.
     """
     for name in ("stdout", "stderr"):
         stream = getattr(sys, name)
@@ -153,7 +153,7 @@ def _escape_unprintable() -> None:
 
 
 def _message(error: click.ClickException) -> str:
-    """A usage error as one line, with at most one suggestion."""
+    """Return a usage error as one line, with at most one suggestion."""
     if isinstance(error, click.exceptions.NoSuchCommand):
         name = error.command_name
         return f"there is no command `{name}`{hint(name, COMMANDS)}"
@@ -165,7 +165,7 @@ def _message(error: click.ClickException) -> str:
 
 
 def _say(error: Error) -> None:
-    """Say what the user got wrong, and what to do about it."""
+    """Print a user's error, with its help."""
     show_traceback(error)
     lines = (error.message, error.help)
     first, *more = error.reasons if isinstance(error, RefusedError) else lines
@@ -175,17 +175,17 @@ def _say(error: Error) -> None:
 
 
 def _tell(line: str) -> None:
-    """Print a line on standard error; if that cannot take it, the status must do."""
+    """Print a line on standard error; ignore a stream that cannot be written."""
     try:
         click.echo(line, err=True)
     except OSError:
         _drop(sys.stderr)
-    except ValueError:  # it was closed
+    except ValueError:  # the stream is closed
         return
 
 
 def _drop(stream: TextIO) -> None:
-    """Let a stream that takes nothing any more lead nowhere: its last flush must do."""
+    """Redirect a broken stream to the null device, so that its last flush works."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 

@@ -1,6 +1,6 @@
-"""The options that all commands have, and how a command ends that cannot be tried.
+"""The options of all commands, and the exit after an invalid command.
 
-Kept apart from `rapc.cli.common` so that `rapc --help` imports no more than it needs.
+Separate from `rapc.cli.common`, so that `rapc --help` imports only these options.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class Amount(click.FloatRange):
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> Any:
-        """Return the number that a text says; infinite ones are refused."""
+        """Return the number in a text; infinite numbers are refused."""
         given = super().convert(value, param, ctx)
         if not math.isfinite(given):
             self.fail(f"{value!r} is not a finite number", param, ctx)
@@ -55,14 +55,14 @@ class Amount(click.FloatRange):
 
 
 class CliSettings:
-    """What the options common to all commands say; lives in click's root context."""
+    """The values of the options of all commands; stored in click's root context."""
 
     color: str = "auto"
     quiet: bool = False
     verbose: bool = False
 
     def colored(self) -> bool:
-        """Whether standard output is to be coloured."""
+        """Return whether to colour standard output."""
         if self.color != "auto":
             return self.color == "always"
         plain = os.environ.get("NO_COLOR") or os.environ.get("TERM") == "dumb"
@@ -70,7 +70,7 @@ class CliSettings:
 
 
 def settings() -> CliSettings:
-    """The settings of the command that runs."""
+    """Return the settings of the present command."""
     return click.get_current_context().find_root().ensure_object(CliSettings)
 
 
@@ -79,9 +79,9 @@ HELP: Mapping[str, Any] = {"help_option_names": ["-h", "--help"]}
 
 
 def command(examples: str) -> Callable[[Callable[..., None]], click.Command]:
-    """Return what makes a command of a function, with the options that all have.
+    """Return a decorator that makes a command with the options of all commands.
 
-    `examples` stand below its help.
+    `examples` are printed below its help.
     """
 
     def made(does: Callable[..., None]) -> click.Command:
@@ -92,11 +92,11 @@ def command(examples: str) -> Callable[[Callable[..., None]], click.Command]:
 
 
 class Opt(dict[str, Any]):
-    """What `click.option` takes for an option, but for its name and sort."""
+    """The arguments of `click.option` for an option, without its name and type."""
 
 
 def options_of(table: type) -> Callable[[F], F]:
-    """Return what adds to a command an option for each field with an `Opt`.
+    """Return a decorator that adds an option for each field with an `Opt`.
 
     A field of type `bool` becomes a flag, a tuple an option that may be repeated.
     """
@@ -117,7 +117,7 @@ def options_of(table: type) -> Callable[[F], F]:
 
 
 def with_common_options(command: C) -> C:
-    """Return a command or group with `--color`, `-v` and `-q` behind its options."""
+    """Return a command or group with `--color`, `-v` and `-q` after its options."""
     command.params += _common()
     return command
 
@@ -146,8 +146,8 @@ def fail(message: str, *more: str | None) -> NoReturn:
     """End the command with status 2 and an error on standard error.
 
     Args:
-        message: what is wrong, one line.
-        more: further lines, if any: other things that are wrong, or what to do.
+        message: the error, one line.
+        more: further lines, if any: more errors, or help.
     """
     say_error(message, *more)
     raise SystemExit(USAGE)
@@ -162,7 +162,7 @@ def say_error(message: str, *more: str | None) -> None:
 
 
 def _to_width(line: str) -> str:
-    """Return a line broken between words where standard error is a terminal."""
+    """Return a line wrapped between words if standard error is a terminal."""
     if not sys.stderr.isatty():
         return line
     import shutil
@@ -178,7 +178,7 @@ def _to_width(line: str) -> str:
 
 
 def show_traceback(error: Exception) -> None:
-    """Show where an error came from, if `RAPC_DEBUG=1` asks for it."""
+    """Print the traceback of an error if `RAPC_DEBUG=1` is set."""
     if os.environ.get("RAPC_DEBUG") == "1":
         import traceback
 
@@ -186,6 +186,6 @@ def show_traceback(error: Exception) -> None:
 
 
 def say(message: str) -> None:
-    """Print on standard error, on one line, what is done, if `-v` asks for it."""
+    """Print progress on standard error, on one line, if `-v` is set."""
     if settings().verbose:
         click.echo(visible(message), err=True)

@@ -1,4 +1,4 @@
-"""`rapc repl`: step a run, ask it why, go back, and try things."""
+"""`rapc repl`: debug a run interactively."""
 
 from __future__ import annotations
 
@@ -110,12 +110,12 @@ def repl(
 
 
 def _asks_a_world(library: Library) -> bool:
-    """Whether a library declares something that a world does."""
+    """Return whether a library declares primitives or skills of a world."""
     return bool(library.primitives or library.skills)
 
 
 def _recorded(path: Path, world_name: str | None) -> Shell:
-    """Begin a recorded run again, or have it only to look at."""
+    """Replay a recorded run, or open it for viewing only."""
     recording = Recording(path)
     begun = recording.begun
     found = _at_hand(begun, world_name, path)
@@ -135,11 +135,11 @@ def _tell(text: str) -> None:
 
 
 def _at_hand(begun: RunSpec, world_name: str | None, path: Path) -> Program | str:
-    """Return the library of a recorded run, or why it or the world is not at hand.
+    """Return the library of a recorded run, or why library or world is missing.
 
-    A recording may come from anywhere, so the module of a world that was named
-    `module:Class` is imported only if the user names it. Another world than the
-    recorded one ends the command.
+    A recording may come from an untrusted source, so the module of a world named
+    `module:Class` is imported only if the user names it. A world different from the
+    recorded world ends the command.
     """
     if world_name is not None and find_world(world_name).name != begun.world:
         named = begun.world_class or begun.world
@@ -161,7 +161,7 @@ def _at_hand(begun: RunSpec, world_name: str | None, path: Path) -> Program | st
 
 
 def _session(ready: Interpreter) -> History:
-    """Begin the run, and put it under a debugger."""
+    """Start the run under a debugger."""
     log = EventLog()
     ready.listen(log)
     ready.start()

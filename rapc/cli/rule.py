@@ -65,7 +65,7 @@ def _find(word: str) -> Rule:
 
 
 def _page(one: Rule) -> str:
-    """A rule's page in Markdown."""
+    """Return a rule's page in Markdown."""
     return (
         f"## {one.name}\n\n"
         f"{one.code}, {one.severity.word}{', opt-in' * one.opt_in}: {one.summary}.\n\n"
@@ -78,7 +78,7 @@ def _page(one: Rule) -> str:
 
 
 def _advice(one: Rule) -> dict[str, str]:
-    """Advice on findings of a rule, and where to read on, by title."""
+    """Return advice on findings of a rule, and further reading, by title."""
     return {
         "Fix": one.fix or "none, for only the author knows what is meant",
         "Ignore it": one.ignore or "never: a library with this error is refused",

@@ -125,7 +125,7 @@ def run(
 def _tell_what_ends_it(
     asked: Sequence[TaskRequest], library: Library, end: Time | None
 ) -> None:
-    """Say on standard error where a run is over at once, or goes on for good."""
+    """Note on standard error that a run ends at once, or never."""
     if all(request.background for request in asked):
         said = "note: a run does not go on for tasks in the background, and no others"
         click.echo(f"{said} are given", err=True)
@@ -134,7 +134,7 @@ def _tell_what_ends_it(
 
 
 def _tell_endless(asked: Sequence[TaskRequest], library: Library) -> None:
-    """Say on standard error which tasks keep a run going that nothing else ends."""
+    """Note on standard error the tasks that keep a run going without end."""
     never = endless(reached(library, (str(one.goal[0]) for one in asked)))
     for request in asked:
         if request.goal[0] in never and not request.background:
@@ -154,7 +154,7 @@ def _tell_deadlock(event: Event) -> None:
 
 
 def _went_well(result: TaskResult) -> bool:
-    """Whether a task has succeeded or, in the background, at least not failed."""
+    """Return whether a task succeeded or, in the background, did not fail."""
     if result.background:
         return result.outcome != "failed"
     return result.outcome == "succeeded"
@@ -170,13 +170,13 @@ def _ended_by_interrupts(interpreter: Interpreter) -> Iterator[None]:
 
 
 class _Shown:
-    """A stream on which no text of a world can act on a terminal."""
+    """A stream that replaces control characters in texts of a world."""
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
 
     def write(self, text: str) -> int:
-        """Write `text` with stand-ins for its control characters."""
+        """Write `text` with visible symbols for its control characters."""
         return self._stream.write(visible_lines(text))
 
     def flush(self) -> None:
@@ -195,12 +195,12 @@ def _time(until: float | None) -> Time | None:
 
 
 def _opened(trace: str, files: Iterable[str], world: World) -> TextIO:
-    """Open the file of a trace; one that the run has read ends the command.
+    """Open the file of a trace; a file that the run has read ends the command.
 
     Args:
-        trace: the file to be written.
-        files: those of the library.
-        world: the world of the run, a module of its own.
+        trace: the file to write.
+        files: the files of the library.
+        world: the world of the run, which may be a module of the user.
     """
     module = getattr(sys.modules.get(type(world).__module__), "__file__", None)
     inputs = (files, "is a file of the library"), ([module], "is the file of the world")
@@ -212,7 +212,7 @@ def _opened(trace: str, files: Iterable[str], world: World) -> TextIO:
 
 
 def _drawable(world: HeldWorld, world_name: str) -> Callable[[], Picture]:
-    """Return what draws a world; one that cannot be drawn ends the command."""
+    """Return the `picture` of a world; a world without it ends the command."""
     if not isinstance(world, Drawable):
         fail(f"the world `{world_name}` has no picture of itself to --show")
     world.picture()
@@ -225,7 +225,7 @@ def _show(
     picture: Callable[[], Picture],
     every: int,
 ) -> None:
-    """Draw the run while it goes on."""
+    """Draw the run while it runs."""
     import shutil
 
     from rapc.console.show.live import LiveView

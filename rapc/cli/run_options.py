@@ -28,7 +28,7 @@ R = TypeVar("R")
 
 
 def run_options(command: F) -> F:
-    """Add the options that say what a run begins with."""
+    """Add the options that describe the start of a run."""
     options = (
         click.option(
             "--task",
@@ -84,17 +84,17 @@ def read_spec(  # the options of `run_options`, and of `run`
     faults: Sequence[str] = (),
     until: Time | None = None,
 ) -> RunSpec:
-    """Return what the options say that `run_options` adds; a fault ends the command.
+    """Return the spec from the options of `run_options`; an error ends the command.
 
     Args:
         world_name: the name of a world, or `module:Class`; None for a world that offers
-            what the library declares and answers no request.
-        tasks: `--task`; the others likewise.
-        agenda: its name.
+            the declarations of the library and answers no request.
+        tasks: the values of `--task`.
+        agenda: the name of the agenda.
         seed: the seed.
         facts: the initial facts.
         values: `owner.name=value`.
-        faults: faults put into the world.
+        faults: the faults of the world.
         until: the time at which the run is stopped.
     """
     readers: tuple[tuple[str, Sequence[str], Callable[[str], object]], ...] = (
@@ -140,12 +140,12 @@ def _world_class(name: str | None) -> type[World]:
 def prepared(
     library: Program, spec: RunSpec, world_name: str | None = None
 ) -> Interpreter:
-    """Return a run of a library that can begin; else end the command.
+    """Return a run of a library that can start; else end the command.
 
     Args:
-        library: what is run.
-        spec: what the run is begun with.
-        world_name: how to find the world of the spec, as `read_spec`.
+        library: the library.
+        spec: the description of the run.
+        world_name: the name of the world of the spec, as for `read_spec`.
     """
     world: World
     if world_name is None:
@@ -166,7 +166,7 @@ def prepared(
 
 
 def read_option(name: str, read: Callable[[T], R], given: T) -> R:
-    """Return what `read` makes of an option; a fault in it ends the command."""
+    """Return the result of `read` for an option; an error ends the command."""
     try:
         return read(given)
     except (TextError, SettingError, FactError) as error:
@@ -174,7 +174,7 @@ def read_option(name: str, read: Callable[[T], R], given: T) -> R:
 
 
 def _with_faults(world: World, library: Library, spec: RunSpec) -> World:
-    """Return a world with the faults of a spec; ends the command if it cannot be."""
+    """Return a world with the faults of a spec; an invalid fault ends the command."""
     if not spec.faults:
         return world
     from rapc.testing.faults import read_fault, told_for_skills

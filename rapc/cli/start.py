@@ -1,7 +1,7 @@
-"""Where the `rapc` command begins and ends, and what Ctrl-C does there.
+"""The start and the end of the `rapc` command, and its handling of Ctrl-C.
 
-Apart from `rapc.cli.main`, which takes its time to import: nothing that is imported
-before Ctrl-C is seen to may take any, `typing` and `contextlib` among it.
+Separate from `rapc.cli.main`, which takes time to import. Before Ctrl-C is handled,
+this module imports no slow module, not even `typing` or `contextlib`.
 """
 
 from __future__ import annotations
@@ -11,10 +11,10 @@ import sys
 
 
 def main() -> None:
-    """Run the command line; no Ctrl-C, whenever it comes, makes a traceback.
+    """Run the command line; Ctrl-C never causes a traceback.
 
-    While nothing is there yet that could be lost, and again when all is done, Ctrl-C
-    ends the process as the system does it. In between it is a `KeyboardInterrupt`.
+    Before the command starts, and after its end, Ctrl-C ends the process by the
+    system's default. In between, Ctrl-C raises `KeyboardInterrupt`.
     """
     wanted = signal.getsignal(signal.SIGINT) is signal.default_int_handler
     if wanted:
@@ -32,7 +32,7 @@ def main() -> None:
         try:
             signal.signal(signal.SIGINT, signal.default_int_handler)
             run()
-        finally:  # Python takes itself down now, and would tell of interrupts
+        finally:  # the exit of Python would print interrupts
             signal.signal(signal.SIGINT, signal.SIG_DFL)
-    except KeyboardInterrupt:  # outside what `run` looks after
+    except KeyboardInterrupt:  # outside the handling of `run`
         sys.exit(INTERRUPTED)

@@ -138,7 +138,7 @@ def test(
 
 
 def _files(case: Case) -> Iterable[str]:
-    """The files that a test was read from."""
+    """Return the files that a test was read from."""
     return (case.test.span.file, *case.library.library.files)
 
 
@@ -152,7 +152,7 @@ def _cover(gathered: Coverage, file: str | None) -> None:
 
 
 def _falls_short(gathered: Coverage, least: float) -> bool:
-    """Say how much is covered, and whether that is less than what is asked for."""
+    """Print the coverage; return whether it is below the required minimum."""
     short, told = covering.verdict(gathered.files(), least)
     _say("failed" if short else "text", told)
     return short
@@ -167,7 +167,7 @@ def _find(paths: Sequence[str]) -> tuple[Case, ...]:
 
 
 def _run(running: TestSession, cases: Iterable[Case]) -> list[Outcome]:
-    """Run the tests, a line for each, below the name of its file."""
+    """Run the tests; print a line for each, below the name of its file."""
     outcomes = []
     file = None
     for outcome in running.run(cases):
@@ -196,7 +196,7 @@ def _explain(outcomes: Sequence[Outcome]) -> None:
 
 
 def _say(kind: str, text: str) -> None:
-    """A line in the style of its kind, fitted to a terminal: text is wrapped."""
+    """Print a line in the style of its kind, wrapped or cut for a terminal."""
     lines = [visible(text)]
     if sys.stdout.isatty():
         width = max(shutil.get_terminal_size().columns, _LEAST_WIDTH)

@@ -1,4 +1,4 @@
-"""Do something again whenever a file changes: `--watch`."""
+"""Run again when a file changes (`--watch`)."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ def watch(paths: Sequence[str], act: Callable[[], Iterable[str]]) -> None:
     """Call `act`, and again after each change, until Ctrl-C.
 
     Args:
-        paths: files and folders; a file that is new in a folder is a change, too.
-        act: what to do; what it raises as `rapc.Error` is told, and a change waited
-            for. It returns names of further files to watch.
+        paths: files and folders; a new file in a folder is a change, too.
+        act: the function to call; it returns the names of further files to watch. A
+            `rapc.Error` is printed, and the command waits for the next change.
     """
     others: Iterable[str] = ()
     try:

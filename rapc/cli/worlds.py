@@ -1,4 +1,4 @@
-"""`rapc worlds [NAME]`: the worlds installed, what one offers, how well it is made."""
+"""`rapc worlds [NAME]`: list worlds, describe one, or test its contract."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def worlds(
 
 
 def _test(found: type[World], library: str, requests: int, width: int) -> int:
-    """Hold a world to the port, say what came of it, and return the exit status."""
+    """Test a world against the port, print the report, return the exit status."""
     program = load_checked(library) if library else None
 
     def made(seed: int) -> World:
@@ -100,7 +100,7 @@ def _test(found: type[World], library: str, requests: int, width: int) -> int:
 
 
 def _summary(name: str) -> str:
-    """Return what an installed world is, or why it cannot be had."""
+    """Return the summary of an installed world, or why it is unavailable."""
     try:
         return summary_of(registry.find_world(name))
     except WorldError as error:
