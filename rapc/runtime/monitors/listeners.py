@@ -1,7 +1,7 @@
-"""Who listens to which change, found from what has changed without looking at others.
+"""Listeners: the tasks to test after a change, found by the changed fact or word.
 
-What a formula listens to is said by `rapc.compiler.watches`; when the tasks that are
-marked here are tested is for `rapc.runtime.monitors.monitors` to say [L 5].
+Not here: which changes a formula listens to (`rapc.compiler.watches`), and when the
+marked tasks are tested (`rapc.runtime.monitors.monitors`) [L 5].
 """
 
 from __future__ import annotations
@@ -14,17 +14,17 @@ from rapc.runtime.state.task import Task
 
 _Found = dict[int, Task]
 _Table = dict[object, "Task | _Found"]
-"""Who listens, by a value; a table of tasks by number only where they are several."""
+"""The listeners by value; a table of tasks by number only for several tasks."""
 
 
 class Listeners:
-    """The tasks that listen, by what they listen to; an observer of memory.
+    """The tasks that listen, by the watched changes; an observer of memory.
 
-    A listener to a fact stands under its name and one argument, or under its name
-    alone, as position 0; other changes have words or resources for keys.
+    A listener to a fact is registered under the fact's name and one argument, or under
+    the name alone, as position 0. Other changes have words or resources for keys.
 
     Args:
-        to_test: gets the tasks that listen to what has changed, by number.
+        to_test: receives the tasks that listen to a change, by number.
     """
 
     __slots__ = ("_names", "_others", "_to_test", "changes")
@@ -37,12 +37,12 @@ class Listeners:
         self._others: _Table = {}
 
     def clear(self) -> None:
-        """Let nobody listen to anything."""
+        """Remove all listeners."""
         self._names.clear()
         self._others.clear()
 
     def add(self, key: WatchKey, task: Task) -> None:
-        """A task listens to a change from now on."""
+        """Register a task as a listener to a change."""
         table, value = self._place(key)
         there = table.get(value)
         if there is None or there is task:
@@ -53,7 +53,7 @@ class Listeners:
             table[value] = {there.number: there, task.number: task}
 
     def drop(self, key: WatchKey, task: Task) -> None:
-        """Unregister `task` from `key`; do nothing if it was not registered."""
+        """Unregister `task` from `key`, if registered."""
         table, value = self._place(key)
         there = table.get(value)
         if there is task:
@@ -88,7 +88,7 @@ class Listeners:
             self._mark(self._others.get(ANYTHING))
 
     def other_changed(self, word: str) -> None:
-        """Mark the tasks that listen to a change that is no fact's to be tested."""
+        """Mark the tasks that listen to a change that concerns no fact to be tested."""
         self.changes += 1
         self._mark(self._names.get(word, {}).get(0, {}).get(word))
         self._mark(self._others.get(ANYTHING))

@@ -1,8 +1,8 @@
-"""Monitors: what blocked tasks wait for, and how they are woken without polling.
+"""Monitors: the waits of blocked tasks, and their waking without polling.
 
-A monitored task listens to the changes that can affect its formula and to the times
-at which beliefs in it go stale; what has changed is tested again before the next
-choice, nothing else is [T 4.7; L 5].
+A monitored task listens to the changes that can affect its formula, and to the times at
+which beliefs in the formula go stale. Before the next choice, the interpreter tests
+only the tasks with such a change [T 4.7; L 5].
 """
 
 from __future__ import annotations
@@ -37,15 +37,15 @@ _NOW: Final = -math.inf
 
 
 class Monitors:
-    """All waiting for states and times in a run.
+    """All waits for states and times in a run.
 
     Tasks to be tested are collected and then tested by number.
 
     Args:
-        context: what the formulas of monitors are asked of.
-        recorder: is told of tasks that block, wake, and miss deadlines.
-        agenda: gets the tasks that wake.
-        things: who holds and waits for what; those who wait are tested here too.
+        context: the context that evaluates the formulas of monitors.
+        recorder: receives the events about blocks, wakes and missed deadlines.
+        agenda: receives the tasks that wake.
+        things: the holds and waits; tasks that wait for things are tested here too.
     """
 
     def __init__(
@@ -62,17 +62,17 @@ class Monitors:
         self._agenda = agenda
         self._timers = Times(timer_of)
         self._deadlines = Times(deadline_of)
-        #: Deadlines that were missed and not yet told of, by task number.
+        #: Missed deadlines without an event so far, by task number.
         self.missed: dict[int, list[float]] = {}
-        #: The tasks to be tested, by number. It stays the same object: loops hold it.
+        #: The tasks to be tested, by number. Always the same object: loops refer to it.
         self.to_test: dict[int, Task] = {}
-        #: Who listens to what: to be told of all that changes.
+        #: The tasks by the changes that they listen to; an observer of all changes.
         self.listeners = Listeners(self.to_test)
-        #: Before this time nothing falls due; None where nothing waits for a time.
+        #: Before this time nothing falls due; None if no task waits for a time.
         self.next_look: float | None = None
-        #: The tasks whose monitors ask how old a belief is, by number.
+        #: The tasks whose monitors depend on the age of a belief, by number.
         self.aging: dict[int, Task] = {}
-        #: When changed monitors were last tested while beliefs aged.
+        #: The time of the last test of changed monitors while beliefs aged.
         self.tested_at: Time = -1
 
     def load(
@@ -82,7 +82,7 @@ class Monitors:
         missed: dict[int, list[float]],
         tested_at: Time,
     ) -> None:
-        """Wait for what the `live` tasks say they wait for, and for nothing else."""
+        """Replace all waits by those of the `live` tasks."""
         self.listeners.clear()
         self.aging = {}
         tasks = [task for task in live if task.wait is not None]
@@ -113,7 +113,7 @@ class Monitors:
         wait.keys = tuple(keys)
 
     def forget(self, task: Task) -> None:
-        """Unregister a task that has ended from all it listens to or waits for."""
+        """Unregister an ended task from its listeners, times and tests."""
         wait = task.wait
         if wait is not None:
             wait.timer = None
@@ -128,7 +128,7 @@ class Monitors:
         wait.keys = None
 
     def rebind(self, task: Task) -> None:
-        """Register a task anew whose bindings have other names, to be tested."""
+        """Register a task again after a renaming in its bindings, to be tested."""
         wait = task.wait
         if wait is None or wait.keys is None:
             return
@@ -142,19 +142,19 @@ class Monitors:
     # --- times -----------------------------------------------------------------
 
     def at(self, time: Time, task: Task) -> None:
-        """Look at a task again when the clock has come to `time`, not before."""
+        """Look at a task again when the clock has reached `time`, not before."""
         assert task.wait is not None
         task.wait.timer = time
         self.look_by(time)
         self._timers.add(time, task)
 
     def look_by(self, time: float) -> None:
-        """Let the loop look, at `time` at the latest, at what has fallen due."""
+        """Schedule a look at due times for `time` at the latest."""
         if self.next_look is None or time < self.next_look:
             self.next_look = time
 
     def state_deadline(self, task: Task) -> None:
-        """Take up the deadline of a task, which has been set or has changed."""
+        """Register the deadline of a task, which has been set or has changed."""
         stated = math.inf if task.wait is None else task.wait.deadline
         inherited = math.inf if task.parent is None else task.parent.limit
         task.limit = min(inherited, stated)
@@ -163,11 +163,11 @@ class Monitors:
             self.look_by(stated)
 
     def next_time(self) -> Time | None:
-        """Return the next time at which something that is waited for comes, or None."""
+        """Return the next time that a task waits for, or None."""
         return self._timers.soonest()
 
     def due(self) -> list[Task]:
-        """Return the tasks whose start time has come; mark others to be tested."""
+        """Return the tasks whose start time has come; mark woken tasks for a test."""
         started = []
         for task in self._timers.due(self._recorder.time):
             assert task.wait is not None
@@ -179,7 +179,7 @@ class Monitors:
         return started
 
     def arm(self, task: Task, since: Time) -> None:
-        """Set a task's `monitor-time`: `since` it was made or finished a method."""
+        """Set a task's `monitor-time`; `since` is its creation or its method's end."""
         plan, wait = task.plan.monitor_time, task.wait
         if plan is None or wait is None:
             return
@@ -199,12 +199,12 @@ class Monitors:
     # --- testing ----------------------------------------------------------------
 
     def first_test(self, task: Task) -> None:
-        """Mark a task to be tested that may run as far as order and time go."""
+        """Mark a task for a test; its order and time allow its start."""
         task.state = UNTESTED
         self.to_test[task.number] = task
 
     def test_changed(self) -> None:
-        """Test all that may have changed, by task number; tell missed deadlines."""
+        """Test all changed tasks, by task number; report missed deadlines."""
         missed = self.next_look is not None and self._look_at_times()
         if self.aging:
             self.tested_at = self._recorder.time
@@ -221,7 +221,7 @@ class Monitors:
             self._look_ahead()
 
     def _look_at_times(self) -> bool:
-        """Mark who asks how old beliefs are; whether there are deadlines to tell of."""
+        """Mark tasks with aging beliefs; return whether there are missed deadlines."""
         now = self._recorder.time
         if self.aging and now != self.tested_at:
             self.to_test.update(self.aging)
@@ -230,7 +230,7 @@ class Monitors:
         return bool(self.missed)
 
     def _misses(self, task: Task) -> bool:
-        """Note a deadline that the clock has passed, once; whether it has."""
+        """Record a newly missed deadline of a task; return whether there was one."""
         stated = deadline_of(task)
         if task.wait is None or stated is None or stated >= self._recorder.time:
             return False
@@ -239,7 +239,7 @@ class Monitors:
         return True
 
     def _test_with_others(self) -> None:
-        """Test monitors, and what is in the way of tasks, and tell what was missed."""
+        """Test monitors and obstacles of tasks, and report missed deadlines."""
         dirty, changed = dict(self.to_test), dict(self._ways)
         self.to_test.clear()
         self._ways.clear()
@@ -252,7 +252,7 @@ class Monitors:
                 self._tell_missed(tasknumber, deadline)
 
     def _look_ahead(self) -> None:
-        """Find out when something falls due by time next."""
+        """Compute the next time at which something may fall due."""
         self.next_look = _NOW if self.aging or self.missed else None
         for times in (self._timers, self._deadlines):
             if times.heap:
@@ -286,9 +286,9 @@ class Monitors:
             self.block(task)
 
     def _test_way(self, task: Task) -> bool:
-        """Wake a task whose way is clear; block a woken one again whose way is not.
+        """Wake a task whose things are free; block a woken task whose things are not.
 
-        Whether it was woken: then its monitors have been tested too.
+        Return whether the task was woken: then its monitors have been tested too.
         """
         wait = self._waits.get(task.number)
         if wait is None:
@@ -319,13 +319,13 @@ class Monitors:
         return False
 
     def tell_blocked(self, wait: ThingWait) -> None:
-        """Tell that a task is blocked by a thing, and the deadlock that this closes."""
+        """Report that a thing blocks a task, and the deadlock that the block closes."""
         self._tell_way(TaskBlocked, wait)
         if self._recorder.on:
             self.tell_deadlock(deadlock_of(self._things, wait))
 
     def tell_deadlock(self, found: Circle) -> None:
-        """Tell of a deadlock that has closed, if there is one."""
+        """Report a deadlock that has closed, if any."""
         if found and self._recorder.on:
             tasks = tuple([wait.task.number for wait, _ in found])
             self._recorder.emit(Deadlock, tasks=tasks, waiting=in_words(found))
@@ -337,10 +337,10 @@ class Monitors:
             )
 
     def still_hold(self, task: Task, wait: WaitState) -> bool:
-        """Whether the monitors of a task that was selected hold.
+        """Return whether the monitors of a selected task hold.
 
-        Most were tested before the choice; again only if something has changed since,
-        or if the task comes up after its method.
+        Most monitors were tested before the choice. This method tests again only after
+        a change since then, or if the task is selected after its method.
         """
         if wait.after_method or wait.keys is None or task.number in self.to_test:
             wait.after_method = False
@@ -348,7 +348,7 @@ class Monitors:
         return True
 
     def holds(self, task: Task, wait: WaitState) -> bool:
-        """Whether a task's monitors hold now; listens for when that may change."""
+        """Return whether a task's monitors hold now; listen to later changes."""
         if wait.keys is None:
             self._listen(task, wait)
         if self.to_test:
@@ -372,7 +372,7 @@ class Monitors:
         return found
 
     def block(self, task: Task) -> None:
-        """A task cannot go on until its monitors hold; its loops start afresh."""
+        """Block a task until its monitors hold; reset its futile-loop detector."""
         task.state = BLOCKED
         if self._waits:
             self._things.stop_waiting(task)
@@ -382,9 +382,9 @@ class Monitors:
             self._recorder.emit(TaskBlocked, task=task.number, on=on)
 
     def reason(self, task: Task) -> str:
-        """Return what a monitored task waits for: a time, or its formula as bound.
+        """Return the wait of a monitored task as text: a time, or its formula as bound.
 
-        Nothing changes by it: whoever looks on may ask.
+        The method changes nothing: observers may call it.
         """
         plan, wait = task.plan.monitor_state, task.wait
         ready_at = 0 if wait is None else wait.ready_at
@@ -395,9 +395,10 @@ class Monitors:
         return wait.formula
 
     def _reason_to_tell(self, task: Task) -> str:
-        """Return the reason for an event; the words of a formula are kept.
+        """Return the reason for an event; keep the text of a formula.
 
-        A task that listens hears of other names (`rebind`), so its words stay true.
+        A task that listens is rebound when names change (`rebind`): its text stays
+        valid.
         """
         plan, wait = task.plan.monitor_state, task.wait
         if (

@@ -1,8 +1,8 @@
-"""The times at which tasks are to be looked at: for a start, a monitor or a deadline.
+"""Times of tasks: starts, monitors and deadlines.
 
-One kind of heap holds the times that tasks wait for, and another of the same kind the
-deadlines that they state. What a deadline does to the order of choice is in
-`rapc.runtime.state.agenda`.
+One heap holds the times that tasks wait for, another heap holds the deadlines that they
+state. Not here: the effect of a deadline on the order of choice
+(`rapc.runtime.state.agenda`).
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ from rapc.runtime.state.task import Task
 from rapc.world import Time
 
 _CROWD = 256
-"""How many entries a heap may have before stale ones are looked for."""
+"""The size of a heap above which stale entries are removed."""
 
 
 class Times:
     """Times that tasks state, a heap by time and then by task number.
 
-    A time that its task does not state any more stays in the heap until it comes, or
-    until there are too many of these.
+    An entry that its task does not state any more stays in the heap until its time
+    comes, or until there are too many stale entries.
 
     Args:
         stated: returns the time that a task states now, or None.
@@ -31,14 +31,14 @@ class Times:
     __slots__ = ("_crowded", "_set", "_stated", "heap")
 
     def __init__(self, stated: Callable[[Task], float | None]) -> None:
-        #: The entries; the first may be one that its task states no more.
+        #: The entries; the first may be stale.
         self.heap: list[tuple[float, int, Task]] = []
         self._stated = stated
         self._set: set[tuple[float, int]] = set()
         self._crowded = _CROWD
 
     def add(self, time: float, task: Task) -> None:
-        """Note that `task` states `time`."""
+        """Record that `task` states `time`."""
         if (time, task.number) not in self._set:
             self._set.add((time, task.number))
             heapq.heappush(self.heap, (time, task.number, task))
@@ -46,7 +46,7 @@ class Times:
                 self.load([entry[2] for entry in self.heap])
 
     def load(self, tasks: Iterable[Task]) -> None:
-        """Hold the times that `tasks` state, and no others."""
+        """Replace all entries by the times that `tasks` state."""
         found = {task: self._stated(task) for task in tasks}
         self.heap = [
             (time, task.number, task)
@@ -64,7 +64,7 @@ class Times:
         return self.heap[0][0] if self.heap else None
 
     def due(self, now: Time, *, passed: bool = False) -> list[Task]:
-        """Take out and return, in order, the tasks whose time has come, or `passed`."""
+        """Remove and return, in order, the tasks whose time has come, or `passed`."""
         found = []
         while self.heap and (
             self.heap[0][0] < now or (self.heap[0][0] == now and not passed)
@@ -87,7 +87,7 @@ def timer_of(task: Task) -> Time | None:
 
 
 def deadline_of(task: Task) -> float | None:
-    """Return the deadline that a live task states itself and that was not missed."""
+    """Return the deadline that a live task states itself, unless missed."""
     wait = task.wait
     if wait is None or not task.live or wait.deadline in (math.inf, wait.missed):
         return None
