@@ -31,7 +31,7 @@ def check(restored: RestoredRun) -> None:
     """Validate a restored run.
 
     Raises:
-        WrongRecordError: for fields that no run has left so.
+        WrongRecordError: for fields that no run can have left.
     """
     try:
         _check_counts(restored)
@@ -85,7 +85,7 @@ def _check_task(task: Task) -> None:
 
 
 def _check_variables(task: Task) -> None:
-    """Of inputs and resources, each is bound if it can be, and nothing else is."""
+    """Check that exactly the bindable inputs and resources are bound."""
     plan, wait = task.plan, task.wait
     given = zip(plan.inputs, task.goal_args, strict=True)
     expected = {name: value for name, value in given if value is not None}
@@ -102,7 +102,7 @@ def _check_variables(task: Task) -> None:
 
 
 def _holds(env: Env, expected: Env) -> bool:
-    """Whether variables have values that are expected of them; resources are shared."""
+    """Return whether variables have their expected values; resources are shared."""
     return all(
         env.get(name) is value
         if isinstance(value, Counter | SetResource)
@@ -116,7 +116,7 @@ def _is_choice(key: tuple[object, ...]) -> bool:
 
 
 def _check_history(task: Task) -> None:
-    """The counts of choices agree, and the last choice can be put back."""
+    """Check that the counts of choices agree and the last choice can be undone."""
     history = task.history
     if history is None:
         return
@@ -166,7 +166,7 @@ def _check_method(restored: RestoredRun, run: MethodRun) -> None:
 
 
 def _check_use(restored: RestoredRun, use: Use, content: tuple[object, ...]) -> None:
-    """The declaration of what a request or skill is allows the arguments."""
+    """Validate the arguments of a request or skill by its declaration."""
     need(content and isinstance(content[0], str), f"a {use} without a name")
     signatures = restored.machine.library.signatures
     fault = signatures.fault(use, str(content[0]), len(content) - 1)
@@ -239,11 +239,11 @@ def _check_ask(ask: Ask, conflicts: int) -> None:
         need(known, "an unknown conflict")
 
 
-# --- what waits ---------------------------------------------------------------------
+# --- waits ----------------------------------------------------------------------------
 
 
 def _check_waiting(restored: RestoredRun) -> None:
-    """All eligible tasks are on the agenda; what monitors test has monitors."""
+    """Check that all eligible tasks are on the agenda, and monitors agree."""
     live = restored.live
     sole, others = restored.agenda.entries()
     need(sole is None or not others, "a task that is not alone")

@@ -1,10 +1,10 @@
-"""How values in the state of a run are saved: by type, in one table walked both ways.
+"""Codecs: how values in the state of a run are saved, by type, in both directions.
 
-A state class says in its table `FIELDS` of which type each field is. What is written is
-a record of these fields, which msgspec makes bytes of; what is read is checked by
-msgspec for its form, and by the codecs here for what it points at. Tasks are named by
-their numbers, plans by their names and positions. Sets, counters and environments may
-be shared: they stand in lists of their own and are named by their places there.
+The table `FIELDS` of a state class states the type of each field. A saved object is a
+record of these fields, which msgspec encodes. On reading, msgspec validates the form,
+and the codecs here validate references. References to tasks are their numbers, to plans
+their names and positions. Sets, counters and environments may be shared: they are in
+lists of their own, and references to them are positions.
 """
 
 from __future__ import annotations
@@ -38,35 +38,35 @@ from rapc.world import Time
 
 
 class Ref(msgspec.Struct, frozen=True, tag="resource"):
-    """A set or counter, by its place among the `resources` of a saved run."""
+    """A reference to a set or counter: its position in the saved `resources`."""
 
     at: Natural
 
 
 class Key(msgspec.Struct, frozen=True, tag="key", omit_defaults=True):
-    """A tuple that a detector knows, or a set in it; members in a fixed order."""
+    """A tuple in a detector's key, or a set in the tuple; members in a fixed order."""
 
     parts: tuple[str | int | float | Text | Key | None, ...]
     is_set: bool = False
 
 
 Saved = str | int | float | Text | Ref
-"""A value of a variable."""
+"""Value of a variable."""
 
 
 class Writer:
-    """What is saved beside the records: all that may be shared."""
+    """The shared values of a saved run, collected while its records are written."""
 
     def __init__(self) -> None:
         #: Counters as numbers, sets as their members in the order of arrival.
         self.resources: list[Number | tuple[Atom, ...]] = []
         self.environments: list[dict[str, Saved]] = []
-        #: The task of which a field is being written.
+        #: The task whose field is being written.
         self.task: Any = None
         self._places: dict[int, int] = {}
 
     def environment(self, env: Env) -> int:
-        """Return the place of an environment; it is written the first time."""
+        """Return the position of an environment; write the environment on first use."""
         place = self._places.get(id(env))
         if place is None:
             place = self._places[id(env)] = len(self.environments)
@@ -74,7 +74,7 @@ class Writer:
         return place
 
     def value(self, value: Any) -> Any:
-        """Return a value as it is saved, a resource as its place."""
+        """Return a value in saved form, a resource as its position."""
         if not isinstance(value, Counter | SetResource):
             return value
         place = self._places.get(id(value))
@@ -88,11 +88,11 @@ class Writer:
 
 
 class Reader:
-    """What the values that are read point at.
+    """The objects to which saved values refer.
 
     Args:
         library: the library that names the plans.
-        resources: the shared sets and counters, as `Writer` has them.
+        resources: the shared sets and counters, as in `Writer`.
         environments: the shared environments.
     """
 
@@ -104,11 +104,11 @@ class Reader:
     ) -> None:
         self.library = library
         self.state = RunState()
-        #: The tasks of the host, in order, once they are made.
+        #: The tasks of the host, in order, once they have been created.
         self.given: Iterator[Task] = iter(())
         #: The live tasks by number.
         self.live: dict[int, Task] = {}
-        #: The task of which a field is being read.
+        #: The task whose field is being read.
         self.task: Any = None
         self._resources = [
             SetResource(dict.fromkeys(one)) if isinstance(one, tuple) else Counter(one)
@@ -120,11 +120,11 @@ class Reader:
         ]
 
     def value(self, saved: Any) -> Any:
-        """Return the value of what was saved."""
+        """Return the value of a saved value."""
         return self._resources[saved.at] if type(saved) is Ref else saved
 
     def any_run(self) -> MethodRun:
-        """Return a method under way, for what gets its own one later."""
+        """Return a method under way, as a placeholder."""
         found = [task.run for task in self.live.values() if task.run is not None]
         need(found, "a thing that no method holds")
         return found[0]
@@ -134,7 +134,7 @@ class Reader:
         return self.state.methods(self.task.plan)[index]
 
     def run(self, saved: Any) -> MethodRun:
-        """Return the method that the task that is being read is at work on."""
+        """Return the method under way of the task that is being read."""
         plan, env = self.method(saved.plan), self.environments[saved.env]
         run = MethodRun(self.task, plan, env, saved.started)
         need((run.ends is None) == (saved.ends is None), "times of steps")
@@ -149,9 +149,9 @@ _tuple: Any = tuple
 
 
 class Codec(NamedTuple):
-    """How a value is saved: as what, and how it is written and read.
+    """The codec of a type: its saved type, and functions to write and to read.
 
-    Without `write`, or without `read`, it is saved as it is.
+    Without `write`, or without `read`, the value is unchanged.
     """
 
     saved: Any
@@ -160,12 +160,12 @@ class Codec(NamedTuple):
 
     @property
     def written(self) -> Callable[[Writer, Any], Any]:
-        """Return what writes a value."""
+        """Return the function that writes a value."""
         return self.write or _same
 
     @property
     def made(self) -> Callable[[Reader, Any], Any]:
-        """Return what makes a value of what was saved."""
+        """Return the function that makes a value from a saved value."""
         return self.read or _same
 
 
@@ -174,14 +174,14 @@ def _same(_: object, value: Any) -> Any:
 
 
 def _live(task: Task | None) -> int | None:
-    """Return the number of a task or, if that has ended, of what is left above it."""
+    """Return the number of a task or, if ended, of its nearest live ancestor."""
     while task is not None and not task.live:
         task = task.parent
     return None if task is None else task.number
 
 
 def _key(part: Any) -> Any:
-    """Return a part of a detector's key as it is saved."""
+    """Return a part of a detector's key in saved form."""
     if isinstance(part, tuple):
         return Key(tuple([_key(one) for one in part]))
     if isinstance(part, frozenset):
@@ -214,7 +214,7 @@ CODECS: dict[Any, Codec] = {
         lambda _, it: _live(it),
         lambda r, it: None if it is None else r.live[it],
     ),
-    # the loop tells states apart by identity
+    # the loop compares states by identity
     State: Codec(State, None, lambda _, it: _STATES[it]),
     Env: Codec(Natural, Writer.environment, lambda r, it: r.environments[it]),
     Value: Codec(Saved, Writer.value, Reader.value),
@@ -230,15 +230,15 @@ CODECS: dict[Any, Codec] = {
     ),
     Ask: Codec(tuple[tuple[Atom, ...], int, bool], None, lambda _, it: Ask(*it)),
 }
-"""How values are saved that are more than data, by their types."""
+"""The codecs of types that are more than data."""
 
 
 @cache
 def codec(kind: Any) -> Codec:
-    """Return how values of a type are saved.
+    """Return the codec of a type.
 
     Raises:
-        TypeError: for a type of which nothing says it.
+        TypeError: for a type without a codec.
     """
     if kind in CODECS:
         return CODECS[kind]
@@ -251,7 +251,7 @@ def codec(kind: Any) -> Codec:
 
 
 def _composed(kind: Any, origin: Any, args: tuple[Any, ...]) -> Codec:
-    """Return how values are saved that have parts."""
+    """Return the codec of a type with parts."""
     parts = [codec(arg) for arg in args if arg not in (NoneType, ...)]
     if origin is dict:
         return _of_dict(*parts)
@@ -271,7 +271,7 @@ def _composed(kind: Any, origin: Any, args: tuple[Any, ...]) -> Codec:
 
 
 def _is_data(kind: Any) -> bool:
-    """Whether msgspec writes and reads values of a type as they are."""
+    """Return whether msgspec writes and reads values of a type unchanged."""
     if isinstance(kind, type) and issubclass(kind, msgspec.Struct):
         return True
     return kind in (bool, int, float, str, bytes)
@@ -304,7 +304,7 @@ def _of_tuple(parts: list[Codec]) -> Codec:
 
 
 def _of_dict(key: Codec, value: Codec) -> Codec:
-    """Return how a table is saved: as pairs, those of numbers by number."""
+    """Return the codec of a table: pairs, those with number keys in order."""
 
     def write(writer: Writer, table: Any) -> Any:
         pairs = sorted(table.items()) if key.saved is int else table.items()
@@ -328,14 +328,14 @@ _MADE: dict[Any, Callable[[Reader, Any], Any]] = {
     ThingWait: lambda r, it: ThingWait(r.live[it.task], (), "", 0),
     TopLevelTask: lambda r, _: TopLevelTask(next(r.given), False),
 }
-"""How objects are made that take arguments, before their saved fields are set."""
+"""Factories of objects that take arguments; saved fields are set afterwards."""
 
 
 # --- records ------------------------------------------------------------------------
 
 
 class Record:
-    """The fields of a state class that are saved, and the record that holds them."""
+    """The saved fields of a state class, and the record that holds them."""
 
     def __init__(self, kind: Any) -> None:
         self._kind = kind
@@ -370,7 +370,7 @@ class Record:
         return self.fill(reader, made, saved)
 
     def fill(self, reader: Reader, made: Any, saved: Any) -> Any:
-        """Set the fields of an object to what a record says, in order; return it."""
+        """Set the fields of an object from a record, in order; return the object."""
         values = msgspec.structs.astuple(saved)
         for (name, read), value in zip(self._reads, values, strict=True):
             setattr(made, name, value if read is None else read(reader, value))

@@ -1,6 +1,6 @@
-"""A saved run as bytes: one line that says what it is, then the records as JSON.
+"""The format of a saved run: a header line, then the records as JSON.
 
-The line is `rapc-run`, the version of the format and the checksum of what follows.
+The line contains `rapc-run`, the version of the format and the checksum of the rest.
 JSON keeps whole numbers of any size.
 """
 
@@ -25,7 +25,7 @@ from rapc.runtime.state import agenda, run_state, task, things
 from rapc.world import Time
 
 FORMAT = 5
-"""The version of the format; a change of the fields of states or of the IR is one."""
+"""The version of the format; changes of the state's fields or of the IR change it."""
 
 _HEAD = re.compile(rb"rapc-run (\d{1,9}) ([0-9a-f]{64})\n")
 
@@ -44,48 +44,48 @@ else:
 
 
 class RunRecord(msgspec.Struct, frozen=True):
-    """A whole run."""
+    """The records of a whole run."""
 
     #: The digest of the library's sources.
     library: str
-    #: What the world is called.
+    #: The name of the world.
     world_name: str
-    #: The options that the world was made with, if that is known.
+    #: The options of the world, if known.
     options: dict[str, str | int | float | bool]
     settings: Settings
     seed: int
     #: The state of the interpreter's random stream.
     random: Stream
-    #: How far the recorder has come.
+    #: The position of the recorder.
     time: Time
     cycle: Natural
     serial: Natural
     #: The methods that solvers have added, in order, each with its RAP.
     added_methods: tuple[tuple[str, Method], ...]
-    #: What `Writer` has gathered.
+    #: The shared values from `Writer`.
     resources: tuple[Number | tuple[Atom, ...], ...]
     environments: tuple[dict[str, Saved], ...]
-    #: The tasks of the host, then the steps of the methods of these, and so on; of a
-    #: step that has ended the RAP and the number.
+    #: The tasks of the host, then the steps of their methods, and so on; for an ended
+    #: step the RAP and the number.
     tasks: tuple[TaskRecord | tuple[str, int], ...]
     state: StateRecord
     agenda: AgendaRecord
     things: ThingsRecord
     #: The tasks whose monitors are to be tested, by number.
     to_test: tuple[int, ...]
-    #: The deadlines that were missed and not yet told of, by the number of the task.
+    #: The missed deadlines without an event so far, by task number.
     missed: tuple[tuple[int, tuple[Time, ...]], ...]
     tested_at: Time
     #: The facts that the methods of tasks note, by the number of the task.
     notations: tuple[tuple[int, tuple[Fact, ...]], ...]
     memory: MemoryState
-    #: What the world says of itself.
+    #: The state that the world has saved.
     world: bytes
 
 
 @cache
 def _decoder() -> msgspec.json.Decoder[RunRecord]:
-    """Return what decodes a run; making it takes longer than most decodings."""
+    """Return the decoder of a run, cached: making it is slower than most decodings."""
     return msgspec.json.Decoder(RunRecord)
 
 
@@ -95,7 +95,7 @@ def encode_run(record: RunRecord) -> bytes:
 
 
 def sealed(body: bytes) -> bytes:
-    """Return the records of a run behind the line that says what they are."""
+    """Return the records of a run with the header line."""
     checksum = hashlib.sha256(body).hexdigest()
     return f"rapc-run {FORMAT} {checksum}\n".encode() + body
 
@@ -104,7 +104,7 @@ def decode_run(saved: bytes) -> RunRecord:
     """Return the records of a saved run.
 
     Raises:
-        StateError: for bytes that are no saved run, a damaged one, or one of another
+        StateError: for bytes that are no saved run, a damaged run, or a run of another
             version of the format.
     """
     head = _HEAD.match(saved)
@@ -125,5 +125,5 @@ def decode_run(saved: bytes) -> RunRecord:
 
 
 def not_a_run(error: Exception) -> StateError:
-    """Return the error for a saved run that says what no run can have left."""
+    """Return the error for a saved run that no run can have left."""
     return StateError(f"the saved run holds what no run leaves: {error}")

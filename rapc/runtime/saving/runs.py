@@ -1,7 +1,7 @@
-"""A run as a record, and a record as a run that is not yet in place of another.
+"""A run as a record, and a record as a run that can replace another.
 
-All new objects are made first, and anything that is wrong with a record shows then;
-only what cannot fail any more touches the machine (`RestoredRun.install`).
+`RestoredRun` first makes all new objects, which reveals all errors in a record. Only
+operations that cannot fail then change the machine (`RestoredRun.install`).
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ from rapc.world import World
 
 
 def capture(machine: Run, seed: int, world: bytes) -> RunRecord:
-    """Return all that a run holds now; `world` is what the world says of itself.
+    """Return the record of a run; `world` is the saved state of the world.
 
-    Nothing changes by it: no event, no serial, no draw.
+    The capture changes nothing: no event, no serial, no draw.
     """
     state, recorder, monitors = machine.state, machine.recorder, machine.monitors
     writer = Writer()
@@ -60,7 +60,7 @@ def capture(machine: Run, seed: int, world: bytes) -> RunRecord:
         agenda=fields_of(Agenda).write(writer, machine.eligible),
         things=fields_of(Things).write(writer, machine.things),
         to_test=tuple(
-            # a running task is tested when its method ends, whether it is here or not
+            # a running task is tested when its method ends, whether saved or not
             number
             for number, task in sorted(monitors.to_test.items())
             if task.state is not RUNNING
@@ -86,7 +86,7 @@ def _written(writer: Writer, task: Task, tasks: list[Task]) -> Any:
 
 
 def options_of(world: World) -> dict[str, str | int | float | bool]:
-    """Return the options that a world was made with, as far as that is known."""
+    """Return the options of a world, as far as known."""
     found: dict[str, str | int | float | bool] = {}
     for name, value in world.made_with.items():
         a_number = isinstance(value, int | float) and math.isfinite(value)
@@ -95,15 +95,15 @@ def options_of(world: World) -> dict[str, str | int | float | bool]:
 
 
 class RestoredRun:
-    """A run made of a record, not yet in place of another.
+    """A run made from a record, not yet installed in a machine.
 
     Args:
-        machine: the machine for which it is made; its library names the plans.
+        machine: the machine of the run; its library names the plans.
         record: the record.
 
     Raises:
-        WrongRecordError: for a record whose parts do not belong together or to the
-            library.
+        WrongRecordError: for a record whose parts do not agree with each other or
+            with the library.
     """
 
     def __init__(self, machine: Run, record: RunRecord) -> None:
@@ -140,7 +140,7 @@ class RestoredRun:
             state.added_methods.setdefault(name, []).append(method)
 
     def _read_tasks(self, reader: Reader) -> list[Task]:
-        """Make the tasks: those of the host, then the steps of each in turn."""
+        """Create the tasks: tasks of the host, then the steps of each in turn."""
         records, made = self.record.tasks, []
         places: list[Any] = [(None, None)] * len(self.record.state.top_level)
         for (run, step), record in zip(places, records, strict=False):  # `places` grows
@@ -168,9 +168,9 @@ class RestoredRun:
         return made
 
     def install(self) -> None:
-        """Put the run in place of the one that the machine held.
+        """Replace the run of the machine by this run.
 
-        Memory has been restored by now: notations are found there.
+        The caller restores memory before: the notations are found in memory.
         """
         machine, record = self.machine, self.record
         for run, facts in self.noted.items():
@@ -187,7 +187,7 @@ class RestoredRun:
 
 
 def _count_steps(run: MethodRun) -> None:
-    """Count the steps of a method that have not ended, and those that each follows."""
+    """Count the live steps of a method, and the predecessors of each step."""
     steps = run.steps
     run.steps_left = sum(step.live for step in steps)
     for step in steps:

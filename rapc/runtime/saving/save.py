@@ -1,9 +1,9 @@
-"""Saving a run, and taking a saved one up in place: all of it, or nothing.
+"""Save a run, or restore a saved run in place: completely, or not at all.
 
-How values are saved stands in `codecs`, what a whole run is in `runs`, what the bytes
-look like in `format`. Not saved is what a host has registered: listeners stay as they
-are, whatever is taken up; timers of the host cannot be kept, so that with any of them
-a run is neither saved nor replaced.
+Not here: how values are saved (`codecs`), the contents of a run (`runs`), and the bytes
+(`format`). Registrations of a host are not saved. Listeners stay registered when a run
+is restored. Timers of the host cannot be saved: a run with timers is neither saved nor
+replaced.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ _Noted = list[tuple[MethodRun, list[Fact]]]
 
 
 def save(machine: Run, seed: int) -> bytes:
-    """Return a whole run as bytes; nothing changes by it.
+    """Return a whole run as bytes, without changing the run.
 
     Raises:
         PortError: if the world breaks while it is saved.
@@ -46,12 +46,12 @@ def save(machine: Run, seed: int) -> bytes:
 
 
 def restore(machine: Run, saved: bytes) -> int:
-    """Put a saved run in place of the one that `machine` holds; return its seed.
+    """Replace the run of `machine` by a saved run; return its seed.
 
     Raises:
         StateError: for bytes that are no saved run of this library, this world and
-            these settings; then nothing has changed. As `save`, too, but after a run
-            has broken off.
+            these settings; then nothing has changed. Also as `save`, except after an
+            aborted run.
         PortError: if the world breaks while it is restored.
     """
     if machine.turning:
@@ -86,14 +86,14 @@ def restore(machine: Run, saved: bytes) -> int:
 
 
 def _put_back(machine: Run, before: MemoryState, noted: _Noted) -> None:
-    """Restore memory as it was, with the notations of methods."""
+    """Restore memory to the state before, with the notations of methods."""
     memory_saving.restore_memory(machine.access, before)
     for run, facts in noted:
         run.notations = machine.beliefs.notations.of(facts)
 
 
 def _noted(machine: Run) -> _Noted:
-    """Return the methods that note facts, and which."""
+    """Return the methods that note facts, with these facts."""
     notations = machine.beliefs.notations
     return [
         (task.run, notations.facts(task.run.notations))
@@ -103,7 +103,7 @@ def _noted(machine: Run) -> _Noted:
 
 
 def _look_whose(machine: Run, record: RunRecord) -> None:
-    """See that a saved run is one of this library, world and settings."""
+    """Check that a saved run is of this library, world and settings."""
     if record.library != digest(machine.library.library):
         raise StateError("the saved run is one of another library")
     if record.world_name != machine.port.name:
@@ -124,7 +124,7 @@ def _look_whose(machine: Run, record: RunRecord) -> None:
 
 
 def _option(value: Atom | bool | None) -> str:
-    """Return the value of an option in words, cut if it is long."""
+    """Return the value of an option as text, cut if it is long."""
     if value is None:
         return "nothing"
     return f"`{str(value).lower() if isinstance(value, bool) else value!s:.40}`"
@@ -137,7 +137,7 @@ def _savable(world: World) -> Savable:
 
 
 def _look_for_callbacks(machine: Run, done: str) -> None:
-    """Refuse a run that would lose what its host is to do."""
+    """Refuse a run that would lose callbacks of its host."""
     timers = sorted((time, number) for time, number, _ in machine.host_timers)
     actions = {number: action for _, number, action in machine.host_timers}
     waiting = {
@@ -158,6 +158,6 @@ def _look_for_callbacks(machine: Run, done: str) -> None:
 
 
 def _named(action: Callable[[], None]) -> str:
-    """Return what a callable of the host is called, with its file and line."""
+    """Return the name of a callable of the host, with its file and line."""
     name = getattr(action, "__qualname__", type(action).__qualname__)
     return f"`{name}`{place_of(action)}"
