@@ -1,1 +1,1 @@
-"""What happens in a run: events as values, their recorder, and traces of them."""
+"""Events of a run as values, their recorder, and traces of events."""

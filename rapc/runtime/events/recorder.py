@@ -1,4 +1,4 @@
-"""Make the events of a run and hand them to its listeners."""
+"""The recorder: makes the events of a run and passes them to its listeners."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from rapc.world import Time
 Listener = Callable[[Event], None]
 
 _WITH_CAUSES: frozenset[type[Event]] = frozenset((MethodEnded, TaskFailed))
-"""The kinds of events that tell of causes."""
+"""The kinds of events with causes."""
 
 
 class Recorder:
-    """Numbers events and hands them on; makes nothing while nobody listens.
+    """Numbers events and passes them on; makes none without listeners.
 
-    Callers test `on` first, so that a silent run allocates nothing for tracing. In
-    the `buffer`, if there is one, an event is kept as it is told, to be made later.
+    Callers test `on` first: a run without listeners allocates nothing for tracing. A
+    `buffer`, if any, keeps the keys of events; the events are made later.
     """
 
     def __init__(self) -> None:
@@ -27,28 +27,29 @@ class Recorder:
         self.cycle = 0
         self.serial = 0
         #: For each event its kind, cycle, time and other keys, one after the other:
-        #: Python's garbage collector looks at what is kept again and again, and so
-        #: finds half as many objects.
+        #: Python's garbage collector traverses kept objects again and again, and this
+        #: form halves their number.
         self.buffer: list[Any] | None = None
-        #: Places in the buffer from which serials are counted anew, each with the
-        #: first.
+        #: Positions in the buffer where the count of serials starts again, each with
+        #: the first serial.
         self.jumps: list[tuple[int, int]] = []
-        #: Whether anybody is told why tasks fail: else nobody finds it out.
+        #: Whether a listener receives causes of failures; otherwise they are not
+        #: computed.
         self.tells_causes = False
         self._listeners: tuple[Listener, ...] = ()
         self._raw: tuple[Callable[..., None], ...] = ()
         self._of_kind: dict[type[Event], tuple[Listener, ...]] = {}
-        #: Whether there are any listeners but those to raw events.
+        #: Whether there are listeners besides those to raw events.
         self._makes_events = False
-        #: Whether somebody is told of events of all kinds.
+        #: Whether a listener receives events of all kinds.
         self._tells_all = False
 
     def listen(self, listener: Listener, *kinds: type[Event]) -> None:
         """Call `listener` with every event from now on, or those of `kinds`, in order.
 
-        An event of a kind that nobody asked for is not made. A listener to all kinds
-        that has a method `raw` is handed events as they are emitted: the kind, its
-        serial number, cycle, time, and its other keys, which it must not change.
+        An event of a kind without a listener is not made. A listener to all kinds with
+        a method `raw` receives events as they are emitted: the kind, its serial number,
+        cycle, time, and its other keys, which the listener must not change.
         """
         self.tells_causes |= not kinds or not _WITH_CAUSES.isdisjoint(kinds)
         self._tells_all |= not kinds
@@ -67,7 +68,7 @@ class Recorder:
         self.on = True
 
     def take_over(self, other: Recorder) -> None:
-        """Hand all to the listeners of another recorder, which is told no more."""
+        """Take over the listeners of another recorder, which gets no more events."""
         self.on, self.tells_causes = other.on, other.tells_causes
         self.buffer, self.jumps = other.buffer, other.jumps
         self._listeners, self._raw = other._listeners, other._raw
@@ -75,22 +76,22 @@ class Recorder:
         self._tells_all = other._tells_all
 
     def start_buffer(self) -> list[Any]:
-        """The buffer to which all is added that is told from now on."""
+        """Return the buffer to which all events from now on are added."""
         if self.buffer is None:
             self.buffer = []
         self.on = self.tells_causes = self._tells_all = True
         return self.buffer
 
     def jump(self, time: Time, cycle: int, serial: int) -> None:
-        """Go on from another place of the run: a saved state has been taken up."""
+        """Continue from another position of the run, after a restore."""
         self.time, self.cycle, self.serial = time, cycle, serial
         if self.buffer is not None:
             self.jumps.append((len(self.buffer), serial))
 
     def wants(self, event_class: type[Event]) -> bool:
-        """Whether anybody is told of events of a kind; if not, count one all the same.
+        """Return whether a kind of event has listeners; if not, count one event.
 
-        To be asked where it takes time to say what there is to tell.
+        Call this method before expensive computations of keys.
         """
         if self._tells_all or event_class in self._of_kind:
             return True
@@ -98,7 +99,7 @@ class Recorder:
         return False
 
     def emit(self, event_class: type[Event], /, **keys: Any) -> None:
-        """Hand an event of a kind to all listeners that want it."""
+        """Emit an event of a kind to all of its listeners."""
         buffer = self.buffer
         if buffer is not None:
             buffer.extend((event_class, self.cycle, self.time, keys))
@@ -120,11 +121,11 @@ class Recorder:
 
 
 _PARTS = 4
-"""How many entries of a buffer an event takes."""
+"""The number of buffer entries for an event."""
 
 
 class Recording:
-    """The events of a run from a moment on; it may be read while the run goes on."""
+    """The events of a run from a moment on, readable while the run goes on."""
 
     def __init__(self, recorder: Recorder) -> None:
         self._buffer = recorder.start_buffer()
@@ -136,7 +137,7 @@ class Recording:
         return (len(self._buffer) - self._start) // _PARTS
 
     def __iter__(self) -> Iterator[Event]:
-        """The events, in order: what a listener would have been called with."""
+        """Yield the events in order, as a listener would have received them."""
         jumps = dict(self._jumps)
         serial = self._first
         for at in range(self._start, len(self._buffer), _PARTS):

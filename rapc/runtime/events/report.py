@@ -1,4 +1,4 @@
-"""The short account at the end of a run, gathered from its events."""
+"""The short report at the end of a run, compiled from its events."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rapc.base.values import readable
 from rapc.world import OKAY
 
 _LEFT_OVER = 20
-"""How many tasks that were left over are named."""
+"""The highest number of remaining tasks in the report."""
 
 
 _COUNTED: Mapping[type[events.Event], str] = {
@@ -18,14 +18,14 @@ _COUNTED: Mapping[type[events.Event], str] = {
     events.DeadlineMissed: "Deadlines missed",
     events.QueryFaulted: "Faults in queries",
 }
-"""What is counted besides, and how it is called."""
+"""Other counted kinds of events, with their names in the report."""
 
 
 class RunReport:
-    """Counts what happens in a run; a listener for `Interpreter.listen`.
+    """A counter of the events of a run; a listener for `Interpreter.listen`.
 
-    For a report it needs no events but those of its `kinds`; it counts the successes of
-    tasks, too, if it is told of them.
+    A report needs only the events of its `kinds`; it also counts the successes of
+    tasks, if it receives them.
     """
 
     kinds = (
@@ -47,7 +47,7 @@ class RunReport:
         self._end: events.RunEnded | None = None
 
     def __call__(self, event: events.Event) -> None:
-        """Take one event into account."""
+        """Count one event."""
         if isinstance(event, events.PrimitiveEnded):
             name = str(event.request[0])
             self.primitives[name] += 1
@@ -61,12 +61,12 @@ class RunReport:
             self.others[type(event)] += 1
 
     def well(self, name: str) -> int:
-        """Return how often a primitive has succeeded, or tasks of a RAP have."""
+        """Return how often a primitive, or tasks of a RAP, have succeeded."""
         failed = [n for (what, _), n in self.failures.items() if what == name]
         return self.primitives[name] - sum(failed) + self.successes[name]
 
     def lines(self) -> Iterator[str]:
-        """The report: tasks and results, primitives by kind, failures, time."""
+        """Yield the lines: tasks and results, primitives by kind, failures, time."""
         if self._end is None:
             return
         end = self._end
@@ -105,7 +105,7 @@ class RunReport:
 
 
 def cause_lines(cause: events.Cause | None) -> Iterator[str]:
-    """Say why something failed, one line for each link down to the first cause."""
+    """Yield the lines of a cause, one for each link down to the first cause."""
     while cause is not None:
         yield f"because of {cause.line()}"
         for method in cause.methods:

@@ -1,8 +1,8 @@
 """Traces: events written as JSON Lines, or as text in the manner of T 6.2.1.
 
-Both forms go to any text stream, one line at a time, so that a run that is cut off
-leaves a readable trace. The keys of the JSON form are in docs/trace.md; what is written
-of an event is in `rapc.events`.
+Both forms go to any text stream, one line at a time: an aborted run leaves a readable
+trace. docs/trace.md lists the keys of the JSON form; `rapc.events` defines the written
+fields of an event.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from rapc.world import Time
 
 
 def record(event: events.Event) -> dict[str, Any]:
-    """Return an event as the object that a trace holds, its values as RAP text."""
+    """Return an event as an object of a trace, with values as RAP text."""
     kind, shape = type(event), _shape(type(event))
     told = {name: getattr(event, name) for name in _COMMON}
     own = _in_words(_completed(kind, _keys(event)), shape.words, [None, None, None])
@@ -30,7 +30,7 @@ def record(event: events.Event) -> dict[str, Any]:
 
 
 _COMMON = events.Event.__struct_fields__
-"""The keys that all events have; those of a kind follow."""
+"""The keys of all events; the keys of a kind follow."""
 
 _Words = list[tuple[str, Callable[[Any], Any]]]
 
@@ -41,16 +41,16 @@ def _keys(event: events.Event) -> dict[str, Any]:
 
 
 class _Shape(NamedTuple):
-    """How a kind of event is written."""
+    """The written form of a kind of event."""
 
     tag: str
-    #: The keys that are written in words, by their names in a trace.
+    #: The keys that are written as text, by their names in a trace.
     words: _Words
-    #: How many keys an event has that can be written as they are; -1 if none can.
+    #: How many keys of an event can be written unchanged; -1 if none can.
     size: int
-    #: Its own fields, each with its name in a trace and its default.
+    #: The kind's own fields, each with its name in a trace and its default.
     fields: tuple[tuple[str, str, object], ...]
-    #: Whether what has its default is left out.
+    #: Whether fields with their default are omitted.
     omits: bool
 
 
@@ -68,7 +68,7 @@ def _shape(kind: type[events.Event]) -> _Shape:
 
 
 def _completed(kind: type[events.Event], keys: dict[str, Any]) -> dict[str, Any]:
-    """Return the keys of an event by their names in a trace, with those left out."""
+    """Return the keys of an event by their names in a trace, with omitted ones."""
     shape = _shape(kind)
     return {
         key: value
@@ -80,13 +80,13 @@ def _completed(kind: type[events.Event], keys: dict[str, Any]) -> dict[str, Any]
 def _in_words(keys: dict[str, Any], words: _Words, last: list[Any]) -> dict[str, Any]:
     """Return keys with text for values.
 
-    `last` holds what was put into words last, by what, and these words: a request is
-    told of three times, one after the other.
+    `last` holds the last converted value, its conversion and its text: three events in
+    a row report the same request.
     """
     keys = keys.copy()
     for name, write in words:
         value = keys[name]
-        if value or value == 0:  # what is empty is written as it is
+        if value or value == 0:  # empty values are written unchanged
             if value is not last[0] or write is not last[1]:
                 last[:] = value, write, write(value)
             keys[name] = last[2]
@@ -94,22 +94,22 @@ def _in_words(keys: dict[str, Any], words: _Words, last: list[Any]) -> dict[str,
 
 
 def _text(value: object) -> str:
-    """Return what the encoder does not know as text: goals, mostly."""
+    """Return text for a value unknown to the encoder: a goal, mostly."""
     # by its attribute, as Python takes long to find the `__str__` of a class
     return (type(value) is events.Goal and value.text) or str(value)
 
 
 class JsonTrace:
-    """Writes each event as one line of JSON; the same events give the same bytes."""
+    """A listener that writes each event as one line of JSON, repeatably."""
 
     def __init__(self, stream: Writable) -> None:
         self._stream = stream
         self._encode = msgspec.json.Encoder(enc_hook=_text).encode
-        #: How lines of each kind of event begin, how many keys can be written as they
-        #: are, and which in words.
+        #: For each kind of event the beginning of its lines, the number of keys that
+        #: can be written unchanged, and the keys to write as text.
         self._shapes: dict[type[events.Event], tuple[str, int, _Words]] = {}
         self._last: list[Any] = [None, None, None]
-        #: The time of the event before, and how it is written.
+        #: The time of the last event, and its text.
         self._time: Time | None = None
         self._stamp = ""
 
@@ -127,7 +127,8 @@ class JsonTrace:
     ) -> None:
         """Write one event that has not been made: see `Recorder.listen`.
 
-        The keys are in the order of its fields; what is left out has its default.
+        The keys are in the order of the event's fields; missing keys have their
+        defaults.
         """
         head, size, words = self._shapes.get(kind) or self._learn(kind)
         if len(keys) != size:
@@ -149,14 +150,14 @@ class JsonTrace:
 
 
 class Writable(Protocol):
-    """Whatever text can be written to."""
+    """A stream that text can be written to."""
 
     def write(self, text: str, /) -> object:
         """Write text."""
 
 
 class TextTrace:
-    """Writes events as a person reads them, one line per step of the interpreter."""
+    """A listener that writes events for people, a line per step of the interpreter."""
 
     def __init__(self, stream: Writable) -> None:
         self._stream = stream
@@ -165,10 +166,10 @@ class TextTrace:
         self._held: list[tuple[events.Event, str]] = []
 
     def __call__(self, event: events.Event) -> None:
-        """Write what there is to say about one event, if anything.
+        """Write the lines of one event, if any.
 
         A request gets a line of its own only if its primitive does not end at once.
-        Until that is known, what the host does meanwhile is held back.
+        Until that is known, the listener holds back the host's events.
         """
         if isinstance(event, events.PrimitiveRequested):
             self._asked = event
@@ -186,7 +187,7 @@ class TextTrace:
     def _tell_asked(
         self, event: events.Event, asked: events.PrimitiveRequested
     ) -> None:
-        """Write what was held back; `event` tells whether the primitive has ended."""
+        """Write the events held back; `event` shows whether the primitive has ended."""
         ended = isinstance(event, events.PrimitiveEnded) and (
             event.task == asked.task or event.request == asked.request
         )
