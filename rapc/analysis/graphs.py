@@ -339,7 +339,7 @@ def dependents(library: Library, name: str) -> Graph:
 
 
 def recursive(library: Library) -> Graph:
-    """Return the RAPs that call each other in a cycle, one group for each component."""
+    """Return the RAPs on cycles of calls, one group for each component."""
     import networkx  # noqa: PLC0415
 
     graph = library_graph(library)

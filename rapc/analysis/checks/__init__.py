@@ -1,1 +1,1 @@
-"""The checks, by subject: each with its rules."""
+"""The checks and their rules, by subject."""

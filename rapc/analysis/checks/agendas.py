@@ -1,7 +1,8 @@
-"""RAP130 to RAP132: agendas whose tasks get in each other's way for good.
+"""RAP130 to RAP132: agendas whose tasks block each other permanently.
 
-The priority of a step adds to that of its parent, so a task reaches as high as its own
-priority and the highest row of steps below it (T 5.4.1).
+The priority of a step is added to the priority of its parent. The highest priority
+below a task is therefore the sum of its own priority and of the steps on the highest
+path below the task (T 5.4.1).
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ _STANDING_BY = """\
   (task (keep-charged){} :background true)
   (task (go home) :priority 2))
 """
-"""An agenda with a standing task; its priority is left open."""
+"""An agenda with a standing task, without a priority."""
 
 LOW = Rule(
     code="RAP130",
@@ -60,7 +61,7 @@ _WITH_STEPS = """\
   (task (keep-charged) :priority 4 :background true)
   (task (go home)))
 """
-"""The same with a step; its priority is left open."""
+"""The same agenda with a step, without a priority."""
 
 REACHES = Rule(
     code="RAP131",
@@ -129,13 +130,13 @@ def agenda_bands(run: Pass) -> Iterator[Diagnostic]:
 
 
 def _stands(run: Pass, task: nodes.GivenTask) -> bool:
-    """Whether a task of an agenda stands by for a state of the world."""
+    """Return whether a task of an agenda waits for a state of the world."""
     rap = run.library.raps.get(task.goal.name)
     return task.background and rap is not None and _reacts(run, rap)
 
 
 def _reacts(run: Pass, rap: nodes.DefineRap) -> bool:
-    """Whether a RAP has a monitor, or is never done but for steps that have one."""
+    """Return whether a RAP, or each of its steps, waits for a monitor."""
     if rap.monitor_state is not None:
         return True
     below = [run.library.raps.get(s.goal.name) for m in rap.methods for s in steps(m)]
@@ -169,7 +170,7 @@ _Reach = Mapping[str, tuple[int, nodes.Step | None]]
 
 
 def _reach(run: Pass) -> _Reach:
-    """Return how high steps reach above each RAP, with the first of the highest row."""
+    """Return the highest added priority below each RAP, with its first step."""
     reach: dict[str, tuple[int, nodes.Step | None]] = {}
     raps = run.library.raps.values()
     rows = [(rap.name, [s for m in rap.methods for s in steps(m)]) for rap in raps]
@@ -221,7 +222,7 @@ def _priority(task: nodes.GivenTask) -> int:
 
 
 def _raised(name: str, reach: _Reach) -> nodes.Step | None:
-    """The step of the highest row below a RAP that adds most."""
+    """Return the step with the highest priority on the highest path below a RAP."""
     most: nodes.Step | None = None
     for _ in range(LIMITS.priority_depth):
         _, step = reach.get(name, (0, None))

@@ -1,10 +1,10 @@
 """RAP107, RAP110, RAP111, RAP117, RAP153: conditions that never hold or miss a case.
 
-A conjunction is taken apart into literals (`rapc.analysis.facts.logic`), of which two
-never hold together; each branch of an `or` is asked with what stands around it. Where a
-method is chosen the monitor, preconditions and constraints of its RAP hold, `succeed`
-has no solution, and `repeat-while` holds together with the context; what clauses of the
-RAP bind stays theirs.
+A conjunction is split into literals (`rapc.analysis.facts.logic`); the checks find two
+literals that never hold together. Each branch of an `or` is combined with the formulas
+around the `or`. When a method is chosen, the monitor, preconditions and constraints of
+its RAP hold, `succeed` has no solution, and `repeat-while` holds together with the
+context. Bindings in the clauses of the RAP are local to the clause.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ another thing (T 4.1).""",
 
 
 class Contradiction(NamedTuple):
-    """A formula of a clause that never holds, and what in it contradicts what."""
+    """A formula of a clause that never holds, and its contradictory literals."""
 
     formula: nodes.Formula
     clash: Clash
@@ -102,7 +102,7 @@ CONTRADICTIONS = Fact(_run)
 
 @check(CONTRADICTION, needs_whole="form")
 def contradictions(run: Pass) -> Iterable[Diagnostic]:
-    """Find formulas that never hold, whatever happens."""
+    """Find formulas that never hold."""
     every = run.result(CONTRADICTIONS)
     return one_for_each_place(_contradiction(one.clash) for one in every)
 
@@ -116,15 +116,15 @@ def one_for_each_place(found: Iterable[Diagnostic]) -> Iterable[Diagnostic]:
 
 
 def clash_at(rule: Rule, message: str, span: Span, label: Label) -> Diagnostic:
-    """Return a finding with a label, unless that is about the same place."""
+    """Return a finding with a label, unless the label has the same place."""
     return rule.at(span, message, labels=(label,) if label.span != span else ())
 
 
 class _Asked(NamedTuple):
-    """A formula with what is asked together with it."""
+    """A formula, and the literals evaluated together with the formula."""
 
     formula: nodes.Formula
-    #: The variables that may have values before all of that.
+    #: The variables that may have values before the first literal.
     given: Container[str]
     before: Sequence[Literal] = ()
     behind: Sequence[Literal] = ()
@@ -133,12 +133,12 @@ class _Asked(NamedTuple):
 def _contradictions(
     run: Pass, formula: nodes.Formula, given: Container[str]
 ) -> Iterator[Clash]:
-    """Yield what never holds in a formula.
+    """Yield the contradictions in a formula.
 
     Args:
         run: the pass.
         formula: the formula.
-        given: the variables that may have values before it is asked.
+        given: the variables that may have values before the formula.
     """
     if not isinstance(formula, _JOINED):
         return
@@ -167,13 +167,13 @@ def _contradictions(
 
 
 def _bound_by(given: Container[str], before: Iterable[Literal]) -> Container[str]:
-    """The variables that may have values behind some literals."""
+    """Return the variables that may have values after some literals."""
     held = [set(variable_names(one.formula)) for one in before if one.holds]
     return Bound(given, set().union(*held)) if held else given
 
 
 _JOINED = (nodes.And, nodes.Or, nodes.Not)
-"""What other formulas are put together by."""
+"""The formulas that combine other formulas."""
 
 
 def first_clash(
@@ -182,13 +182,13 @@ def first_clash(
     own: Sequence[Literal],
     given: Container[str],
 ) -> Clash | None:
-    """Return the first of some literals that contradicts another.
+    """Return the first of some literals that contradicts another literal.
 
     Args:
-        run: the run of the pass.
+        run: the pass.
         held: literals that hold, and do not contradict each other.
-        own: the literals that are put to them, one after another.
-        given: the variables that may have values before all of them.
+        own: the literals that are added in order.
+        given: the variables that may have values before the first literal.
     """
     if not may_clash([*held, *own]):
         return None
@@ -212,7 +212,7 @@ def _contradiction(clash: Clash) -> Diagnostic:
 
 
 def said(literal: Literal) -> str:
-    """Return what a literal says, shortened, in back-ticks."""
+    """Return the text of a literal, shortened, in back-ticks."""
     text = format_formula(literal.formula)
     if len(text) > _SHOWN_LETTERS:
         text = text[:_SHOWN_LETTERS] + "..."
@@ -220,7 +220,7 @@ def said(literal: Literal) -> str:
 
 
 _SHOWN_LETTERS = 50
-"""How many letters of a formula are told."""
+"""The maximum number of letters of a formula in a message."""
 
 
 UNREACHABLE = Rule(
@@ -259,25 +259,25 @@ text.""",
 
 
 class _Held(msgspec.Struct, frozen=True):
-    """A literal that holds where a method is chosen, and the clause that says so."""
+    """A literal that holds when a method is chosen, and its clause."""
 
     literal: Literal
     clause: str
-    #: The literal as it is written, where its variables were given other names.
+    #: The literal as written, if its variables were renamed.
     written: Literal
 
 
 class _Goal(msgspec.Struct, frozen=True):
-    """A way to succeed, in variables of its own."""
+    """A way to succeed, with renamed variables."""
 
     span: Span
     literals: Sequence[Literal]
-    #: Its variables that are no inputs or resources.
+    #: The variables that are not inputs or resources.
     free: Container[str]
 
 
 class _Chosen(msgspec.Struct, frozen=True):
-    """What is so wherever a method of a RAP is chosen, and where findings go."""
+    """The literals that hold when a method of a RAP is chosen, and its goals."""
 
     run: Pass
     #: The inputs and resources of the RAP.
@@ -286,12 +286,12 @@ class _Chosen(msgspec.Struct, frozen=True):
     goals: Sequence[_Goal]
 
     def clash(self, own: Sequence[Literal]) -> Clash | None:
-        """Return two literals that never hold together, of what is so and some more."""
+        """Return two contradictory literals of the held literals and `own`, or None."""
         held = [one.literal for one in self.held]
         return first_clash(self.run, held, own, self.given) if held else None
 
     def goal_of(self, held: Sequence[Literal]) -> _Goal | None:
-        """Return a way to succeed that follows from literals, if any does."""
+        """Return a way to succeed that some literals entail, or None."""
         relations = self.run.signatures.relations
         for goal in self.goals if held else ():
             if follows(goal.literals, held, goal.free, relations, self.given):
@@ -346,7 +346,7 @@ def _rap(
 
 
 def _succeeds_first(at: _Chosen, rap: nodes.DefineRap) -> Diagnostic | None:
-    """Find a clause that has to hold for a method, and holds with `succeed` alone."""
+    """Find a clause that every method requires, and that entails `succeed`."""
     for clause, formula in _required(rap) if rap.methods else ():
         own = [one.literal for one in at.held if one.clause == clause.word]
         goal = at.goal_of(own)
@@ -362,7 +362,7 @@ def _succeeds_first(at: _Chosen, rap: nodes.DefineRap) -> Diagnostic | None:
 
 
 def _apart(at: _Chosen, rap: nodes.DefineRap) -> Diagnostic | None:
-    """Find clauses that have to hold for any method, and never hold together."""
+    """Find clauses that every method requires, but that never hold together."""
     every = [one.literal for one in at.held]
     if not every or not rap.methods:
         return None
@@ -385,9 +385,10 @@ def _apart(at: _Chosen, rap: nodes.DefineRap) -> Diagnostic | None:
 def _held(
     rap: nodes.DefineRap, given: set[str], never: Container[int]
 ) -> Iterator[_Held]:
-    """Yield what holds where a method is chosen, in variables of its own.
+    """Yield the literals that hold when a method is chosen, with renamed variables.
 
-    Clauses whose ids are among `never` hold nowhere, as is said of them already.
+    Clauses whose ids are in `never` are left out, because these clauses are reported by
+    another check.
     """
     for clause, formula in _required(rap):
         if id(formula) not in never:
@@ -407,14 +408,14 @@ def _named_apart(
 
 
 def _required(rap: nodes.DefineRap) -> Iterator[tuple[Clause, nodes.Formula]]:
-    """Yield the clauses that hold where a method is chosen and keep no bindings."""
+    """Yield the clauses that hold when a method is chosen and keep no bindings."""
     for clause, formula in clauses.held(clauses.RAP, rap):
         if clause.required and not clause.hands_on:
             yield clause, formula
 
 
 def _ways_to_succeed(rap: nodes.DefineRap) -> Iterator[nodes.Formula]:
-    """The conjunctions of which none has a solution where a method is chosen."""
+    """Yield the conjunctions without a solution when a method is chosen."""
     goal = rap.succeed
     if goal is None:
         okay = nodes.Const("okay", span=rap.name_span)
@@ -428,7 +429,7 @@ def _ways_to_succeed(rap: nodes.DefineRap) -> Iterator[nodes.Formula]:
 def _never(
     at: _Chosen, formula: nodes.Formula, what: str
 ) -> tuple[bool, Sequence[Diagnostic]]:
-    """Say whether a formula never holds at a choice, or which branches of it do not."""
+    """Return whether a formula never holds at a choice, with findings."""
     dead: list[Diagnostic] = []
     own = list(literals(formula))
     whole = _refuted(at, own, own, formula.span, what)
@@ -462,14 +463,14 @@ def _refuted(
     span: Span,
     what: str,
 ) -> Diagnostic | None:
-    """Say why literals, none of which contradict each other, never hold.
+    """Return a finding if literals, consistent in themselves, never hold.
 
     Args:
-        at: what is so where a method is chosen.
-        own: the literals, in the order in which they are asked.
-        about: those of them that may be told of.
-        span: where they stand.
-        what: what they are.
+        at: the literals that hold when a method is chosen.
+        own: the literals, in the order of evaluation.
+        about: the literals of `own` that may be reported.
+        span: the span of the literals.
+        what: the description of the literals.
     """
     clash = at.clash(own)
     if clash is not None:
@@ -546,7 +547,7 @@ argument or another fact was meant, and that is not asked.""",
 
 @check(TWICE)
 def said_twice(run: Pass) -> Iterator[Diagnostic]:
-    """Find parts of an `and` or `or` that say the same."""
+    """Find duplicate parts of an `and` or `or`."""
     index = run.result(INDEX)
     for conjunction in index.of(nodes.And):
         yield from _look(run, conjunction.node.parts, joined=True)
@@ -577,11 +578,12 @@ def _look(
 def _is_another(
     run: Pass, before: Sequence[nodes.Formula], part: nodes.Formula
 ) -> bool:
-    """Whether a part may mean something else than the same one before it.
+    """Return whether a part may differ in meaning from an equal part before.
 
-    A `not` may be about one thing that was bound in between, and before about all: a
-    default, or a query, may hold of that one though it holds of none [L 2.21]. An age
-    that a `believe` has bound is a bound behind it [L 2.56].
+    A formula between two equal `not` parts may bind a variable of the `not`. The first
+    `not` is then about all things, the second about a single thing. A default or a
+    query may hold for that thing and still not bind a free variable [L 2.21]. An age
+    that a `believe` has bound is a limit in the following formulas [L 2.56].
     """
     if isinstance(part, nodes.Believe):
         return isinstance(part.age, nodes.Var) and not part.age.anonymous
@@ -605,7 +607,7 @@ def _bound(parts: Sequence[nodes.Formula]) -> Sequence[str]:
 
 
 def _head(part: nodes.Formula) -> object:
-    """Return what two parts that say the same have in common, and few others."""
+    """Return a key that is equal for duplicate parts and rarely for others."""
     return part.name if type(part) is nodes.Proposition else type(part)
 
 
@@ -670,13 +672,13 @@ def _conjunctions(formula: nodes.Formula) -> Iterator[Sequence[Literal]]:
 def _joined(
     run: Pass, parts: Sequence[Literal], given: Container[str], elsewhere: set[str]
 ) -> Iterator[Diagnostic]:
-    """Yield the second of two properties with one value, if nothing else asks of it.
+    """Yield the second of two properties with one value and without further tests.
 
     Args:
-        run: the run of the pass.
+        run: the pass.
         parts: a conjunction.
-        given: the variables that may have values before it is asked.
-        elsewhere: the variables that something else in the formula asks for.
+        given: the variables that may have values before the conjunction.
+        elsewhere: the variables that other parts of the formula use.
     """
     first: dict[str, nodes.Proposition] = {}
     pairs: list[tuple[nodes.Proposition, nodes.Proposition, str]] = []
@@ -702,7 +704,7 @@ def _joined(
 
 
 def _value(run: Pass, part: Literal) -> str | None:
-    """The variable that takes the value of a property whose default is `unknown`."""
+    """Return the variable with the value of a property whose default is `unknown`."""
     fact = part.formula
     if not part.holds or not isinstance(fact, nodes.Proposition) or not fact.args:
         return None
@@ -746,7 +748,7 @@ ask `(know-sensor-name ?thing true)` in its context.""",
 
 @check(UNNAMED, needs_whole="form")
 def unnamed_item(run: Pass) -> Iterator[Diagnostic]:
-    """Find requests about items whose sensor name the method does not ask for."""
+    """Find requests about items without a condition on the item's sensor name."""
     asked = run.result(INDEX).of(nodes.SensorName)
     for rap in run.library.raps.values() if asked else ():
         unknown = dict(_unknown(rap))
@@ -759,7 +761,7 @@ def unnamed_item(run: Pass) -> Iterator[Diagnostic]:
 
 
 def _unknown(rap: nodes.DefineRap) -> Iterator[tuple[str, nodes.SensorName]]:
-    """Yield the inputs for which a method is there if they have no sensor name."""
+    """Yield the inputs for which a method handles a missing sensor name."""
     inputs = {variable.name for variable in rap.inputs}
     for method in rap.methods:
         for one in literals(method.context):
@@ -791,10 +793,10 @@ def _unnamed(
 
 
 def _asked_for(method: nodes.Method, *, alone: bool) -> Iterator[nodes.Term]:
-    """Yield what a method needs a sensor name for.
+    """Yield the terms for which a method needs a sensor name.
 
-    What its steps need is for their RAPs to ask; but where all other methods ask for it
-    already, and this one is alone, it is no exception.
+    The called RAPs check the terms of steps. If all other methods check the sensor name
+    and only this method does not (`alone`), the terms of its steps count, too.
     """
     if isinstance(method.body, nodes.Primitive):
         yield from method.body.request.args
@@ -804,7 +806,7 @@ def _asked_for(method: nodes.Method, *, alone: bool) -> Iterator[nodes.Term]:
 
 
 def _asks(rap: nodes.DefineRap, method: nodes.Method) -> bool:
-    """Whether a method, or what holds for all of them, asks for a sensor name."""
+    """Return whether a method, or a clause for all methods, tests a sensor name."""
     asked = [*clauses.held(clauses.METHOD, method), *clauses.held(clauses.RAP, rap)]
     return any(
         isinstance(part, nodes.SensorName | nodes.Otherwise)

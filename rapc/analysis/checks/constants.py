@@ -1,14 +1,15 @@
-"""RAP100 to RAP104: constants and arguments that do not belong where they stand.
+"""RAP100 to RAP104: constants and arguments at a wrong place.
 
-A constant is compared with those that stand at the same place elsewhere, and at places
-of the same kind: the values that a closed kind lists, and the constants that the
-library uses. A comparison belongs to the places of the variable that is compared.
+A constant is compared with the constants at the same place elsewhere, and at places of
+the same kind: the values that a closed kind lists, and the constants that the library
+uses. A comparison belongs to the places of the compared variable.
 
-Arguments are swapped where other forms link the first term's places with the second
-place, and the second term's with the first, and none links them as they stand. A
-constant is linked with each place at which it stands elsewhere. An example is
-`(at ?room ?cart)`: elsewhere `?room` is an input of `enter`, and all other forms that
-hand a variable to `enter` have it from the second place of `at`.
+Two arguments count as swapped if other forms link the places of the first term with the
+second place and the places of the second term with the first place, and no form links
+the terms with their actual places. A constant is linked with each place of its other
+uses. An example is `(at ?room ?cart)`: elsewhere `?room` is an input of `enter`, and
+all other forms that pass a variable to `enter` bind the variable at the second place of
+`at`.
 """
 
 from __future__ import annotations
@@ -139,7 +140,7 @@ goes with all.""",
 
 @check(MISSPELT, FOREIGN, MIXED)
 def constants(run: Pass) -> Iterator[Diagnostic]:
-    """Compare constants with those that stand at the same places elsewhere."""
+    """Compare constants with the constants at the same places elsewhere."""
     known = _Known(run)
     usage = run.result(USAGE)
     for one in usage.constants:
@@ -153,7 +154,7 @@ def constants(run: Pass) -> Iterator[Diagnostic]:
 
 
 class _Known:
-    """What the library tells of its constants."""
+    """The knowledge of the library about its constants."""
 
     def __init__(self, run: Pass) -> None:
         self.usage = run.result(CENSUS)
@@ -163,7 +164,7 @@ class _Known:
     def finding(
         self, one: Constant, kinds: Sequence[str], unmarked: Collection[Place]
     ) -> Diagnostic | None:
-        """Return what is wrong with a constant.
+        """Return the finding about a constant, or None.
 
         Args:
             one: the constant.
@@ -197,7 +198,7 @@ class _Known:
         return None
 
     def _is_new(self, one: Constant, kinds: Sequence[str]) -> bool:
-        """Whether a constant stands nowhere else in its form, or where such do."""
+        """Return whether a constant occurs once, or once in its form and its places."""
         if not one.places or self.usage.count(one.written) == 1:
             return self.usage.count(one.written) == 1
         places, of_kinds = self.usage.counts(one.written)
@@ -216,9 +217,9 @@ class _Known:
         return Close(only, THRESHOLDS.close_word)
 
     def _mixed(self, one: Constant, place: Place, own: str) -> Diagnostic | None:
-        """A number among words, or a word among numbers; likewise with truth values.
+        """Find a number among words, or a word among numbers; also truth values.
 
-        `false` among words is none: it says that there is no such thing.
+        `false` among words is valid: the value means that there is no thing.
         """
         there = self.usage.sorts(place)
         others = {sort: n for sort, n in there.items() if sort and sort != own}
@@ -235,7 +236,7 @@ class _Known:
         )
 
     def _enough(self, one: Constant, sorts: set[str]) -> int:
-        """Return how many others make a sort; one, if a text is there as a word."""
+        """Return the required number of other constants; 1 if a text is also a word."""
         value = one.const.value
         word = value.value if isinstance(value, Text) else ""
         is_word = sort_of(word) not in _EXACT
@@ -260,7 +261,7 @@ class _Known:
         )
 
     def _strange(self, kind: str, wanted: str) -> bool:
-        """Whether values of a kind are hardly of another; like names are related."""
+        """Return whether two kinds are unrelated; a common word relates kinds."""
         if set(kind.split("-")) & set(wanted.split("-")):
             return False
         if wanted in ("item", "symbol"):
@@ -270,7 +271,7 @@ class _Known:
 
 
 _EXACT = {"number", "text"}
-"""The sorts that are no words."""
+"""The sorts that are not words."""
 
 
 def _slip(one: Constant, meant: str, labels: Sequence[Label]) -> Diagnostic:
@@ -286,7 +287,7 @@ def _slip(one: Constant, meant: str, labels: Sequence[Label]) -> Diagnostic:
 
 
 def _unmarked(one: Constant) -> tuple[Subject, ...]:
-    """Return the variable that a word is with a question mark."""
+    """Return the variable whose name is a word with a question mark."""
     return (Subject(one.const.span, f"?{one.const.value}"),)
 
 
@@ -326,7 +327,7 @@ anything will do, write a bare `?`, or another name; then nothing is reported.""
 
 @check(MARKED, needs_whole="form")
 def marked_constant(run: Pass) -> Iterator[Diagnostic]:
-    """Find variables used once that are named like a constant of their place."""
+    """Find variables used once that have the name of a constant of their place."""
     usage = run.result(USAGE)
     census = run.result(CENSUS)
     for variable, _, owner in run.result(INDEX).used_once():
@@ -353,7 +354,7 @@ def _others(census: Usage, word: str, place: Place) -> Iterator[Constant]:
 
 
 def _are_sure(constants: Sequence[Constant], owner: Form) -> bool:
-    """Whether constants are more than one word that may itself lack its mark."""
+    """Return whether constants are more than one word that may itself lack its mark."""
     elsewhere = any(one.form is not owner for one in constants)
     return elsewhere or len({one.const.span for one in constants}) > 1
 
@@ -392,7 +393,7 @@ _BOXES = """\
     (task-net (t1 (unpack ?thing) (for t2)) (t2 (take ?thing))))
   (method shake (primitive (open ?box))))
 """
-"""Things in boxes; what one method asks is left open."""
+"""Things in boxes; the condition of one method is left open."""
 
 SWAPPED = Rule(
     code="RAP101",
@@ -415,27 +416,27 @@ _Pair = tuple[Place, Place]
 
 
 class _Links:
-    """In how many forms two places, or a constant and a place, go together."""
+    """The number of forms that link two places, or a constant and a place."""
 
     def __init__(self, usage: Usage, census: Usage) -> None:
         self._usage = usage
         self._census = census
 
     def row(self, used: NameUse) -> Sequence[Place]:
-        """Return the places of a name that is used."""
+        """Return the places of the name of a use."""
         return self._usage.row(SPACES[used.use], used.name, used.count)
 
     def alike(self, one: Place, other: Place) -> bool:
-        """Whether one variable stands at both places: what fits one fits the other."""
+        """Return whether some variable occurs at both places."""
         return self._census.together_elsewhere(one, other) > 0
 
     def elsewhere(
         self, form: Form, term: nodes.Term, pair: _Pair, place: Place
     ) -> Iterator[int]:
-        """Yield in how many other forms what speaks for a term goes with a place.
+        """Yield, for each evidence of a term, the number of other forms with a place.
 
-        That is the term itself, if it is a constant; of a variable, each of its places
-        in the form but the pair that is held against each other.
+        The evidence of a constant is the constant itself. The evidence of a variable is
+        each of its places in the form, except the pair under comparison.
         """
         if type(term) is nodes.Var:
             for point in islice(self._usage.of(form, term.name), LIMITS.places):
@@ -464,7 +465,7 @@ def swapped_arguments(run: Pass) -> Iterator[Diagnostic]:
 
 
 def _swapped(links: _Links, used: NameUse) -> Iterator[tuple[int, Diagnostic]]:
-    """Yield two arguments that were swapped, with how much speaks for that."""
+    """Yield two arguments that were swapped, with the weight of the evidence."""
     terms, row = used.node.args[: LIMITS.arguments], links.row(used)
     for one, other in combinations(range(len(terms)), 2):
         pair = (terms[one], terms[other])
@@ -476,7 +477,7 @@ def _swapped(links: _Links, used: NameUse) -> Iterator[tuple[int, Diagnostic]]:
 def _support(
     links: _Links, form: Form, terms: tuple[nodes.Term, nodes.Term], places: _Pair
 ) -> int:
-    """Return how many other places say that two arguments were swapped."""
+    """Return the number of other places that indicate swapped arguments."""
     for term, place in zip(terms, places, strict=True):
         if any(links.elsewhere(form, term, places, place)):
             return 0
@@ -500,7 +501,7 @@ def _support(
 
 
 _ANYWHERE = ("unknown", *TRUTH)
-"""Constants that stand anywhere."""
+"""Constants that may occur at any place."""
 
 
 def _is_open(term: nodes.Term) -> bool:

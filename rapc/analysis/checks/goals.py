@@ -1,8 +1,8 @@
-"""RAP140 to RAP142: goals and promises that nothing a RAP does has to do with.
+"""RAP140 to RAP142: goals and effects that no action of a RAP can make true.
 
-Told where all that the RAP may bring about is known (`rapc.analysis.facts.effects`). A
-fact that is asked for may be true already; so a goal is hopeless only if nothing in it
-can be brought about.
+A finding requires that all possible effects of the RAP are known
+(`rapc.analysis.facts.effects`). A goal may already be true in part; therefore a goal is
+hopeless only if no part of the goal can be made true.
 
 RAP144 and RAP145: effects that a RAP has and does not declare, or the reverse.
 """
@@ -127,7 +127,7 @@ the contrary of which `succeed` asks for, leads to plans that fail.""",
 
 @check(HOPELESS, ENDLESS, EMPTY, needs_whole="form")
 def hopeless(run: Pass) -> Iterator[Diagnostic]:
-    """Find goals, reactions and promises that nothing a RAP does has to do with."""
+    """Find goals, reactions and declared effects that no action of a RAP affects."""
     effects = run.result(EFFECTS)
     hopeless: dict[str, Diagnostic] = {}
     for rap in run.library.raps.values():
@@ -162,9 +162,9 @@ def _hopeless(
 
 
 def _causes(library: Library, hopeless: Container[str]) -> Iterator[str]:
-    """Yield the hopeless RAPs that ask for no other one, directly or not.
+    """Yield the hopeless RAPs that call no other hopeless RAP, directly or indirectly.
 
-    Of those that ask for each other in a circle it is the first.
+    Of hopeless RAPs that call each other in a cycle, only the first is yielded.
     """
     calls = {rap.name: calls_of(rap) for rap in library.raps.values()}
     lost: set[str] = set()
@@ -201,7 +201,7 @@ def _endless(
 
 
 def _ends(library: Library, monitor: nodes.Formula, done: Sequence[Effect]) -> bool:
-    """Whether anything done may keep a part of a monitor from holding."""
+    """Return whether an effect may keep a part of a monitor from holding."""
     return any(
         may_establish(library, Literal(one.formula, not one.holds), done)
         for one in literals(monitor)
@@ -210,7 +210,7 @@ def _ends(library: Library, monitor: nodes.Formula, done: Sequence[Effect]) -> b
 
 
 def _brings_it_about(run: Pass, rap: nodes.DefineRap, monitor: nodes.Formula) -> bool:
-    """Whether the monitor surely holds when any method has ended well."""
+    """Return whether the monitor surely holds after any method has succeeded."""
     given = {variable.name for variable in rap.inputs}
     relations = run.signatures.relations
     return all(
@@ -229,13 +229,13 @@ def _said(done: Sequence[Effect]) -> str:
 
 
 _SHOWN_NAMES = 6
-"""How many names of facts are told."""
+"""The maximum number of names of facts in a message."""
 
 
 def _way_can_come(library: Library, way: nodes.Formula, done: Sequence[Effect]) -> bool:
-    """Whether anything done may make a conjunction hold, or it is not known.
+    """Return whether an effect may make a conjunction hold; True if unknown.
 
-    What is compared comes from the facts beside it, or nobody knows from where.
+    Values of comparisons come from the facts beside the comparison, or are unknown.
     """
     asked = [one for one in literals(way) if not isinstance(one.formula, _BESIDE)]
     return not asked or any(may_establish(library, one, done) for one in asked)
@@ -245,7 +245,7 @@ _BESIDE = (nodes.Compare, nodes.Truth)
 
 
 def _denied(rap: nodes.DefineRap) -> Iterator[Diagnostic]:
-    """Yield the effects the contrary of which is an effect too, or the goal."""
+    """Yield the effects whose denial is also an effect, or the goal."""
     asked = {one.formula: one for one in literals(rap.succeed)}
     first: dict[nodes.Proposition, nodes.DeclaredEffect] = {}
     for effect in rap.effects:
@@ -268,7 +268,7 @@ def _denied(rap: nodes.DefineRap) -> Iterator[Diagnostic]:
 
 
 def _against_each_way(rap: nodes.DefineRap) -> Iterator[Diagnostic]:
-    """Yield an effect if some effect denies each of the ways to succeed."""
+    """Yield an effect if the effects deny each of the ways to succeed."""
     every = rap.succeed.parts if isinstance(rap.succeed, nodes.Or) else ()
     told = {effect.pattern: effect for effect in rap.effects}
     denied = [
@@ -361,7 +361,7 @@ reason.""",
 
 @check(LACKING, UNCONFIRMED, needs_whole="form")
 def declared_effects(run: Pass) -> Iterator[Diagnostic]:
-    """Find effects that methods have and the RAP lacks, or the other way round."""
+    """Find effects of methods that the RAP does not declare, or the reverse."""
     for rap in run.library.raps.values():
         if rap.effects and rap.methods:
             yield from (*_lacking(run, rap), *_unconfirmed(run, rap))

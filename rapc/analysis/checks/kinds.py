@@ -1,13 +1,12 @@
-"""RAP081 to RAP083: kinds that nobody declares, and values that are not of theirs.
+"""RAP081 to RAP083: kinds without a declaration, and values of a wrong kind.
 
-Constants are held against the kinds of the arguments they are given for, variables
-against the kinds that they are declared with or used as elsewhere in their method. Of
-inputs for which no kind is declared their use tells. Numbers are the business of
-`not-a-number`.
+A constant is compared with the kind of its argument. A variable is compared with its
+declared kind, or with the kind of its other uses in the method. The kind of an input
+without a declared kind is inferred from its uses. `not-a-number` covers numbers.
 
-RAP069: a constant that is no number where one is needed, or a zero that divides.
+RAP069: a constant that is not a number where a number is needed, or division by zero.
 
-Only what stands in the text can be seen here; what variables hold, a run will tell.
+The check covers only the text; the values of variables are known only in a run.
 """
 
 from __future__ import annotations
@@ -100,7 +99,7 @@ most likely two variables were mixed up.""",
 
 @check(UNKNOWN, WRONG, APART)
 def kinds(run: Pass) -> Iterator[Diagnostic]:
-    """Compare constants and variables with the kinds that were declared."""
+    """Compare constants and variables with the declared kinds."""
     index = run.result(INDEX)
     if not index.kinds():
         return
@@ -173,7 +172,7 @@ def _constants(run: Pass, used: NameUse, signature: Signature) -> Iterator[Diagn
 
 
 def _defaults(run: Pass) -> Iterator[Diagnostic]:
-    """Yield defaults that are no values of the kind of their property."""
+    """Yield defaults that are not values of the kind of their property."""
     kinds = run.signatures.kinds
     for form in run.library.properties.values():
         kind = form.args[-1].kind if form.args else None
@@ -194,7 +193,7 @@ def _listed(run: Pass, kind: str) -> Suggestions:
 
 
 def _another(run: Pass, kind: str, term: nodes.Const) -> Fix | None:
-    """Return the fix that writes the value of a kind that may be meant."""
+    """Return the fix that writes a similar value of a kind."""
     word = format_atom(term.value)
     meant = _listed(run, kind).near(word)
     return renaming(run.library.files, word, meant, [term.span])
@@ -210,14 +209,14 @@ def _listing(run: Pass, kind: str) -> str:
 
 
 _SHOWN = 8
-"""How many values of a kind are listed."""
+"""The maximum number of values of a kind to list."""
 
 _Own = Mapping[str, tuple[str, Span]]
-"""The kinds of a form's own variables, with the places that say so."""
+"""The kinds of the variables of a form, with the places that imply the kinds."""
 
 
 def _of_forms(index: Index) -> Mapping[int, _Own]:
-    """The variables declared with a kind in each form that has a body."""
+    """Return the variables declared with a kind in each form that has a body."""
     found: dict[int, dict[str, tuple[str, Span]]] = {}
     for said in index.of(nodes.VariableKind):
         own = found.setdefault(id(said.owner), {})
@@ -234,7 +233,7 @@ def _of_forms(index: Index) -> Mapping[int, _Own]:
 def _variables(
     run: Pass, used: NameUse, signature: Signature, own: _Own
 ) -> Iterator[Diagnostic]:
-    """Yield a finding about the first variable of another kind."""
+    """Yield a finding about the first variable of a different kind."""
     args: Sequence[nodes.Argument] = signature.args or ()
     for term, arg in zip(used.node.args, args, strict=False):
         if arg.kind is None or not isinstance(term, nodes.Var):
@@ -257,7 +256,7 @@ def _a(kind: str) -> str:
     return f"an {kind}" if kind[0] in "aeiou" else f"a {kind}"
 
 
-# --- kinds that nobody declared -------------------------------------------------------
+# --- inferred kinds -------------------------------------------------------------------
 
 
 def _inferred(run: Pass, index: Index) -> Iterator[Diagnostic]:
@@ -321,12 +320,12 @@ but two numbers, and a number never equals a symbol.""",
 ARITHMETIC = ("+", "-", "*", "/")
 
 Found = Iterator[tuple[nodes.Term, str]]
-"""Terms at fault with the end of the sentence that says why."""
+"""Invalid terms, each with the end of the sentence that gives the reason."""
 
 
 @check(NOT_A_NUMBER)
 def not_a_number(run: Pass) -> Iterator[Diagnostic]:
-    """Find constants that are no numbers where numbers are needed."""
+    """Find constants that are not numbers where numbers are needed."""
     index = run.result(INDEX)
     for found in (
         _computed(index),
@@ -343,7 +342,7 @@ def _word(term: nodes.Term) -> str:
 
 
 def _is_other(term: nodes.Term | None) -> bool:
-    """Whether a term is a constant other than a number."""
+    """Return whether a term is a constant other than a number."""
     return type(term) is nodes.Const and not is_number(term.value)
 
 
@@ -391,7 +390,7 @@ def _times(index: Index) -> Found:
 
 
 def _is_set(effect: Occurrence[nodes.ResourceChange]) -> bool:
-    """Whether a set is changed as if it were a counter, which is told of already."""
+    """Return whether a set is changed like a counter; another check reports this."""
     rap, term = effect.owner, effect.node.resource
     resources = rap.resources if isinstance(rap, nodes.DefineRap) else ()
     return any(one.kind == "set" and one.variable == term for one in resources)
@@ -404,7 +403,7 @@ def _must_be_numbers(why: str, *terms: nodes.Term | None) -> Found:
 
 
 def _declared(run: Pass, index: Index) -> Found:
-    """Arguments that were declared to be numbers."""
+    """Yield arguments that are declared to be numbers."""
     if not any(named.kind == "number" for named in index.kinds()):
         return
     for used in index.uses():

@@ -1,14 +1,15 @@
-"""RAP118: `repeat-while` that repeats nothing, or the same thing again and again.
+"""RAP118: `repeat-while` without repetition, or with identical repetitions.
 
-A RAP is asked for `succeed`, then for `repeat-while`, before each method [L 3]. So it
-goes round as long as the one does not hold and the other does. Two rounds in which a
-method is chosen with equal bindings are all that a task has: the third is futile [L
+Before each method the interpreter evaluates `succeed` and then `repeat-while` [L 3]. A
+RAP repeats as long as `succeed` does not hold and `repeat-while` holds. A task may
+choose a method with equal bindings in two rounds; the third such round is futile [L
 3.38].
 
-RAP123: a RAP that needs itself, with the inputs that it was given [L 3.42].
+RAP123: a RAP that calls itself with its own inputs [L 3.42].
 
-Steps whose inputs are inputs of their RAP or constants hand them on unchanged. A walk
-along these leads back to the RAP with the inputs that it began with, or does not.
+A step whose arguments are inputs of its RAP or constants passes these values on
+unchanged. The check follows such steps and reports a path that returns to the RAP with
+the initial inputs.
 """
 
 from __future__ import annotations
@@ -82,7 +83,7 @@ remember it in a set.""",
 
 @check(IDLE, needs_whole="form")
 def idle_loops(run: Pass) -> Iterator[Diagnostic]:
-    """Find loops that repeat nothing, or do the same in each round."""
+    """Find loops without repetition, and loops with identical rounds."""
     told = {
         effect.pattern.name
         for datum in run.library.data.values()
@@ -116,7 +117,7 @@ def _repeats_nothing(rap: nodes.DefineRap, loop: nodes.Formula) -> Diagnostic:
 def _same_again(
     run: Pass, rap: nodes.DefineRap, loop: nodes.Formula, taken: str, told: set[str]
 ) -> Iterator[Diagnostic]:
-    """Yield a loop that surely takes the same thing in its second round."""
+    """Yield a loop that surely binds the same value in its second round."""
     done = run.result(EFFECTS).of(rap.name)
     if done is None or _counts(rap):
         return
@@ -137,9 +138,10 @@ def _same_again(
 
 
 def _taken(run: Pass, loop: nodes.Formula) -> set[str]:
-    """Return the variables that may take one thing after another.
+    """Return the variables that may take different values in turn.
 
-    A property has one value at a time: what is bound to that is no loop over things.
+    A property has one value at a time: a variable with that value is no loop over
+    things.
     """
     found: set[str] = set()
     for one in subformulas(loop):
@@ -151,9 +153,9 @@ def _taken(run: Pass, loop: nodes.Formula) -> set[str]:
 
 
 def _counts(rap: nodes.DefineRap) -> bool:
-    """Whether methods change resources, or hand them on: no choice equals another.
+    """Return whether methods change or pass on resources, so that choices differ.
 
-    A set that nothing asks for is the same again when it is given the same again.
+    A `set-add` to a set that no formula queries does not count as a change.
     """
     own = {resource.variable.name for resource in rap.resources}
     asked = variable_names(*[one.formula for one in formulas(rap)])
@@ -172,7 +174,7 @@ def _counts(rap: nodes.DefineRap) -> bool:
 
 
 def _asks_sets(run: Pass, formula: nodes.Formula) -> bool:
-    """Whether a formula asks facts and sets alone."""
+    """Return whether a formula queries only facts and sets."""
     return all(
         isinstance(one, nodes.SetTest) or is_known(run.library, one)
         for one in through(run.library, formula)
@@ -181,7 +183,7 @@ def _asks_sets(run: Pass, formula: nodes.Formula) -> bool:
 
 
 def _is_enough(run: Pass, rap: nodes.DefineRap, method: nodes.Method) -> bool:
-    """Whether `succeed` surely holds when a method has ended well."""
+    """Return whether `succeed` surely holds after a method has succeeded."""
     done, given = done_by_method(run.library, method), given_names(rap)
     relations = run.signatures.relations
     return any(entails(done, way, given, relations) for way in ways(rap.succeed))
@@ -219,7 +221,7 @@ top.""",
 
 @check(ITSELF, needs_whole="method")
 def needs_itself(run: Pass) -> Iterator[Diagnostic]:
-    """Find RAPs that need themselves, with the inputs that they were given."""
+    """Find RAPs that call themselves with their own inputs."""
     raps = run.library.raps
     calls = {name: list(_handing_on(rap)) for name, rap in raps.items()}
     names = {name: [s.goal.name for s in made] for name, made in calls.items()}
@@ -233,7 +235,7 @@ def needs_itself(run: Pass) -> Iterator[Diagnostic]:
 
 
 def _handing_on(rap: nodes.DefineRap) -> Iterator[nodes.Step]:
-    """Yield the steps that hand on inputs and constants alone."""
+    """Yield the steps that pass on only inputs and constants."""
     for method in rap.methods:
         for step in steps(method):
             if all(
@@ -245,7 +247,7 @@ def _handing_on(rap: nodes.DefineRap) -> Iterator[nodes.Step]:
 def _way_back(
     library: Library, rap: nodes.DefineRap, calls: Mapping[str, Sequence[nodes.Step]]
 ) -> list[nodes.Step] | None:
-    """Return the steps along which a RAP needs itself, or None."""
+    """Return the steps along which a RAP calls itself, or None."""
     start: tuple[nodes.Term, ...] = rap.inputs
     waiting = deque([(rap, start, list[nodes.Step]())])
     seen = {(rap.name, start)}

@@ -1,4 +1,4 @@
-"""Monitors, and the tasks that stand by for what they wait for."""
+"""Monitors, and the standing tasks that wait for their monitors."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ no time of its own, so the task may wake late or not at all.""",
 
 @check(AGE_IN_MONITOR, needs_whole="form")
 def age_in_monitor(run: Pass) -> Iterator[Diagnostic]:
-    """Find monitors that bind an age instead of testing one."""
+    """Find monitors that bind an age instead of testing the age."""
     for believe in run.result(BINDINGS).ages:
         yield AGE_IN_MONITOR.at(
             believe.age.span,
@@ -218,7 +218,7 @@ it does not hold.""",
 
 @check(ENDLESS_TASK, UNHEARD_MONITOR, UNREADY_REACTION, FAILING_REACTION)
 def standing(run: Pass) -> Iterator[Diagnostic]:
-    """Find tasks that never end where they should, and monitors of what never is."""
+    """Find tasks that never end but should, and monitors of facts that never hold."""
     library = run.library
     never_done = endless(below_agendas(library))
     for agenda in library.agendas.values():
@@ -243,10 +243,10 @@ def standing(run: Pass) -> Iterator[Diagnostic]:
 
 
 def _endless(task: nodes.GivenTask, cause: Span, work: bool) -> Diagnostic:
-    """Return the finding about a task; `work` if its agenda gives others as work.
+    """Return the finding about a task; `work` if its agenda has other tasks as work.
 
-    A run is over at once for which tasks in the background alone are given: without
-    other work nothing is mended by that.
+    A run that has only background tasks ends at once. Without other work the usual fix
+    does not help.
     """
     end = task.span.end - 1
     help_ = "write `:background true`"
@@ -262,11 +262,11 @@ def _endless(task: nodes.GivenTask, cause: Span, work: bool) -> Diagnostic:
     )
 
 
-# --- what nothing changes -------------------------------------------------------------
+# --- facts without a change -----------------------------------------------------------
 
 
 def is_described(library: Library) -> bool:
-    """Whether most of a library's primitives, or its rules, say what they do."""
+    """Return whether most primitives of a library, or its rules, declare effects."""
     forms = library.primitives.values()
     told = sum(bool(form.on or form.tells) for form in forms)
     if not told and not library.memory_rules and not library.event_rules:
@@ -277,7 +277,7 @@ def is_described(library: Library) -> bool:
 
 
 def _told(index: Index) -> Iterator[tuple[str, Form]]:
-    """Yield the facts that forms bring or take away."""
+    """Yield the facts that forms assert or erase."""
     for one in index.uses():
         if one.use in ("asserted", "erased"):
             yield one.name, one.owner
@@ -286,7 +286,7 @@ def _told(index: Index) -> Iterator[tuple[str, Form]]:
 def _unready(
     library: Library, rap: nodes.DefineRap, changed: Container[str], always: Always
 ) -> Iterator[Diagnostic]:
-    """Yield a fact that all methods ask for, though the monitor does not."""
+    """Yield a fact that all methods require, but the monitor does not query."""
     if rap.monitor_state is None or not is_never(rap.succeed):
         return
     waking = [rap.monitor_state, rap.repeat_while]
@@ -315,7 +315,7 @@ def _unready(
 def _failing(
     library: Library, rap: nodes.DefineRap, changed: Container[str], always: Always
 ) -> Iterator[Diagnostic]:
-    """Yield a condition of a standing task that its monitor does not ask for."""
+    """Yield a condition of a standing task that its monitor does not query."""
     monitor = rap.monitor_state
     if monitor is None or not is_never(rap.succeed):
         return
@@ -339,7 +339,7 @@ def _failing(
 
 
 def _never_asked_for(library: Library, index: Index) -> Mapping[str, str]:
-    """Return what only primitives do that no RAP asks for: by fact, the primitive."""
+    """Return the facts that only unused primitives change: by fact, the primitive."""
     primitives = library.primitives
     raps = (form for form in library.forms if isinstance(form, nodes.DefineRap))
     bodies = (method.body for rap in raps for method in rap.methods)
@@ -463,7 +463,7 @@ one of them ask for more, so that there is a state in which both sleep.""",
 
 @check(RIVAL_REACTIONS, UNDOING_REACTIONS)
 def rivals(run: Pass) -> Iterator[Diagnostic]:
-    """Find standing tasks of an agenda that get in each other's way."""
+    """Find standing tasks of an agenda that interfere with each other."""
     told: set[tuple[str, str]] = set()
     for agenda in run.library.agendas.values():
         tasks = [one for one in agenda.tasks if one.background]
@@ -509,7 +509,7 @@ def _between(
 
 
 def _monitor(library: Library, goal: nodes.Goal) -> nodes.Formula:
-    """The monitor of the RAP of a goal, with the arguments of the goal in it."""
+    """Return the monitor of the RAP of a goal, with the arguments of the goal."""
     rap = library.raps[goal.name]
     assert rap.monitor_state is not None
     return substitute(rap.monitor_state, input_terms(rap, goal))
@@ -518,7 +518,7 @@ def _monitor(library: Library, goal: nodes.Goal) -> nodes.Formula:
 def _shared_facts(
     library: Library, first: nodes.Goal, second: nodes.Goal
 ) -> Sequence[str]:
-    """The facts that can wake both."""
+    """Return the facts that can wake both tasks."""
     monitor = _monitor(library, first)
     if asked_through(library, monitor) is None:
         return ()
@@ -539,7 +539,7 @@ def _facts(library: Library, monitor: nodes.Formula) -> Iterator[nodes.Propositi
 
 
 def _may_be_one(one: nodes.Proposition, other: nodes.Proposition) -> bool:
-    """Whether one fact may match both, as far as their constants tell."""
+    """Return whether a fact may match both, as far as constants determine."""
     return one.name == other.name and not any(
         isinstance(left, nodes.Const)
         and isinstance(right, nodes.Const)
@@ -549,7 +549,7 @@ def _may_be_one(one: nodes.Proposition, other: nodes.Proposition) -> bool:
 
 
 def _needed(library: Library, rap: nodes.DefineRap) -> frozenset[nodes.Thing]:
-    """The things that methods of a RAP, or of those it asks for, take."""
+    """Return the things that methods of a RAP and its descendants claim."""
     methods = [m for rap in reached(library, [rap.name]).values() for m in rap.methods]
     return frozenset(
         thing for method in methods for thing in things_needed(library, method)
@@ -557,7 +557,7 @@ def _needed(library: Library, rap: nodes.DefineRap) -> frozenset[nodes.Thing]:
 
 
 def _wakes(run: Pass, one: nodes.Goal, other: nodes.Goal) -> bool:
-    """Whether what a task does surely brings about what another one waits for."""
+    """Return whether a task surely asserts facts that wake another task."""
     library, relations = run.library, run.signatures.relations
     monitor, rap = _monitor(library, other), library.raps[one.name]
     given = input_terms(rap, one)
@@ -612,7 +612,7 @@ which anybody may ask for.""",
 
 
 class _Sensed(msgspec.Struct, frozen=True):
-    """How often a fact is sensed at best, and what says so."""
+    """The shortest time between two sensings of a fact, and the evidence."""
 
     every: Number
     said: Span
@@ -620,7 +620,7 @@ class _Sensed(msgspec.Struct, frozen=True):
 
 @check(FRESHER_THAN_SENSED, needs_whole="form")
 def freshness(run: Pass) -> Iterator[Diagnostic]:
-    """Find beliefs that are to be younger than the time between two sensings."""
+    """Find beliefs with a maximum age below the time between two sensings."""
     library = run.library
     believed = [
         one for one in run.result(INDEX).of(nodes.Believe) if number_of(one.node.age)
@@ -635,7 +635,7 @@ def freshness(run: Pass) -> Iterator[Diagnostic]:
 
 
 def _believed(run: Pass) -> Iterator[nodes.Believe]:
-    """Yield the beliefs in conditions of RAPs, and in queries that those name."""
+    """Yield the beliefs in conditions of RAPs, and in the queries of the conditions."""
     for rap in run.library.raps.values():
         for whole in formulas(rap):
             if whole.clause.is_condition:
@@ -656,7 +656,7 @@ def _fresher(believe: nodes.Believe, age: Number, sensed: _Sensed) -> Diagnostic
 
 
 class _Sensing:
-    """How often facts are sensed.
+    """The times between sensings of facts.
 
     Args:
         library: the library.
@@ -692,7 +692,7 @@ class _Sensing:
         return best
 
     def _every(self, start: str) -> _Sensed | None:
-        """Return how often tasks of a RAP come up; None if at any time."""
+        """Return how often tasks of a RAP start; None if at any time."""
         best: _Sensed | None = None
         waiting, seen = [start], {start}
         while waiting:
@@ -711,7 +711,7 @@ class _Sensing:
 
 
 def _pause(rap: nodes.DefineRap) -> _Sensed | None:
-    """Return how long a standing RAP surely waits between two rounds."""
+    """Return the time that a standing RAP surely waits between two rounds."""
     if not is_never(rap.succeed):
         return None
     timed = rap.monitor_time
@@ -730,7 +730,7 @@ def _pause(rap: nodes.DefineRap) -> _Sensed | None:
 def _sources(
     library: Library, raps: Sequence[nodes.DefineRap]
 ) -> dict[str, dict[str | None, None]]:
-    """Return the RAPs that may bring facts; None among them: what comes unasked."""
+    """Return, by fact, the RAPs that may assert the fact; None for the world."""
     asked = {name for form in library.primitives.values() for name in form.tells}
     found: dict[str, dict[str | None, None]] = {}
 

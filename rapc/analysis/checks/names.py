@@ -1,8 +1,7 @@
-"""Names that nobody declares, or that are used otherwise than they are declared.
+"""Names without a declaration, and names that do not match their declaration.
 
-A name is held against its declaration by the signature table
-(`rapc.library.signatures`); the fact `MISUSES` has each use that does not meet one. No
-world is imported to find out what it offers.
+The signature table (`rapc.library.signatures`) compares a name with its declaration;
+the fact `MISUSES` has each use that does not match. The checks import no world.
 """
 
 from __future__ import annotations
@@ -348,13 +347,13 @@ _ALL_USES: tuple[Use, ...] = get_args(Use)
 
 
 class _Space(NamedTuple):
-    """Names that are used alike, and the rules about them."""
+    """The names of one name space, and the rules about the names."""
 
     uses: tuple[Use, ...]
     undeclared: Rule
-    #: Another number of arguments than was declared; a step is looked at apart.
+    #: A different number of arguments than declared; steps have a separate check.
     arity: Rule | None = None
-    #: A name that is declared as something else.
+    #: A name that is declared as something different.
     kind: Rule | None = None
 
 
@@ -375,7 +374,7 @@ _SPACES = (
     WRONG_STEP_ARITY,
 )
 def undeclared_or_misused_names(run: Pass) -> Iterator[Diagnostic]:
-    """Find names that are not declared, or used otherwise than they are declared."""
+    """Find names that are not declared, or that do not match their declaration."""
     index = run.result(INDEX)
     further = list(_named_apart(run, index))
     for space in _SPACES:
@@ -398,7 +397,7 @@ def undeclared_or_misused_names(run: Pass) -> Iterator[Diagnostic]:
 
 
 def _named_apart(run: Pass, index: Index) -> Iterator[tuple[Use, str, Span, Form]]:
-    """Yield the names that are used in declarations and tests alone."""
+    """Yield the names that occur only in declarations and tests."""
     for chosen in index.of(nodes.MethodChosen):
         place = word_span(run.library.files, chosen.node.span, 1)
         yield "goal", chosen.node.rap, place, chosen.owner
@@ -416,7 +415,7 @@ def _named_apart(run: Pass, index: Index) -> Iterator[tuple[Use, str, Span, Form
 
 
 def _wrong_arity(run: Pass, rule: Rule, uses: Container[Use]) -> Iterator[Diagnostic]:
-    """Yield the uses with another number of arguments than was declared."""
+    """Yield the uses with a different number of arguments than declared."""
     faults: dict[tuple[str, str], list[Misuse]] = {}
     for one in misuses(run, uses, "arguments"):
         faults.setdefault((one.used.name, one.fault.message), []).append(one)
@@ -441,7 +440,7 @@ def _wrong_arity(run: Pass, rule: Rule, uses: Container[Use]) -> Iterator[Diagno
 
 
 def _left_out(wrong: Iterable[Misuse]) -> tuple[Subject, ...]:
-    """Return a subject for each test that lacks one argument, which would be bound."""
+    """Return a subject for each test that lacks one argument, a variable to bind."""
     return tuple(
         Subject(one.used.span)
         for one in wrong
@@ -453,7 +452,7 @@ def _left_out(wrong: Iterable[Misuse]) -> tuple[Subject, ...]:
 
 
 def _declared_otherwise(run: Pass, rule: Rule, one: Misuse) -> Diagnostic:
-    """Return the finding about a name that is declared as something else."""
+    """Return the finding about a name with a different kind of declaration."""
     declared, used = one.fault.declared, one.used
     assert declared is not None
     place = used.span if used.use == "computed" else used.place(run.library.files)
@@ -467,7 +466,7 @@ def _declared_otherwise(run: Pass, rule: Rule, one: Misuse) -> Diagnostic:
 
 
 def _meant_to_bind(index: Index, used: NameUse) -> Iterator[Subject]:
-    """Yield the variables that a fact in place of a computed value was to bind."""
+    """Yield the variables that a fact in place of a computed value should bind."""
     if used.use == "computed":
         here = index.at(used.span.file, used.span.start)
         compared = here is not None and isinstance(here.parent, nodes.Compare)
@@ -493,7 +492,7 @@ def _misfit(run: Pass, one: Misuse) -> Diagnostic:
 
 
 def _not_handed_out(used: NameUse, outputs: int) -> Iterator[Subject]:
-    """Yield the variables that a step may have for outputs, and one for each output."""
+    """Yield the variables that may be outputs of a step, and one for each output."""
     for variable in variables(*used.node.args):
         yield Subject(used.span, variable.name)
     yield from [Subject(used.span)] * outputs
@@ -526,7 +525,7 @@ the agenda there would be none of them.""",
 
 @check(UNKNOWN_AGENDA)
 def unknown_agenda(run: Pass) -> Iterator[Diagnostic]:
-    """Find tests that name an agenda that is not defined."""
+    """Find tests that name an agenda without a definition."""
     known = run.library.agendas
     unknown = UnknownNames(UNKNOWN_AGENDA)
     near = Suggestions(known)
@@ -584,7 +583,7 @@ def _names_in_traces(rap: nodes.DefineRap) -> Suggestions:
 
 @check(UNKNOWN_METHOD, needs_whole="form")
 def unknown_method(run: Pass) -> Iterator[Diagnostic]:
-    """Find questions about methods that the RAP does not have."""
+    """Find conditions about methods that the RAP does not have."""
     index = run.result(INDEX)
     known: dict[int, Suggestions] = {}
     for found in index.of(nodes.HistoryTest):
@@ -600,7 +599,7 @@ def unknown_method(run: Pass) -> Iterator[Diagnostic]:
     traced: dict[int, Suggestions] = {}
     for chosen in index.of(nodes.MethodChosen):
         named, test = run.library.raps.get(chosen.node.rap), chosen.owner
-        # A world may bring a solver along, whose methods nobody knows before.
+        # A world may have a solver, with methods that are not known in advance.
         if named is not None and isinstance(test, nodes.DefineTest) and not test.world:
             if id(named) not in traced:
                 traced[id(named)] = _names_in_traces(named)
@@ -613,7 +612,7 @@ def unknown_method(run: Pass) -> Iterator[Diagnostic]:
 def _unknown_method(
     run: Pass, rap: nodes.DefineRap, name: str, place: Span, known: Suggestions
 ) -> Iterator[Diagnostic]:
-    """Yield a method's name if the RAP does not have it."""
+    """Yield the name of a method if the RAP does not have the method."""
     if name not in known:
         counted = f"#{name}"
         meant = counted if counted in known else known.near(name)
@@ -698,7 +697,7 @@ def left_out_values(run: Pass) -> Iterator[Diagnostic]:
 
 
 def _never_true(run: Pass, declared: Signature) -> bool:
-    """Whether nothing in the library lets a property have the value `true`."""
+    """Return whether no form of the library can set a property to `true`."""
     args = declared.args or ()
     kind = args[-1].kind if args else None
     if kind is not None and not run.signatures.kinds.holds(kind, "true"):
@@ -789,7 +788,7 @@ def missing_require(run: Pass) -> Iterator[Diagnostic]:
 
 
 def _homes(library: Library) -> dict[tuple[str, str], nodes.TopForm]:
-    """Return the definition of each name of which there is one alone."""
+    """Return the definition of each name with a single definition."""
     tables: Mapping[str, tuple[Mapping[str, nodes.TopForm], ...]] = {
         "RAP": (library.raps,),
         "predicate": (
@@ -829,14 +828,14 @@ _NAMED = (
     | nodes.DeclareSkill
     | nodes.DeclareEvent
 )
-"""The forms whose names are used elsewhere."""
+"""The forms whose names are used in other forms."""
 
 
 class _Brought:
-    """Which files a file brings in.
+    """The files that a file requires.
 
     Args:
-        required: the files that each file requires itself.
+        required: by file, the files that the file itself requires.
     """
 
     def __init__(self, required: Mapping[str, tuple[str, ...]]) -> None:
@@ -845,11 +844,11 @@ class _Brought:
         self._by_others = {file for there in required.values() for file in there}
 
     def stands_alone(self, file: str) -> bool:
-        """Whether a file is required, or requires something: no mere part."""
+        """Return whether a file is required, or requires files."""
         return file in self._required or file in self._by_others
 
     def by(self, file: str) -> set[str]:
-        """Return a file and all that it requires, directly or not."""
+        """Return a file and all required files, directly or indirectly."""
         if file not in self._known:
             every = reachable([file], lambda one: self._required.get(one, ()))
             self._known[file] = set(every)
@@ -876,7 +875,7 @@ def _finding(run: Pass, use: NameUse, form: nodes.TopForm) -> Diagnostic:
 
 
 def _edits(run: Pass, here: str, word: str) -> Iterator[Edit]:
-    """Yield what puts a `require` behind the others, or before the first form."""
+    """Yield the edits that add a `require` after the last, or before the first form."""
     own = [form for form in run.library.forms if form.span.file == here]
     last = [form for form in own if isinstance(form, nodes.Require)][-1:]
     if last:

@@ -1,7 +1,7 @@
-"""Faults of the order of steps, and `until`, which orders nothing [L 4.4].
+"""Faults in the order of steps, and `until`, which does not order steps [L 4.4].
 
 Order comes from `for` annotations and from windows that name a step (the fact
-`TASK_NETS`). What `until` means it means while both steps may be at work.
+`TASK_NETS`). An `until` has an effect only while both steps may be active.
 """
 
 from __future__ import annotations
@@ -94,7 +94,7 @@ ends.""",
 )
 
 _SHOWN = 8
-"""How many steps of a circle are shown."""
+"""The maximum number of steps of a cycle to show."""
 
 
 @check(UNKNOWN_TAG, DUPLICATE_TAG, CYCLIC_TASK_NET, needs_whole="method")
@@ -131,7 +131,7 @@ def _tag_span(run: Pass, step: nodes.Step) -> Span:
 
 
 def _place(run: Pass, annotation: nodes.Annotation, tag: str) -> Span:
-    """Return where an annotation names its tag: behind its word, or at the end."""
+    """Return the span of a tag in an annotation: after the keyword, or at the end."""
     span = annotation.span
     if type(annotation) is not nodes.For or annotation.formula is None:
         return word_span(run.library.files, span, 1)
@@ -308,9 +308,9 @@ class _Mark(msgspec.Struct, frozen=True):
     """An `until` of a step, with the positions of both steps."""
 
     note: _Until
-    #: The step that is to be ended.
+    #: The step to end.
     at: int
-    #: The step that ends it.
+    #: The step that ends the first step.
     by: int
 
 
@@ -323,7 +323,7 @@ class _Mark(msgspec.Struct, frozen=True):
     needs_whole="method",
 )
 def until(run: Pass) -> Iterator[Diagnostic]:
-    """Find steps that are to go on until something that never ends one of them."""
+    """Find `until` annotations that never end a step."""
     index = run.result(INDEX)
     if not index.of(nodes.UntilStart) and not index.of(nodes.UntilEnd):
         return
@@ -350,7 +350,7 @@ def _of_net(
     marks: Sequence[_Mark],
     never_done: Mapping[str, Span],
 ) -> Iterator[Diagnostic]:
-    """Yield what is wrong with the `until` of one task-net, one finding for each."""
+    """Yield the faults of the `until` of one task-net, at most one for each."""
     starts = {(m.at, m.by): m for m in marks if isinstance(m.note, nodes.UntilStart)}
     for mark in marks:
         one, by = every[mark.at], every[mark.by]
@@ -403,7 +403,7 @@ def _each_other(
 
 
 def may_wait(run: Pass, step: nodes.Step) -> bool:
-    """Whether a step may wait for more than the end of other steps, or nobody knows."""
+    """Return whether a step may wait for more than other steps; True if unknown."""
     rap = run.library.raps.get(step.goal.name)
     if rap is None or rap.monitor_state is not None or rap.monitor_time is not None:
         return True
@@ -441,7 +441,7 @@ def _never_comes(
     mark: _Mark,
     never_done: Mapping[str, Span],
 ) -> Span | None:
-    """Return what says that the other step never ends, or never begins, if it does."""
+    """Return the reason why the other step never ends or never begins, or None."""
     before = [at for at in range(len(every)) if net.is_before(at, mark.by)]
     if isinstance(mark.note, nodes.UntilEnd):
         before.append(mark.by)

@@ -1,4 +1,4 @@
-"""RAP078 and RAP085: `otherwise` where it means nothing."""
+"""RAP078 and RAP085: `otherwise` without effect."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ a method behind it was meant. Put it behind the others.""",
 
 @check(MISPLACED, FIRST)
 def otherwise(run: Pass) -> Iterator[Diagnostic]:
-    """Find `otherwise` where there are no methods that it could speak of."""
+    """Find `otherwise` without other methods that the word could refer to."""
     index = run.result(INDEX)
     asked = index.of(nodes.Otherwise)
     if not asked:

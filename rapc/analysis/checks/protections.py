@@ -1,22 +1,23 @@
-"""RAP119 and RAP126: steps that undo what another step protects, or needs to begin.
+"""RAP119 and RAP126: steps that undo a fact that another step protects or needs.
 
 Between the end of a step with `(formula for t)` and the start of t, any step may run
-that order allows there: a threat, as planners with partial orders call it. What a step
-brings about is taken from its RAP where that is certain: declared `effects`, `succeed`,
-and what all of its primitives do if they end `okay`.
+that the order allows: a threat, in the terms of partial-order planning. The effects of
+a step come from its RAP where the effects are certain: declared `effects`, `succeed`,
+and the common effects of all its primitives that end `okay`.
 
-RAP129: steps that undo what a constraint asks for, themselves or by what they do.
+RAP129: steps that undo the fact of a constraint, directly or in their descendants.
 
-A constraint is asked at each selection of each task below [L 3.21]. So it is broken as
-soon as a step surely undoes the fact, at whatever depth, and any other one is to come.
+A constraint is evaluated at each selection of each task below [L 3.21]. The constraint
+fails if a step at any depth surely undoes the fact and another step follows.
 
-RAP143: formulas with `for` that no step before them can bring about.
+RAP143: formulas with `for` that no step before can make true.
 
-RAP133: methods that take two things in opposite orders, by the agendas [L 8.27].
+RAP133: methods that claim two things in opposite orders, by the agendas [L 8.27].
 
-A method holds what it claims while its steps wait. Where a step below it wants a second
-thing, and another task of the agenda does so the other way round at the same priority,
-the two can wait for each other for good. Things count that have no variables in them.
+A method holds its claimed things while its steps wait. A step below the method may
+claim a second thing. If another task of the agenda claims the things in the opposite
+order at the same priority, the two tasks can deadlock. Only things without variables
+count.
 """
 
 from __future__ import annotations
@@ -60,7 +61,7 @@ WORLD = """\
 (define-rap (close) (method (primitive (close-bay))))
 (define-rap (empty) (method (primitive (unload))))
 """
-"""A bay that opens and closes, for the examples of rules on what steps undo."""
+"""A bay that opens and closes, for the examples of rules on undone facts."""
 
 THREAT = Rule(
     code="RAP126",
@@ -125,7 +126,7 @@ its priority.""",
 
 @check(THREAT, RACING, needs_whole="method")
 def threats(run: Pass) -> Iterator[Diagnostic]:
-    """Find steps that undo what another step protects, or needs to begin."""
+    """Find steps that undo a fact that another step protects, or needs to begin."""
     for _, method, net in sure_nets(run):
         every = steps(method)
         yield from (*_threats(run, every, net), *_races(run, every, net))
@@ -157,7 +158,7 @@ def _threats(run: Pass, steps: Sequence[nodes.Step], net: Net) -> Iterator[Diagn
 def _changes(
     run: Pass, steps: Sequence[nodes.Step], net: Net
 ) -> dict[str, list[tuple[int, Literal]]]:
-    """Return what steps surely bring about, by names, each with the step's position."""
+    """Return the guaranteed effects of steps by name, with the position of the step."""
     changes: dict[str, list[tuple[int, Literal]]] = {}
     for at, step in enumerate(steps):
         for effect in done(run.library, step.goal) if at not in net.early else ():
@@ -166,7 +167,7 @@ def _changes(
 
 
 def _races(run: Pass, steps: Sequence[nodes.Step], net: Net) -> Iterator[Diagnostic]:
-    """Yield the first step that may undo what another needs, in no order with it."""
+    """Yield the first step that may undo a need of another step without an order."""
     needs: dict[str, list[tuple[int, Literal]]] = {}
     for at, step in enumerate(steps):
         for one in _needed(run, step.goal):
@@ -186,7 +187,7 @@ def _races(run: Pass, steps: Sequence[nodes.Step], net: Net) -> Iterator[Diagnos
 
 
 def _needed(run: Pass, goal: nodes.Goal) -> Iterator[Literal]:
-    """Yield the facts that the RAP of a goal asks for before it begins."""
+    """Yield the facts that the RAP of a goal requires before its start."""
     rap = run.library.raps.get(goal.name)
     if rap is None:
         return
@@ -219,7 +220,7 @@ def _bits(numbers: set[int]) -> int:
 def _protected(
     steps: Sequence[nodes.Step],
 ) -> Iterator[tuple[int, nodes.For, Literal]]:
-    """Yield the facts that steps protect, each with the step's position and where."""
+    """Yield the protected facts, each with the position of the step and its note."""
     for at, step in enumerate(steps):
         for note in step.annotations:
             if isinstance(note, nodes.For):
@@ -273,7 +274,7 @@ step come last.""",
 
 @check(BROKEN, needs_whole="method")
 def constraints(run: Pass) -> Iterator[Diagnostic]:
-    """Find steps that undo what a constraint above them asks for."""
+    """Find steps that undo the fact of a constraint above."""
     for rap, method, net in sure_nets(run):
         asked = [*literals(rap.constraints), *literals(method.constraints)]
         asked = [one for one in asked if fact_name(one)]
@@ -284,7 +285,7 @@ def constraints(run: Pass) -> Iterator[Diagnostic]:
 def _broken(
     run: Pass, steps: Sequence[nodes.Step], net: Net, asked: Sequence[Literal]
 ) -> Iterator[Diagnostic]:
-    """Yield the first step that surely undoes what is asked while others are left."""
+    """Yield the first step that surely undoes a fact while other steps follow."""
     left = _left(net)
     search = _Search(run, asked)
     for far in (0, LIMITS.constraint_depth):
@@ -296,21 +297,21 @@ def _broken(
 
 
 def _left(net: Net) -> list[bool]:
-    """Return of each step whether any other one may come up when it has ended."""
+    """Return, for each step, whether another step may start after its end."""
     before, _ = net.reach()
     everything = (1 << len(before)) - 1
     return [there | 1 << at != everything for at, there in enumerate(before)]
 
 
 _Undone = tuple[Literal, nodes.Goal]
-"""A fact that is asked for, and the goal that surely undoes it."""
+"""A required fact, and the goal that surely undoes the fact."""
 
 
 class _Search:
-    """A search for what undoes facts, in the steps of a method and below these.
+    """A search for goals that undo facts, in the steps of a method and below.
 
     Args:
-        run: the run of the pass.
+        run: the pass.
         asked: the facts, in the terms of the method.
     """
 
@@ -322,12 +323,12 @@ class _Search:
         self._below = 0
 
     def undoing(self, goal: nodes.Goal, left: bool, far: int) -> _Undone | None:
-        """Return what surely undoes a fact: a goal, or one below; None if nothing.
+        """Return the goal, or a goal below, that surely undoes a fact, or None.
 
         Args:
             goal: the goal, in the terms of the method.
-            left: whether anything is to come when the goal is reached.
-            far: how many RAPs deep its steps are followed.
+            left: whether a step follows after the goal is reached.
+            far: the number of levels of RAPs to follow.
         """
         library = self._run.library
         for effect in done(library, goal) if left else ():
@@ -364,7 +365,7 @@ class _Search:
 
 
 def _handed(goal: nodes.Goal, given: Mapping[str, nodes.Term], far: int) -> nodes.Goal:
-    """Return a goal in the terms of the caller; what has no term there is like none."""
+    """Return a goal in the terms of the caller; unknown terms get unique names."""
     args: list[nodes.Term] = []
     for at, term in enumerate(goal.args):
         if isinstance(term, nodes.Const):
@@ -431,7 +432,7 @@ effect is not declared.""",
 
 @check(VAIN, needs_whole="form")
 def vain_protection(run: Pass) -> Iterator[Diagnostic]:
-    """Find formulas with `for` that no step before them can bring about."""
+    """Find formulas with `for` that no step before can make true."""
     known: dict[str, _ByName | None] = {}
     for rap, method, net in sure_nets(run) if run.complete else ():
         notes = [note for step in steps(method) for note in step.annotations]
@@ -440,9 +441,9 @@ def vain_protection(run: Pass) -> Iterator[Diagnostic]:
 
 
 def _asked(rap: nodes.DefineRap) -> set[str]:
-    """The facts that the clauses of a RAP ask for: they may hold before it begins.
+    """Return the facts in the conditions of a RAP; these facts may hold at its start.
 
-    Those that the clauses deny surely do not.
+    The facts that the conditions deny surely do not hold.
     """
     found = set()
     waiting = [
@@ -465,7 +466,7 @@ def _asked(rap: nodes.DefineRap) -> set[str]:
 
 
 _ByName = Mapping[str, Sequence[Effect]]
-"""What a RAP may do, by the names of facts."""
+"""The possible effects of a RAP, by the names of facts."""
 
 
 def _by_name(effects: Effects, name: str) -> _ByName | None:
@@ -479,13 +480,13 @@ def _by_name(effects: Effects, name: str) -> _ByName | None:
 
 
 _Changers = Mapping[str, Sequence[tuple[int, Sequence[Effect]]]]
-"""By the names of facts: the steps that may change them, each with its effects."""
+"""By the names of facts: the steps that may change the facts, with the effects."""
 
 
 def _changers(
     run: Pass, steps: Sequence[nodes.Step], known: dict[str, _ByName | None]
 ) -> _Changers | None:
-    """Return which steps may change which facts; None if not all of that is known."""
+    """Return the steps that may change each fact; None if some effects are unknown."""
     changers: dict[str, list[tuple[int, Sequence[Effect]]]] = {}
     for at, step in enumerate(steps):
         name = step.goal.name
@@ -506,7 +507,7 @@ def _of_net(
     net: Net,
     known: dict[str, _ByName | None],
 ) -> Iterator[Diagnostic]:
-    """Yield what steps protect that no step before the other one can bring about."""
+    """Yield protected facts that no step before the other step can make true."""
     every = steps(method)
     changers = _changers(run, every, known)
     if changers is None:
@@ -542,12 +543,12 @@ def _of_net(
 
 
 def _is_looked_up(one: Literal, given: Container[str]) -> bool:
-    """Whether a fact is asked for the sake of a variable that has no value yet."""
+    """Return whether a fact is queried to bind a variable without a value."""
     return any(name not in given for name in variable_names(one.formula))
 
 
 def _may_be_default(run: Pass, one: Literal) -> bool:
-    """Whether a property may hold where nothing was ever said of it."""
+    """Return whether a property may hold by its default."""
     assert isinstance(one.formula, nodes.Proposition)
     declared = run.signatures.relations.get(one.formula.name)
     if declared is None or not declared.is_property:
@@ -560,7 +561,7 @@ def _may_be_default(run: Pass, one: Literal) -> bool:
 
 
 def _undoes(run: Pass, step: nodes.Step, denied: Literal) -> bool:
-    """Whether a step surely brings about what is to be protected from being so."""
+    """Return whether a guaranteed effect of a step contradicts a protected literal."""
     return any(
         fact_name(effect) == fact_name(denied)
         and contradict(run.signatures, denied, effect)
@@ -575,7 +576,7 @@ def _comes(
     net: Net,
     until: int,
 ) -> bool:
-    """Whether a step that may run before another may make a literal hold."""
+    """Return whether a step that may run before another may make a literal hold."""
     if not there:
         return may_establish(run.library, one, ())
     return any(
@@ -641,7 +642,7 @@ _Things = frozenset[nodes.Thing]
 
 
 class _Taken(msgspec.Struct, frozen=True):
-    """A thing that is wanted while others are held."""
+    """A thing that is claimed while others are held."""
 
     thing: nodes.Thing
     held: _Things
@@ -649,16 +650,16 @@ class _Taken(msgspec.Struct, frozen=True):
 
 
 _Orders = Mapping[tuple[nodes.Thing, nodes.Thing], Sequence[_Taken]]
-"""What is wanted by what is held and what is wanted."""
+"""The claims by pairs of a held thing and a claimed thing."""
 
 
 _Known = dict[tuple[nodes.Thing, nodes.Thing], dict[_Things, _Taken]]
-"""The same of several tasks, by all that is held; of those alike the first one."""
+"""The claims of several tasks, by all held things; only the first of equal claims."""
 
 
 @check(CROSSED)
 def crossed_claims(run: Pass) -> Iterator[Diagnostic]:
-    """Find tasks of an agenda that take two things in opposite orders."""
+    """Find tasks of an agenda that claim two things in opposite orders."""
     raps = run.library.raps.values()
     if not any(method.claims for rap in raps for method in rap.methods):
         return
@@ -683,7 +684,7 @@ def crossed_claims(run: Pass) -> Iterator[Diagnostic]:
 
 
 def _orders(library: Library, goal: str) -> _Orders:
-    """Return in which orders things are taken below a task, as far as that is sure."""
+    """Return the certain orders of claims below a task."""
     found: dict[tuple[nodes.Thing, nodes.Thing], list[_Taken]] = {}
     waiting: list[tuple[str, _Things]] = [(goal, frozenset())]
     seen = set(waiting)
@@ -708,7 +709,7 @@ def _orders(library: Library, goal: str) -> _Orders:
 
 
 def _crossed(orders: _Orders, others: _Known) -> Iterator[tuple[_Taken, _Taken]]:
-    """Yield what is taken in opposite orders, unless a third thing keeps it apart."""
+    """Yield claims in opposite orders, unless a third thing prevents the deadlock."""
     for (thing, wanted), mine in orders.items():
         for other in others.get((wanted, thing), {}).values():
             one = next((one for one in mine if not one.held & other.held), None)

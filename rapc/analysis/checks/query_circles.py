@@ -1,4 +1,4 @@
-"""RAP079: named queries that ask themselves, through others or at once."""
+"""RAP079: named queries that use themselves, directly or indirectly."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ asks itself, be it through others, would stand for a formula without end.""",
 
 @check(CIRCLE)
 def query_circles(run: Pass) -> Iterator[Diagnostic]:
-    """Find named queries that stand for a formula without end."""
+    """Find named queries without a finite formula."""
     queries = run.library.queries
     asked = {name: _asked(query, queries) for name, query in queries.items()}
     for members in circles(asked):
@@ -44,7 +44,7 @@ def query_circles(run: Pass) -> Iterator[Diagnostic]:
 def _asked(
     query: nodes.DefineQuery, queries: Mapping[str, nodes.DefineQuery]
 ) -> Sequence[str]:
-    """The names of the queries that one asks, in the order of the text."""
+    """Return the names of the queries that a query uses, in the order of the text."""
     parts = walk.subformulas(query.formula)
     names = (part.name for part in parts if isinstance(part, nodes.Proposition))
     return tuple(dict.fromkeys(name for name in names if name in queries))

@@ -1,15 +1,15 @@
-"""RAP064 to RAP066: sets, counters and plain values taken for each other (T 4.8).
+"""RAP064 to RAP066: sets, counters and plain values confused with each other (T 4.8).
 
-A RAP knows the kinds of the resources that it declares. What an input is, only the
-caller knows: how the RAP itself uses the input is held against what its steps are
-given elsewhere.
+A RAP declares the kinds of its own resources. Only the caller knows the kind of an
+input: the use of an input in the RAP is compared with the arguments of the steps that
+call the RAP.
 
 RAP066: a set or counter where a plain value is needed [T 4.8.1] [L 6].
 
-RAP124 and RAP164: resources that nobody changes, or asks about.
+RAP124 and RAP164: resources without a change, or without a query.
 
-What becomes of a resource that is handed to steps is looked up in their RAPs
-(`rapc.analysis.facts.resources`); of one that goes elsewhere nothing is said.
+The use of a resource that is passed to a step is looked up in the called RAP
+(`rapc.analysis.facts.resources`). A resource that is passed elsewhere is not reported.
 """
 
 from __future__ import annotations
@@ -95,18 +95,18 @@ Kind = Literal["set", "counter"]
 
 
 class Demand(msgspec.Struct, frozen=True):
-    """A term that has to be a set or a counter, and the RAP it stands in."""
+    """A term that must be a set or a counter, and its RAP."""
 
     term: nodes.Term
     kind: Kind
     rap: nodes.DefineRap
-    #: What is put in, taken out or looked for.
+    #: The value that is added, removed or tested.
     amount: nodes.Term | None = None
 
 
 @check(WRONG_KIND, NOT_A_RESOURCE, needs_whole="method")
 def resources(run: Pass) -> Iterator[Diagnostic]:
-    """Find sets used as counters, counters as sets, and plain values as either."""
+    """Find sets used as counters, counters used as sets, and plain values as either."""
     by_input: dict[_Input, list[Demand]] = {}
     for demand in _demands(run.result(INDEX)):
         rap, term = demand.rap, demand.term
@@ -133,12 +133,13 @@ def resources(run: Pass) -> Iterator[Diagnostic]:
 
 
 def _demands(index: Index) -> Iterator[Demand]:
-    """Yield every term of a RAP that has to be a resource."""
+    """Yield every term of a RAP that must be a resource."""
     found: list[tuple[Form, nodes.Term, Kind, nodes.Term | None]] = []
     for test in index.of(nodes.SetTest):
         found.append((test.owner, test.node.args[0], "set", test.node.args[-1]))
     for call in index.of(nodes.Call):
-        # A call whose argument could not be read has none; the reader has said so.
+        # A call with an unreadable argument has no argument; the reader reports the
+        # error.
         if call.node.function in ("size-of", "value") and call.node.args:
             kind: Kind = "set" if call.node.function == "size-of" else "counter"
             found.append((call.owner, call.node.args[0], kind, None))
@@ -148,7 +149,7 @@ def _demands(index: Index) -> Iterator[Demand]:
     for resource in index.of(nodes.Resource):
         first, owner = resource.node.initial, resource.owner
         assert isinstance(owner, nodes.DefineRap)
-        # A counter may begin with a number, not only as a copy of another counter.
+        # A counter may start with a number, not only with the value of another counter.
         if first is not None and (
             resource.node.kind == "set" or _resource(owner, first) is not None
         ):
@@ -165,10 +166,10 @@ def _resource(rap: nodes.DefineRap, term: nodes.Term) -> nodes.Resource | None:
 
 
 _Input = tuple[int, str]
-"""An input of a RAP, by the id of that and its name."""
+"""An input of a RAP, by the `id` of the RAP and the name of the input."""
 
 _Handed = tuple[nodes.DefineRap, nodes.Term, _Input]
-"""A term that a step of a RAP hands to an input."""
+"""A term that a step of a RAP passes to an input."""
 
 
 def _handed(run: Pass) -> Iterator[_Handed]:
@@ -182,9 +183,9 @@ def _handed(run: Pass) -> Iterator[_Handed]:
 def _settled(
     by_input: Mapping[_Input, Sequence[Demand]], handed: Iterable[_Handed]
 ) -> tuple[dict[_Input, Demand], list[Diagnostic]]:
-    """Return for each input what it has to be, and uses that contradict the rest.
+    """Return the required kind of each input, and the contradictory uses.
 
-    Where all steps hand in a resource of one kind, that decides; else the first use.
+    If all steps pass resources of one kind, that kind counts; otherwise the first use.
     """
     given: dict[_Input, list[nodes.Resource]] = {}
     for owner, term, to in handed:
@@ -257,7 +258,7 @@ def _no_resource(
 
 
 def _mixed_up(term: nodes.Term, demand: Demand) -> Iterator[str]:
-    """Yield what stands in place of a resource, or beside it."""
+    """Yield the terms in place of a resource, or beside the resource."""
     for one in (term, demand.amount):
         if isinstance(one, nodes.Var):
             yield one.name
@@ -314,13 +315,13 @@ def resource_as_value(run: Pass) -> Iterator[Diagnostic]:
 
 
 _Known = Mapping[tuple[int, str], tuple[str, nodes.Var]]
-"""Resources by their form and name: the kind, and where they are declared."""
+"""Resources by their form and name: the kind, and the declaration."""
 
 
 def _handed_on(
     run: Pass, resources: _Known
 ) -> Iterator[tuple[nodes.Var, str, nodes.Var]]:
-    """Yield resources that steps hand to inputs which are used as plain values only."""
+    """Yield resources that steps pass to inputs that are used only as plain values."""
     handed: dict[_Input, list[tuple[nodes.Var, _Input]]] = {}
     for owner, term, to in _handed(run) if resources else ():
         if isinstance(term, nodes.Var) and (id(owner), term.name) in resources:
@@ -350,7 +351,7 @@ def _inputs(index: Index) -> Iterator[tuple[tuple[int, str], tuple[str, nodes.Va
 def _needs_value(
     variable: nodes.Var, parent: nodes.Node, functions: Container[str]
 ) -> bool:
-    """Whether what a variable stands in takes plain values only."""
+    """Return whether the parent of a variable accepts only plain values."""
     match parent:
         case nodes.Goal() | nodes.Resource():
             needed = False
@@ -451,7 +452,7 @@ reason.""",
 
 @check(IDLE, UNREAD, needs_whole="form")
 def idle_resource(run: Pass) -> Iterator[Diagnostic]:
-    """Find resources that nothing changes, or changes the wrong way."""
+    """Find resources without a change, or with a change in the wrong direction."""
     index = run.result(INDEX)
     if not index.of(nodes.Resource):
         return
@@ -491,7 +492,7 @@ def _judge(
 def _wrong_way(
     resource: nodes.Resource, uses: Flow, rap: nodes.DefineRap
 ) -> Iterator[Diagnostic]:
-    """Yield a finding if a counter only goes away from what a clause waits for."""
+    """Yield a finding if a counter only moves away from the goal of a clause."""
     name, first = resource.variable.name, FirstValues((resource,))
     for clause, formula, sign in (
         ("succeed", rap.succeed, 1),
@@ -541,7 +542,7 @@ def _is_awaited(uses: Flow, rap: nodes.DefineRap) -> bool:
 
 
 def _wanted(goal: nodes.Formula | None, name: str, first: FirstValues) -> int:
-    """Which way a counter has to go for `succeed` to hold: -1, 1, or 0 if not known."""
+    """Return the direction of a counter towards `succeed`: -1, 1, or 0 if unknown."""
     for literal in (one for way in ways(goal) for one in literals(way)):
         test = literal.formula
         if not isinstance(test, nodes.Compare) or not literal.holds:
@@ -568,7 +569,7 @@ def _is_value(term: nodes.Term, name: str) -> bool:
 
 
 def _way(change: nodes.ResourceChange) -> int:
-    """Which way a change moves a counter; 0 if its amount is not known."""
+    """Return the direction of a change of a counter; 0 if the amount is unknown."""
     amount = number_of(change.amount)
     if amount is None or amount <= 0:
         return 0

@@ -1,8 +1,8 @@
 """RAP022, RAP152, RAP154, RAP156: results and events of tasks [T 4.1.2] [L 3.54].
 
-A task sees `okay`, the reasons of the interpreter, the results of declared primitives
-and, where an event fails a primitive or a step, the event's name without its colon. It
-remembers the results of its own methods.
+The possible results of a task are `okay`, the reasons of the interpreter and the
+results of declared primitives. If an event fails a primitive or a step, the result is
+the event's name without its colon. A task stores the results of its own methods.
 """
 
 from __future__ import annotations
@@ -50,12 +50,12 @@ them changes.""",
 )
 
 REASONS = ("okay", "no-method", "interference", "futile-loop", "signal")
-"""The results that come from the interpreter itself."""
+"""The results that the interpreter itself sets."""
 
 
 @check(UNKNOWN)
 def unknown_result(run: Pass) -> Iterator[Diagnostic]:
-    """Find questions about results that nothing can return."""
+    """Find conditions on results that cannot occur."""
     known = {*REASONS, *(name.removeprefix(":") for name in run.library.events)}
     known.update(*map(_results, run.library.primitives.values()))
     names = Suggestions(known)
@@ -83,7 +83,7 @@ def unknown_result(run: Pass) -> Iterator[Diagnostic]:
 
 
 def _results_asked(index: Index) -> Iterator[tuple[nodes.Const, Form]]:
-    """Every constant that stands for a result, with its top-level form."""
+    """Yield every constant that stands for a result, with its top-level form."""
     bound: set[tuple[int, str]] = set()
     for use in index.of(nodes.HistoryTest):
         if use.node.query != "method-tried":
@@ -153,7 +153,7 @@ primitive was meant, or the test stands in the wrong RAP.""",
 
 @check(OTHERS, needs_whole="form")
 def own_results(run: Pass) -> Iterator[Diagnostic]:
-    """Find questions about results that the RAP's own methods cannot have."""
+    """Find conditions on results that the RAP's own methods cannot have."""
     known = {r for form in run.library.primitives.values() for r in _results(form)}
     by_rap: dict[int, Mapping[object, Sequence[_Request]]] = {}
     wrong: dict[int, list[tuple[nodes.Const, Sequence[_Request]]]] = {}
@@ -181,9 +181,9 @@ _Request = tuple[nodes.Request, nodes.DeclarePrimitive]
 def _answers(
     library: Library, rap: nodes.DefineRap
 ) -> Mapping[object, Sequence[_Request]]:
-    """Return the requests of the methods of each name, and of all by None.
+    """Return the requests of the methods by name, and all requests under None.
 
-    There are none where one of these methods has another body.
+    A name has no entry if one of its methods has a different body.
     """
     found: dict[object, list[_Request]] = {}
     unknown: set[object] = set()
@@ -197,7 +197,7 @@ def _answers(
 
 
 def _requests(library: Library, method: nodes.Method) -> Iterator[_Request]:
-    """Yield the request of a method, if it is one for a declared primitive."""
+    """Yield the request of a method, if its primitive is declared."""
     if isinstance(method.body, nodes.Primitive):
         form = library.primitives.get(method.body.request.name)
         if form is not None:
@@ -205,12 +205,12 @@ def _requests(library: Library, method: nodes.Method) -> Iterator[_Request]:
 
 
 def _results(form: nodes.DeclarePrimitive) -> set[str]:
-    """Return the results that the declaration of a primitive speaks of."""
+    """Return the results that the declaration of a primitive names."""
     return {*form.results, *(on.result for on in form.on)}
 
 
 def _method_meant(test: nodes.HistoryTest) -> object:
-    """The name of the method that a question is about; None for any."""
+    """Return the name of the method in a condition; None for any method."""
     if test.query == "last-result" or len(test.args) == 1:
         return None
     first = test.args[0]
@@ -267,7 +267,7 @@ serve against any failure need not ask; the rule is opt-in for that reason.""",
 
 @check(ALIKE, needs_whole="form")
 def failures(run: Pass) -> Iterator[Diagnostic]:
-    """Find failures that a RAP with several methods does not tell apart."""
+    """Find failures that a RAP with several methods does not distinguish."""
     least = THRESHOLDS.failures_alike
     asked, asks_any = _failures_asked(run.result(INDEX))
     for rap in run.library.raps.values():
@@ -287,9 +287,9 @@ def failures(run: Pass) -> Iterator[Diagnostic]:
 
 
 def _failures_asked(index: Index) -> tuple[set[object], set[int]]:
-    """Return the results asked for by name, and the RAPs that ask for any result.
+    """Return the results queried by name, and the RAPs that query any result.
 
-    A query that asks for any result serves whatever RAP names it.
+    A query of any result counts for every RAP that names the query.
     """
     named: set[object] = set()
     by: set[int] = set()
@@ -311,7 +311,7 @@ def _failures_asked(index: Index) -> tuple[set[object], set[int]]:
 
 
 def _alike(form: nodes.DeclarePrimitive, asked: set[object]) -> Sequence[str]:
-    """Return the failures that nobody asks for and that leave memory alike."""
+    """Return the failures without a condition, and with the same effects."""
     told = {on.result: on.effects for on in form.on}
     failures = [name for name in form.results if name not in ("okay", *asked)]
     groups: dict[object, list[str]] = {}
@@ -378,7 +378,7 @@ def dead_case(run: Pass) -> Iterator[Diagnostic]:
 def _impossible(
     rule: nodes.MemoryRule, effects: Effects, results: set[str], told: set[str]
 ) -> Iterator[Diagnostic]:
-    """Tell of the cases for what never comes of a RAP, though of others it may."""
+    """Yield the cases for results that a RAP cannot have, though other RAPs can."""
     name = rule.index.name
     for case in rule.cases:
         result = case.result

@@ -1,7 +1,7 @@
-"""RAP108, RAP112 to RAP116: what is settled before the world has a say.
+"""RAP108, RAP112 to RAP116: conditions with a constant result.
 
-A property with a default has a value whatever happens: a fact that asks for it with a
-fresh variable always holds [L 2.20]. Methods that say the same are settled, too.
+A property with a default always has a value: a fact that queries the property with a
+new variable always holds [L 2.20]. Identical methods are reported here, too.
 """
 
 from __future__ import annotations
@@ -176,7 +176,7 @@ test is the wrong way round.""",
 
 @check(COPY, AT_ONCE, NEVER, ALWAYS, NOT_AT_FIRST, needs_whole="form")
 def settled(run: Pass) -> Iterator[Diagnostic]:
-    """Find methods that say the same, and clauses whose answer is settled."""
+    """Find identical methods, and clauses with a constant result."""
     always = Always(run.signatures)
     for rap in run.library.forms:
         if isinstance(rap, nodes.DefineRap) and rap.methods:
@@ -262,7 +262,7 @@ _ADVICE = "a property has a value even if nothing is known: test the value"
 
 
 def _waits(rap: nodes.DefineRap) -> bool:
-    """Whether a RAP has a monitor, or a step that waits for a signal or for a time."""
+    """Return whether a RAP has a monitor, or a step that waits for a signal or time."""
     if rap.monitor_state is not None or rap.monitor_time is not None:
         return True
     return any(
@@ -302,7 +302,7 @@ depends on it.""",
 
 @check(SETTLED_COMPARISON)
 def settled_comparison(run: Pass) -> Iterator[Diagnostic]:
-    """Find comparisons whose answer stands in the text."""
+    """Find comparisons with a constant result."""
     index = run.result(INDEX)
     of_ages = {id(test): holds for test, holds in _tests_of_ages(index)}
     for use in index.of(nodes.Compare):
@@ -318,7 +318,7 @@ def settled_comparison(run: Pass) -> Iterator[Diagnostic]:
 
 
 def _answer(test: nodes.Compare) -> bool | None:
-    """Return what a comparison comes to whatever happens; None if that depends."""
+    """Return the constant result of a comparison; None if the result depends."""
     one, first = _apart(test.left)
     other, second = _apart(test.right)
     if isinstance(one, nodes.Const) and isinstance(other, nodes.Const):
@@ -332,10 +332,10 @@ def _answer(test: nodes.Compare) -> bool | None:
 
 
 def _tests_of_ages(index: Index) -> Iterator[tuple[nodes.Compare, bool]]:
-    """Yield comparisons of an age, behind its `believe`, with a constant that is none.
+    """Yield comparisons of an age with a constant that is not an age.
 
     Yields:
-        the comparison, and whether it holds.
+        the comparison, and whether the comparison holds.
     """
     if not index.of(nodes.Believe):
         return
@@ -355,7 +355,7 @@ def _tests_of_ages(index: Index) -> Iterator[tuple[nodes.Compare, bool]]:
 
 
 def _is_age_and_word(test: nodes.Compare, ages: Container[str]) -> bool:
-    """Whether an age, which is a number, is compared with a constant that is none."""
+    """Return whether an age is compared with a constant that is not a number."""
     return any(
         isinstance(one, nodes.Var)
         and one.name in ages
@@ -366,9 +366,9 @@ def _is_age_and_word(test: nodes.Compare, ages: Container[str]) -> bool:
 
 
 def _apart(term: nodes.Term) -> tuple[nodes.Term | None, Number]:
-    """Return a term without a number that is added to it, and that number.
+    """Return a term without the number added to the term, and that number.
 
-    A number alone is nothing and that number.
+    For a number alone, the term is None.
     """
     alone = number_of(term)
     if alone is not None:
@@ -385,4 +385,4 @@ def _apart(term: nodes.Term) -> tuple[nodes.Term | None, Number]:
 
 
 _ADDING = ("+", "-")
-"""What adds a number to a term, or takes one away."""
+"""The functions that add a number to a term or subtract a number."""

@@ -1,4 +1,4 @@
-"""Skills and the events that they tell."""
+"""Skills and the events that skills emit."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ stay on.""",
 
 @check(UNTOLD_EVENT, UNUSED_SKILL, VAIN_DISABLE, needs_whole="method")
 def skill_use(run: Pass) -> Iterator[Diagnostic]:
-    """Find events and skills that do not go together."""
+    """Find events and skills that do not match."""
     enabled = [found.node for found in run.result(INDEX).of(nodes.Skill)]
     yield from _untold_events(run)
     yield from _disabled(run)
@@ -120,7 +120,7 @@ def _untold_events(run: Pass) -> Iterator[Diagnostic]:
 
 
 def _told_by(run: Pass, skills: Iterable[nodes.Skill]) -> set[str] | None:
-    """Return what some skills may tell; None if one of them may tell anything."""
+    """Return the events that some skills may emit; None for any event."""
     found: set[str] = set()
     for skill in skills:
         declared = run.library.skills.get(skill.name)

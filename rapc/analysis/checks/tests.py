@@ -1,4 +1,4 @@
-"""Tests that name what no trace holds, or need a world and name none."""
+"""Tests with events that no trace has, and tests without a required world."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ world that a test names by `(world name)`; so do the functions of a library, unl
 
 @check(WORLDLESS_TEST)
 def worldless_test(run: Pass) -> Iterator[Diagnostic]:
-    """Find tests without a world that need what only a world brings along."""
+    """Find tests without a world that need a world."""
     for test in run.library.tests:
         if test.world is None:
             for place, message in _lacking(run.library, test):
@@ -53,7 +53,7 @@ def worldless_test(run: Pass) -> Iterator[Diagnostic]:
 
 
 def _lacking(library: Library, test: nodes.DefineTest) -> Iterator[tuple[Span, str]]:
-    """Yield what a test without a world lacks, each with its place."""
+    """Yield the missing features of a test without a world, each with its place."""
     for option in test.options[:1]:
         message = "these are options of a world, and the test names none"
         yield option.span, message
@@ -110,7 +110,7 @@ waits nor is refused.""",
 
 @check(IMPOSSIBLE_ROW)
 def impossible_row(run: Pass) -> Iterator[Diagnostic]:
-    """Find rows of scripts that say what their request or skill cannot do."""
+    """Find script rows with effects that their request or skill cannot have."""
     for use in run.result(INDEX).of(nodes.ScriptRow):
         row = use.node
         wrong = _of_request(row) if row.kind == "request" else _of_skill(row)
@@ -138,7 +138,7 @@ def _of_request(row: nodes.ScriptRow) -> Iterator[str]:
 
 
 def _of_skill(row: nodes.ScriptRow) -> Iterator[str]:
-    """Yield what a row of a skill says that cannot be said of one."""
+    """Yield the parts of a row that are not valid for a skill."""
     off = row.kind == "disable"
     given = (
         ("result", row.result is not None),
@@ -181,7 +181,7 @@ otherwise is never found.""",
 
 @check(UNKNOWN_EVENT)
 def unknown_event(run: Pass) -> Iterator[Diagnostic]:
-    """Find events and keys of events in tests that no trace ever holds."""
+    """Find events and keys of events in tests that no trace has."""
     known_kinds = events.kinds()
     near_kinds = Suggestions(known_kinds)
     keys: dict[str, Suggestions] = {}

@@ -1,4 +1,4 @@
-"""RAP120 to RAP122: times at which nothing can be done, or no time at all."""
+"""RAP120 to RAP122: windows that never open, and times without duration."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ STALE = Rule(
 
 @check(WINDOW, RESTLESS, STALE)
 def times(run: Pass) -> Iterator[Diagnostic]:
-    """Find windows that are never open, and times that let nobody wait."""
+    """Find windows that are never open, and times that allow no waiting."""
     index = run.result(INDEX)
     for one in index.of(nodes.Window):
         step = one.parent

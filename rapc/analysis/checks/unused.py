@@ -1,4 +1,4 @@
-"""Inputs, variables, declarations, facts and things that nothing uses."""
+"""Unused inputs, variables, declarations, facts and things."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ for that reason.""",
 
 @check(UNUSED_INPUT, UNREACHED_RAP, needs_whole="form")
 def leftovers(run: Pass) -> Iterator[Diagnostic]:
-    """Find inputs that their RAP never uses, and RAPs that nothing reaches."""
+    """Find inputs that their RAP never uses, and RAPs that cannot be reached."""
     index = run.result(INDEX)
     yield from _unused_inputs(run, index)
     read = not any(run.unsure(form.span) for form in run.library.forms)
@@ -180,7 +180,7 @@ uses; the rule is opt-in for that reason.""",
 
 @check(SINGLETON_VARIABLE, UNUSED_DECLARATION, needs_whole="form")
 def singletons(run: Pass) -> Iterator[Diagnostic]:
-    """Find variables that occur once, and declarations that nobody uses."""
+    """Find variables that occur once, and declarations without a use."""
     index = run.result(INDEX)
     for variable, parent, form in index.used_once():
         if not isinstance(form, nodes.MemoryRule) or parent is not form.index:
@@ -204,7 +204,7 @@ _TOLD: Sequence[Use] = ("asserted", "erased")
 
 
 def _unused_declarations(run: Pass, index: Index) -> Iterator[tuple[Signature, str]]:
-    """Yield the declarations that nobody uses, with what nobody does."""
+    """Yield the unused declarations, each with the missing action."""
     used = {(one.use, one.name) for one in index.uses()}
     reads = {name for f in run.library.functions.values() for name in f.reads or ()}
     for name, declared in run.signatures.predicates.items():
@@ -279,7 +279,7 @@ class _Uses(msgspec.Struct, frozen=True):
 
 @check(UNREAD_FACT, UNASSERTED_FACT)
 def facts(run: Pass) -> Iterator[Diagnostic]:
-    """Find facts that come from nowhere, and facts that nobody asks for."""
+    """Find facts without a source, and facts without a query."""
     library = run.library
     if not run.complete or any(run.unsure(form.span) for form in library.forms):
         return
@@ -322,14 +322,14 @@ def _uses(index: Index) -> _Uses:
 
 
 def _is_read(library: Library, uses: _Uses, name: str) -> bool:
-    """Whether anything may ask for a fact: a formula, a function, a comparator."""
+    """Return whether a formula, a function or a comparator may query a fact."""
     return name in uses.asked or any(
         read is None or name in read for read in _readers(library)
     )
 
 
 def _readers(library: Library) -> Iterator[tuple[str, ...] | None]:
-    """Yield what functions and comparators read; None where they do not say."""
+    """Yield the facts that functions and comparators read; None if undeclared."""
     for function in library.functions.values():
         yield function.reads
     for comparator in library.comparators:
@@ -415,15 +415,15 @@ shows so.""",
 
 
 _Sort = tuple[str, int]
-"""A thing by its name and number of arguments."""
+"""The name of a thing and the number of its arguments."""
 
 _Places = Mapping[_Sort, Sequence[Occurrence[nodes.Thing]]]
-"""Where things are named, each once for each method or declaration."""
+"""The occurrences of things, each once for each method or declaration."""
 
 
 @check(UNUSED_CLAIM, MISSPELT_THING)
 def unused_claim(run: Pass) -> Iterator[Diagnostic]:
-    """Find things that nothing else uses or claims, and names of things misspelt."""
+    """Find things without another use or claim, and misspelt names of things."""
     places = _places(run.result(INDEX).of(nodes.Thing))
     settled: set[_Sort] = set()
     for one, other in _misspelt(places):
@@ -450,10 +450,10 @@ def _places(things: Iterable[Occurrence[nodes.Thing]]) -> _Places:
 def _misspelt(
     places: _Places,
 ) -> Iterator[tuple[Occurrence[nodes.Thing], Occurrence[nodes.Thing]]]:
-    """Yield things named once whose names are close to another, with that other.
+    """Yield each thing named once that has a similar name, with the similar thing.
 
-    What several name is meant by all of them. Of two that are named once each, a claim
-    is taken for the slip, and of two claims the one further down.
+    If the similar name occurs several times, that name counts as correct. If both names
+    occur once, a claim counts as the fault; of two claims, the claim further down.
     """
     close: dict[int, Close] = {}
     for count in {count for _, count in places}:
@@ -472,7 +472,7 @@ def _misspelt(
 def _is_meant(
     other: Sequence[Occurrence[nodes.Thing]], named: Sequence[Occurrence[nodes.Thing]]
 ) -> bool:
-    """Whether a thing of a close name is what is meant by one that is named once."""
+    """Return whether a thing with a similar name is the intended thing."""
     (this, *further), that = named, other[0]
     if further or len(other) > 1:
         return not further
@@ -500,7 +500,7 @@ def _close(run: Pass, thing: nodes.Thing, other: nodes.Thing) -> Diagnostic:
 
 
 def _callers(run: Pass) -> Mapping[str, Sequence[str | None]]:
-    """Return by RAP the RAPs whose steps ask for it; None stands for an agenda."""
+    """Return, by RAP, the RAPs whose steps call that RAP; None is an agenda."""
     found: dict[str, list[str | None]] = {}
     for agenda in run.library.agendas.values():
         for task in agenda.tasks:
@@ -513,9 +513,9 @@ def _callers(run: Pass) -> Mapping[str, Sequence[str | None]]:
 
 
 def _runs_once(name: str, callers: Mapping[str, Sequence[str | None]]) -> bool:
-    """Whether one task of an agenda leads to a RAP, by one step each.
+    """Return whether a single task of an agenda leads to a RAP, by single steps.
 
-    A host may start any other RAP as often as it likes.
+    A host may start any other RAP several times.
     """
     seen = set[str]()
     here: str | None = name
@@ -533,9 +533,9 @@ def _is_unused(
     places: _Places,
     callers: Mapping[str, Sequence[str | None]],
 ) -> bool:
-    """Whether nobody else names a thing, so that its claims have no effect.
+    """Return whether a thing has no other use, so that its claims have no effect.
 
-    One that is named with other arguments elsewhere is a slip, however often it runs.
+    A thing that occurs elsewhere with different arguments is a fault in any case.
     """
     first = named[0]
     if any(
@@ -550,7 +550,7 @@ def _is_unused(
 
 
 def _offers(run: Pass) -> Iterable[nodes.DeclarePrimitive | nodes.DeclareSkill]:
-    """Return what may use things."""
+    """Return the declarations that may use things."""
     return (*run.library.primitives.values(), *run.library.skills.values())
 
 

@@ -1,8 +1,8 @@
-"""Variables without a value, misspelt ones, and outputs that are never handed out.
+"""Variables without a value, misspelt variables, and outputs that are never bound.
 
-Where a variable needs a value and lacks one is a fact (`BINDINGS`). The checks find the
-words: where else the variable is bound and why that does not help, or which variable
-was probably meant.
+The fact `BINDINGS` has each variable that needs a value and lacks a value. The checks
+add the explanation: the other places that bind the variable and why these bindings are
+not available, or the similar variable.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ fails.""",
 )
 
 _SHOWN = 3
-"""How many places are shown besides the first use."""
+"""The maximum number of places to show after the first use."""
 
 _SEES = {
     "duration": "inputs and resources",
@@ -68,7 +68,7 @@ _SEES = {
     "resources": "inputs and the resources before it",
     "effects": "inputs, outputs and resources",
 }
-"""What clauses see that bind nothing themselves."""
+"""By clause without bindings of its own, the variables that the clause can use."""
 
 _BIND = {
     "step": "bind it in `context`, or in a step ordered before this one",
@@ -81,12 +81,12 @@ _BIND = {
     "script": "the request of a row binds for what the row does",
     "memory": "bind it by a fact to the left of this",
 }
-"""Where to bind what these clauses need."""
+"""By clause, the place to bind the variables of the clause."""
 
 
 @check(UNBOUND_VARIABLE, needs_whole="method")
 def unbound_variable(run: Pass) -> Iterator[Diagnostic]:
-    """Find variables that lack a value where one is needed."""
+    """Find variables without a value where a value is needed."""
     missing = run.result(BINDINGS).missing
     nets = run.result(TASK_NETS)
     for form in (*run.library.forms, *run.library.tests):
@@ -101,7 +101,7 @@ def unbound_variable(run: Pass) -> Iterator[Diagnostic]:
 
 
 class _Places:
-    """Where the variables of a RAP or rule are bound, by name, and their names."""
+    """The bindings of the variables of a RAP or rule by name, and the names."""
 
     def __init__(self, form: Form, library: Library) -> None:
         functions = library.functions
@@ -114,7 +114,7 @@ class _Places:
         self.names = Suggestions(self.by_name)
 
     def in_one_formula(self, site: Site, missing: Missing) -> bool:
-        """Whether a variable is needed and bound in the same formula."""
+        """Return whether a variable is needed and bound in the same formula."""
         there = site.span, missing.variable.span
         return any(
             all(span.start <= one.start < span.end for one in there)
@@ -122,7 +122,7 @@ class _Places:
         )
 
     def binds(self, missing: Missing) -> bool:
-        """Whether something that the method may see binds a variable."""
+        """Return whether a binding that the method may use binds a variable."""
         there = self.by_name.get(missing.variable.name, ())
         return any(site.method in (None, missing.method) for site in there)
 
@@ -130,10 +130,11 @@ class _Places:
 def _by_cause(
     missing: Iterable[Missing], places: _Places, unsure: bool
 ) -> Iterator[list[Missing]]:
-    """Return what is missing, one cause each, first use first.
+    """Yield the missing variables, one list for each cause, first use first.
 
-    A variable that nothing binds lacks one thing, in however many methods it stands,
-    unless a slip in the form makes it unsure what binds it.
+    A variable without any binding has one cause, even if the variable occurs in several
+    methods. A syntax error in the form makes the bindings uncertain; then each method
+    counts separately.
     """
     causes: dict[tuple[str, int], list[Missing]] = {}
     for one in sorted(missing, key=lambda m: m.variable.span.start):
@@ -144,7 +145,7 @@ def _by_cause(
 
 
 def _by_steps(missing: Missing, places: _Places) -> bool:
-    """Whether steps of the method bind the variable, in whatever order."""
+    """Return whether steps of the method bind the variable, in any order."""
     return any(
         site.step is not None and site.method is missing.method
         for site in places.by_name.get(missing.variable.name, ())
@@ -182,7 +183,7 @@ def _with_fix(
     further: Sequence[Missing],
     places: _Places,
 ) -> Diagnostic:
-    """Return a finding with the fix that writes the variable that may be meant."""
+    """Return a finding with the fix that writes the similar variable."""
     name = first.variable.name
     if name in places.by_name:
         return found
@@ -198,7 +199,7 @@ def _close_name(site: Site) -> str:
 
 
 def _why_not(site: Site, missing: Missing, net: Net | None, places: _Places) -> str:
-    """Return why a place that binds the variable does not help where it is missing."""
+    """Return why a binding of the variable is not available at the use."""
     if site.negated:
         return "bound inside `not` only, which hands out nothing"
     if site.method is not None and missing.method is None:
@@ -209,7 +210,7 @@ def _why_not(site: Site, missing: Missing, net: Net | None, places: _Places) -> 
 
 
 def _out_of_order(site: Site, missing: Missing, net: Net | None) -> str | None:
-    """Return what a step's place in the order has to do with it, if anything."""
+    """Return the explanation by the order of steps, or None."""
     one, other = site.step, missing.step
     if one is None:
         return None
@@ -228,7 +229,7 @@ def _out_of_order(site: Site, missing: Missing, net: Net | None) -> str | None:
 
 
 def _order_in_words(one: int, other: int, net: Net) -> str:
-    """Return why a step has not surely done its work when another begins."""
+    """Return why a step has not surely finished when another step begins."""
     if one in net.by_until:
         return "which may be ended before that"
     if net.is_before(other, one):
@@ -270,7 +271,7 @@ def _advice(
 def _about_site(
     site: Site, missing: Missing, net: Net | None, places: _Places
 ) -> str | None:
-    """Return what to do to a place of the method that binds the variable, if known."""
+    """Return the advice about a place of the method that binds a variable, or None."""
     if site.branch and not site.negated:
         return "bind it in every branch of the `or`"
     if not site.negated and places.in_one_formula(site, missing):
@@ -311,7 +312,7 @@ def _by_signal(site: Site, missing: Missing, net: Net, places: _Places) -> str:
 
 
 def _may_precede(site: Site, missing: Missing, net: Net | None) -> bool:
-    """Whether a step that binds the variable could be put before the one in need."""
+    """Return whether a step that binds the variable could be ordered before the use."""
     one, other = site.step, missing.step
     if one is None or other is None or net is None or one == other:
         return False
@@ -392,7 +393,7 @@ bare `?`, or a name of its own.""",
 
 @check(MISSPELT_VARIABLE, needs_whole="form")
 def misspelt_variable(run: Pass) -> Iterator[Diagnostic]:
-    """Find variables used once whose names are close to another's."""
+    """Find variables used once with a name close to the name of another variable."""
     for owner, named in run.result(INDEX).variables():
         if not isinstance(owner, nodes.DefineRap | nodes.DefineQuery):
             continue
@@ -409,7 +410,7 @@ def misspelt_variable(run: Pass) -> Iterator[Diagnostic]:
 
 
 def _suspects(once: Iterable[str], names: Iterable[str]) -> list[str]:
-    """The names used once that may be a slip for another: one about as long."""
+    """Return the names used once that may be misspelt: a similar length is needed."""
     lengths: dict[int, int] = {}
     for name in names:
         lengths[len(name)] = lengths.get(len(name), 0) + 1
@@ -425,9 +426,10 @@ def _suspects(once: Iterable[str], names: Iterable[str]) -> list[str]:
 
 
 def _is_slip(one: nodes.Var, others: Sequence[VariableAt]) -> bool:
-    """Of two variables used once each, only the later one is taken for the slip.
+    """Return whether a variable is misspelt, and not the other variable.
 
-    A short name is no slip for its plural: `?arm` and `?arms`.
+    If both variables occur once, the later variable counts as misspelt. A short name is
+    not misspelt if the other name is its plural: `?arm` and `?arms`.
     """
     other = others[0][0]
     if len(one.name) < THRESHOLDS.close_variable and other.name == f"{one.name}s":
@@ -473,7 +475,7 @@ else. Mostly another variable was meant; to make sure of a value, compare it in
 
 @check(OUTPUT_IS_INPUT, needs_whole="form")
 def outputs(run: Pass) -> Iterator[Diagnostic]:
-    """Find outputs of steps in variables that have a value already."""
+    """Find outputs of steps in variables that already have a value."""
     for rap in run.library.raps.values():
         inputs = {variable.name: variable for variable in rap.inputs}
         for method in rap.methods:
@@ -526,7 +528,7 @@ nothing is said.)""",
 )
 
 _LOST = {c.word for c in clauses.RAP if c.required and not c.hands_on}
-"""Clauses of which nothing reads the bindings."""
+"""Clauses whose bindings are never used."""
 
 
 @check(UNBINDABLE_OUTPUT, needs_whole="form")
