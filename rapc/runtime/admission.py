@@ -1,7 +1,7 @@
-"""What cannot be run, said before the first cycle rather than found out in a run.
+"""Checks, before the first cycle, that library and world fit.
 
-A world that lacks what a library declares, callables that nobody registered, goals
-that no RAP serves.
+The checks find names that a library declares and the world does not offer, callables
+that are not registered, and goals without a RAP.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ _Offered = (
 )
 
 _EXAMPLES = 3
-"""How many names are given of those that a world lacks."""
+"""The number of example names in the report of a world that does not fit."""
 
 
 def refuse_other_world(program: Program, world: World) -> None:
-    """Refuse a world that lacks most of what a library declares: another is meant.
+    """Refuse a world that lacks most of the names that a library declares.
 
     Raises:
-        RefusedError: with one line for all that is lacking, and the names.
+        RefusedError: with one line for all missing names, and the names.
     """
     library = program.library
     offered = Signatures.offered(world.kit.offer)
@@ -68,7 +68,7 @@ _PLURAL: Mapping[Use, str] = {
 
 
 def _offers(library: Library) -> tuple[tuple[Use, Mapping[str, _Offered]], ...]:
-    """Return what a library declares of the world that it is for, by kind."""
+    """Return the library's declarations about the world, by kind."""
     return (
         ("primitive", library.primitives),
         ("datum", library.data),
@@ -78,7 +78,7 @@ def _offers(library: Library) -> tuple[tuple[Use, Mapping[str, _Offered]], ...]:
 
 
 def refusals(program: Program, world: HeldWorld) -> list[str]:
-    """Return why a library cannot be run in a world at all, one line per reason."""
+    """Return the reasons why a library cannot be run in a world, one line each."""
     library = program.library
     return [
         *_lacking(library, world),
@@ -90,7 +90,7 @@ def refusals(program: Program, world: HeldWorld) -> list[str]:
 
 
 def misfitting(program: Program, world: HeldWorld) -> list[str]:
-    """Return a line for each part of an author's code that takes other arguments."""
+    """Return a line for each callable of an author with a wrong number of arguments."""
     code, own = world.code, innermost(world)
     found = [
         line
@@ -124,7 +124,7 @@ def misfitting(program: Program, world: HeldWorld) -> list[str]:
 
 
 def _lacking(library: Library, world: World) -> Iterator[str]:
-    """Yield what the library declares and the world does not offer, or not so."""
+    """Yield the declarations of the library that the world's offer does not match."""
     offered = Signatures.offered(world.kit.offer)
     for use, declared in _offers(library):
         for form in declared.values():
@@ -154,7 +154,7 @@ def _listed(names: Iterable[str]) -> str:
 def _untellable(
     library: Library, signatures: Signatures, world: World, facts: Iterable[Fact]
 ) -> Iterator[str]:
-    """Yield what the world tells at first that the library does not declare so."""
+    """Yield the first facts of the world that the library does not declare."""
     unknown: dict[str, None] = {}
     told: set[str] = set()
     for fact in facts:
@@ -206,7 +206,7 @@ def _uncompared(library: Library, comparators: Mapping[str, object]) -> Iterator
 
 
 def _unskilled(library: Library, world: World) -> Iterator[str]:
-    """Yield why skills cannot be switched on in a world that offers some."""
+    """Yield the reasons why skills cannot be switched on in a world with skills."""
     if library.skills and not isinstance(world, Skilled):
         yield (
             f"the world `{world.name}` cannot switch skills on and off: it lacks "
@@ -215,10 +215,10 @@ def _unskilled(library: Library, world: World) -> Iterator[str]:
 
 
 def refuse_tasks(library: Program, goals: Iterable[Fact]) -> None:
-    """Refuse goals that no RAP serves, or that reach a step which none serves.
+    """Refuse goals without a RAP, or goals that reach a step without a RAP.
 
     Raises:
-        RefusedError: with one line for each thing found.
+        RefusedError: with one line for each goal without a RAP.
     """
     reasons: list[str] = []
     for goal in goals:
@@ -237,10 +237,10 @@ def refuse_tasks(library: Program, goals: Iterable[Fact]) -> None:
 
 
 def refuse_extension(old: Library, new: Library) -> None:
-    """Refuse a library that is not another one with some RAPs added.
+    """Refuse a library that differs from `old` in more than added RAPs.
 
     Raises:
-        RefusedError: with one line for each thing that differs.
+        RefusedError: with one line for each difference.
     """
     reasons = [
         f"the RAP `{name}` is not the one that runs"
@@ -256,7 +256,7 @@ def refuse_extension(old: Library, new: Library) -> None:
 
 
 def _reached(library: Library, root: nodes.DefineRap) -> Iterator[str]:
-    """Yield the goals that a task of a RAP can reach and no RAP serves, with places."""
+    """Yield the goals without a RAP that a task of a RAP can reach, with places."""
     seen = {root.name}
     stack = [root]
     while stack:

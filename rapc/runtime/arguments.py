@@ -1,4 +1,4 @@
-"""What a host hands to a run, looked at before anything is done with it."""
+"""Validate the arguments that a host passes to a run."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ from rapc.world import Kit, World
 
 
 def need_call(value: object, what: str) -> None:
-    """Raise ArgumentError unless `value`, told of as `what`, can be called."""
+    """Raise ArgumentError unless `value`, named `what`, can be called."""
     if not callable(value):
         raise ArgumentError(f"{what} is {kind(value)}, nothing that can be called")
 
 
 def need_time(value: object, what: str) -> None:
-    """Raise ArgumentError unless `value`, told of as `what`, is a number."""
+    """Raise ArgumentError unless `value`, named `what`, is a number."""
     if type(value) not in (int, float) or value != value:  # nan  # noqa: PLR0124
         raise ArgumentError(f"{what} is {kind(value)}, no time")
 
 
 def need_count(value: object, what: str) -> None:
-    """Raise ArgumentError unless `value`, told of as `what`, is a whole number."""
+    """Raise ArgumentError unless `value`, named `what`, is a whole number."""
     if type(value) is not int:
         raise ArgumentError(f"{what} is {kind(value)}, no whole number")
 
@@ -55,7 +55,7 @@ def need_seed(value: object) -> None:
 
 
 def need_table(value: object, what: str) -> None:
-    """Raise ArgumentError unless `value`, told of as `what`, has values by name."""
+    """Raise ArgumentError unless `value`, named `what`, has values by name."""
     if value is not None and not isinstance(value, Mapping):
         raise ArgumentError(f"{what} is {kind(value)}", "it takes a dict by name")
     for name in value or ():
@@ -64,17 +64,17 @@ def need_table(value: object, what: str) -> None:
 
 
 def need_program(value: object, what: str) -> None:
-    """Raise ArgumentError unless `value`, told of as `what`, can be executed."""
+    """Raise ArgumentError unless `value`, named `what`, can be executed."""
     if not isinstance(value, Program):
         raise ArgumentError(f"{what} is {kind(value)}", "it takes `library.program`")
 
 
 def need_world(value: object) -> None:
-    """Refuse what is no world that was made, or a world without name and `Kit`.
+    """Validate a world: an instance with a name and a `Kit`.
 
     Raises:
-        ArgumentError: for what is no world.
-        WorldError: for a world that lacks a part.
+        ArgumentError: for an object that is no world.
+        WorldError: for a world with a missing part.
     """
     if not isinstance(value, World):
         wanted = "it takes one that was made: `rapc.open_world(name)`"
@@ -86,11 +86,11 @@ def need_world(value: object) -> None:
 
 
 def need_settings(settings: object) -> None:
-    """Look at settings that were made by a program and not read.
+    """Validate settings that a program has made, not the command line.
 
     Raises:
-        ArgumentError: if `settings` are of another type.
-        SettingError: if one of them has a value that it does not take.
+        ArgumentError: if `settings` have another type.
+        SettingError: for a setting with an invalid value.
     """
     if not isinstance(settings, Settings):
         raise ArgumentError(f"`settings` is {kind(settings)}, not `rapc.Settings`")

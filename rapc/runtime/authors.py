@@ -1,6 +1,7 @@
-"""The Python code of a world and a host, and how many arguments it takes.
+"""The Python code of a world and a host, and its numbers of arguments.
 
-The latter is looked at before a run begins; what breaks in a run is for `held_world`.
+The number of arguments is checked before a run begins. Not here: errors of the code in
+a run (`held_world`).
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from rapc.base.names import plural
 from rapc.world import Kit
 
 Named = Mapping[str, Callable[..., object]]
-"""Python code by the name under which a library knows it."""
+"""Python callables by the names that a library uses."""
 
 _GIVEN = {
     "the handler of": ("memory", "request", "result"),
@@ -23,7 +24,7 @@ _GIVEN = {
     "the comparator": ("one", "other"),
     "the default function": ("memory", "index"),
 }
-"""What code is called with, by what it is."""
+"""The arguments of a call, by the kind of callable."""
 
 _VARIADIC = 0x04
 """The flag of a function with `*args`."""
@@ -35,9 +36,9 @@ def code_of_authors(
     solvers: Named | None = None,
     comparators: Named | None = None,
 ) -> dict[str, Named]:
-    """Return all Python code of authors by what messages call it, then by name.
+    """Return all Python code of authors by its kind in messages, then by name.
 
-    The last three are the host's; one of them stands for that of the world which has
+    The last three arguments are the host's code, which replaces code of the world with
     the same name.
     """
     return {
@@ -53,9 +54,9 @@ def wrong_arities(what: str, code: Named, given: int) -> Iterator[str]:
     """Yield a line for each callable that does not take the `given` arguments.
 
     Args:
-        what: says what the callables are: `the solver`.
+        what: the kind of the callables in messages: `the solver`.
         code: the callables by name.
-        given: how many arguments each is called with.
+        given: the number of arguments of each call.
     """
     for name, call in code.items():
         if not callable(call):
@@ -67,9 +68,9 @@ def wrong_arities(what: str, code: Named, given: int) -> Iterator[str]:
 
 
 def takes(call: Callable[..., object], given: int) -> bool:
-    """Whether `call` may be called with the `given` number of arguments.
+    """Return whether `call` may be called with `given` arguments.
 
-    True where Python cannot say, as for some of its own functions.
+    True if Python cannot inspect the callable, as for some built-in functions.
     """
     if isinstance(call, MethodType):
         return takes(call.__func__, given + 1)

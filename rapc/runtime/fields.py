@@ -1,8 +1,8 @@
-"""Tables of fields: what of an object of a run's state is saved, and as what.
+"""Tables of fields: the saved fields of the state classes, with their types.
 
-Each state class has a table `FIELDS` with the type of each field; its slots are made
-from the table, so that a field that is not in it cannot be set. `rapc.runtime.saving`
-walks these tables.
+Each state class has a table `FIELDS` with the type of each field. The slots of the
+class are made from the table: a field outside the table cannot be set.
+`rapc.runtime.saving` traverses these tables.
 """
 
 from __future__ import annotations

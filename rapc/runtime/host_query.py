@@ -1,7 +1,7 @@
-"""Questions of hosts and handlers: a formula made ready once and asked often.
+"""Queries of hosts and handlers: a formula compiled once for many evaluations.
 
-What a task asks is compiled with its RAP; here no task asks, so a question about the
-history of methods has no answer [L 2].
+A task's query is compiled with its RAP. A host's query belongs to no task: a formula
+about the history of methods has no solution [L 2].
 """
 
 from __future__ import annotations
@@ -25,26 +25,27 @@ from rapc.runtime.query_context import QueryContext
 from rapc.runtime.run import Run
 
 Answer = dict[str, Value]
-"""What an answer binds besides what was given; a variable it leaves free is absent."""
+"""The bindings of a solution besides the given ones; a free variable is absent."""
 
 
 class HostQuery:
-    """A formula that can be asked again and again; made by `Interpreter.question`.
+    """A formula compiled for many evaluations; made by `Interpreter.question`.
 
-    Each way to ask takes the values of the variables in `given`, in their order, and
-    is the generated function itself: `first` returns the first answer or None, `all`
-    the list of all answers in the order of [L 2], `holds` whether there is one.
+    Each of the functions takes the values of the variables in `given`, in their order,
+    and is the generated function itself: `first` returns the first solution or None,
+    `all` the list of all solutions in the order of [L 2], `holds` whether there is a
+    solution.
 
     Args:
-        run: the run whose memory is asked.
-        formula: what is asked.
+        run: the run whose memory is queried.
+        formula: the formula.
         given: the variables, with their question marks, that get values.
-        context: what the query asks of the run; without one it leaves no mark there.
+        context: the context of the query; by default one that does not change the run.
 
     Raises:
-        TextError: for a name that the library does not declare, or not with so many
-            arguments; for a variable that the formula does not have, or is given twice;
-            in a question of a host, for a constant of another kind than declared.
+        TextError: for a name that the library does not declare, or not with this
+            number of arguments; for a variable that is not in the formula, or is
+            given twice; in a query of a host, for a constant of a wrong kind.
     """
 
     __slots__ = (
@@ -88,12 +89,12 @@ class HostQuery:
         self.holds: Callable[..., bool] = self._ready(ResultMode.ANY)
 
     def _ready(self, mode: ResultMode) -> Callable[..., Any]:
-        """The function that asks, until items get other names."""
+        """Return the function for a mode, until items get other names."""
         items = self._run.beliefs.items
         renamed: dict[Query, Callable[..., Any]] = {}
 
         def aliased(*values: Value) -> Any:
-            """Ask in the names that stand now."""
+            """Evaluate the query with the current names."""
             known = [items.canonical(v) if isinstance(v, str) else v for v in values]
             query = self._compiled()
             if query not in renamed:
@@ -106,7 +107,7 @@ class HostQuery:
         return variant.bind(self._context, items.aliases, aliased)
 
     def _compiled(self) -> Query:
-        """The query; made anew once items named in it have got other names."""
+        """Return the query, compiled again after a renaming of its items."""
         items = self._run.beliefs.items
         if items.renamings != self._renamings:
             self._renamings = items.renamings
@@ -119,9 +120,9 @@ class HostQuery:
 
 
 class HandlerQuestions:
-    """What the handlers of a run ask of memory; each formula is made ready once.
+    """The queries of a run's handlers; each formula is compiled once.
 
-    What a handler asks is a part of the run: a fault in it is traced, as in a clause.
+    A handler's query is a part of the run: its faults are traced, as in a clause.
     """
 
     def __init__(self, run: Run) -> None:
@@ -133,10 +134,10 @@ class HandlerQuestions:
     def ask(
         self, formula: str | Formula, given: Mapping[str, Atom] | None = None
     ) -> list[Answer]:
-        """Return all answers to `formula`: see `rapc.world.HandlerMemory.ask`.
+        """Return all solutions of `formula`: see `rapc.world.HandlerMemory.ask`.
 
         Raises:
-            TextError: as `HostQuery`, and for a text that is no formula.
+            TextError: as `HostQuery`, and for an invalid formula.
         """
         given = {} if given is None else given
         key = formula, tuple(given)
@@ -149,7 +150,7 @@ class HandlerQuestions:
 
 
 def _with_names(node: Any, name_of: Callable[[Atom], Atom]) -> Any:
-    """A formula in which every constant has the name that stands for it now.
+    """Return a formula with the current name of every constant.
 
     Formulas nest as deep as the reader allows, a hundred levels.
     """
@@ -174,7 +175,7 @@ def _check_names(formula: Formula, signatures: Signatures) -> None:
 
 
 def _check_kinds(formula: Formula, signatures: Signatures) -> None:
-    """Refuse constants that are not of the declared kind: no fact can have them."""
+    """Refuse constants that are not of the declared kind: no fact can match."""
     for part in subformulas(formula):
         if isinstance(part, nodes.Proposition):
             values = [

@@ -1,4 +1,4 @@
-"""What compiled queries see: memory, and the history of the task that asks."""
+"""The context of compiled queries: memory, and the history of the querying task."""
 
 from __future__ import annotations
 
@@ -17,23 +17,25 @@ from rapc.runtime.state.task import Env, Task
 from rapc.world import Time
 
 MOST_EXPLAINED = 2_000
-"""How often the questions that explain a clause may go back in vain, together: some
-hundredths of a second."""
+"""The shared limit of steps back in vain for queries that explain a clause: some
+
+hundredths of a second.
+"""
 
 
 class QueryContext:
-    """What `rapc.compiler.query.query` asks of a run.
+    """The interface of `rapc.compiler.query.query` to a run.
 
-    `task` is set before each query to the task whose clause it is. While `horizon`
-    is a list, the times at which beliefs that held go stale are added to it.
+    `task` is set before each query to the task with the clause. While `horizon` is a
+    list, a query appends the times at which beliefs that held go stale.
 
     Args:
-        memory: what is asked.
-        recorder: is told of faults.
+        memory: the memory to query.
+        recorder: receives events about faults.
         functions: the registered functions, by name.
-        most_steps: how often a question may go back in vain.
-        quiet: whether questions leave no mark on the run: those of a host, and those
-            that ask why something failed. Faults are then only noted.
+        most_steps: the limit of steps back in vain in a query.
+        quiet: whether queries leave the run unchanged: queries of a host, and
+            queries that explain a failure. Faults are then only noted.
     """
 
     def __init__(
@@ -50,13 +52,13 @@ class QueryContext:
         self.view = MemoryView(memory, recorder)
         self.task: Task | None = None
         self.horizon: list[Time] | None = None
-        #: How often a question of the run may go back in vain.
+        #: The limit of steps back in vain in a query of the run.
         self.step_limit = most_steps
         self.most_steps = self.steps_left = most_steps
-        #: How many faults there have been, and what the last one was.
+        #: The number of faults, and the text of the last one.
         self.faults = 0
         self.noted = ""
-        #: The clauses that were given up in a cycle, by name, each with its last one.
+        #: The clauses aborted in a cycle, by name, each with its last cycle.
         self.given_up: dict[str, int] = {}
         self.facts_at = memory.facts_at
         self.accessible_items = memory.items.accessible
@@ -74,7 +76,7 @@ class QueryContext:
             self._recorder.emit(QueryFaulted, task=number, what=f"{where}: {what}")
 
     def give_up(self, where: str) -> None:
-        """Trace or note that a question went back too often in vain [L 2.70]."""
+        """Trace or note that a query exceeded its steps back in vain [L 2.70]."""
         if self.most_steps < self.step_limit:
             most = f"given up after {MOST_EXPLAINED} steps back"
             self.noted = f"{most}: an explanation takes no more"
@@ -83,7 +85,7 @@ class QueryContext:
         self.fault(where, self._told_of_giving_up())
 
     def told_if_given_up(self, where: str) -> str:
-        """Return what is said of a clause that this cycle has given up, or nothing."""
+        """Return the note on a clause that this cycle has aborted, or nothing."""
         given_up = self.given_up.get(where) == self._recorder.cycle
         return self._told_of_giving_up() if given_up else ""
 
@@ -91,28 +93,28 @@ class QueryContext:
         return f"given up after {self.step_limit} steps back: see `rapc.query-steps`"
 
     def unfit(self, where: str, value: object, wanted: str) -> None:
-        """Trace that a value is not what a clause needs: `a number`, say."""
+        """Trace that a value is not of the `wanted` kind, such as `a number`."""
         self.fault(where, f"`{format_atom(value)}` is not {wanted}")
 
     # --- explanations ---------------------------------------------------------------
 
     def begin(self, asker: Task | None) -> None:
-        """Begin an explanation of what a task asked, or a user."""
+        """Begin an explanation of a query by a task, or by a user."""
         self.task = asker
         self.most_steps, self.steps_left = MOST_EXPLAINED, MOST_EXPLAINED
         self._left = MOST_EXPLAINED
         self.next_part()
 
     def next_part(self) -> None:
-        """Go on to the next question of an explanation, with what steps are left."""
+        """Go on to the next query of an explanation, with the remaining steps."""
         self.noted = ""
         self._left -= self.most_steps - self.steps_left
         self.most_steps = self.steps_left = max(min(self._left, self.step_limit), 0)
 
-    # --- what formulas ask ----------------------------------------------------------
+    # --- for formulas -----------------------------------------------------------------
 
     def young(self, stamp: Time, limit: Number) -> bool:
-        """Whether a fact with that stamp is younger than `limit` time units."""
+        """Return whether a fact with that stamp is younger than `limit` time units."""
         stale = stamp + limit
         if self._recorder.time >= stale:
             return False
@@ -121,19 +123,19 @@ class QueryContext:
         return True
 
     def age(self, stamp: Time) -> Number:
-        """Time units since a stamp."""
+        """Return the time units since a stamp."""
         return number(self._recorder.time - stamp)
 
     def is_here(self, fact: Fact | None, place: object) -> bool:
-        """Whether `place` is `external` and a location fact says it of an item."""
+        """Return whether `place` is `external` and a fact puts an item there."""
         return place == EXTERNAL and self._memory.is_here(fact)
 
     def method_tried(self, name: object) -> bool:
-        """Whether the task has tried a method of that name."""
+        """Return whether the task has tried a method of that name."""
         return self.task is not None and self.task.has_tried(name)
 
     def last_result(self, method: object = None) -> str | None:
-        """The result of the last method, or of the last one so named, or None."""
+        """Return the result of the last method, or of the last named `method`."""
         if self.task is None:
             return None
         if method is None:
@@ -146,7 +148,7 @@ class QueryContext:
 
 
 def time_of(context: QueryContext, term: TermValue, env: Env) -> Number | None:
-    """A term as a time; None, with a fault traced, if it is unbound or no number."""
+    """Return a term as a time; None, with a fault traced, if unbound or no number."""
     value = term.needed(context, env)
     if value is None or isinstance(value, int | float):
         return value

@@ -1,8 +1,8 @@
-"""A run: its state and the parts that act on it, wired to each other.
+"""A run: its state and the connected parts that act on the state.
 
-Nothing is decided here: the verbs in `tasks` and `monitors` act on a run. What a host
-may do to one, and its loop, are in `rapc.runtime.interpreter`. How far the run has come
-stands apart, in `RunState`, so that it can be saved, put back and copied.
+A run makes no decisions: the functions in `tasks` and `monitors` act on it. Not here:
+the loop and the interface for a host (`rapc.runtime.interpreter`). The progress of a
+run is separate, in `RunState`, so that it can be saved, restored and copied.
 """
 
 from __future__ import annotations
@@ -27,17 +27,17 @@ from rapc.runtime.state.things import Things
 from rapc.world import ResultHandler, Time
 
 ContextListener = Callable[[str, str, bool], None]
-"""Told of a RAP's method whose context was asked, and whether it held."""
+"""A listener to evaluated contexts: the RAP, its method, and the result."""
 
 
 class Run:
     """One run of a library in a world.
 
     Args:
-        library: the compiled library; `extend` puts another in its place.
-        port: the world, held to what it declares, with the code of its authors.
-        seed: the interpreter's random stream is made from it.
-        settings: those of the interpreter.
+        library: the compiled library; `extend` replaces it.
+        port: the world with checks of its declarations, and the code of its authors.
+        seed: the seed of the interpreter's random stream.
+        settings: the settings of the interpreter.
     """
 
     def __init__(
@@ -49,11 +49,11 @@ class Run:
         self.settings = settings
         self.solvers = port.code["the solver of"]
         self.rng = random.Random(f"{seed}:interpreter")
-        self.state = RunState()  # `restore` puts another in its place
+        self.state = RunState()  # `restore` replaces it
         self.recorder = Recorder()
         self.recorder.time = number(port.now())
         comparators: Mapping[str, Callable[..., Any]] = port.code["the comparator"]
-        #: Memory as handlers change it; the two below are parts of it.
+        #: The memory for handlers; the two fields below are parts of it.
         self.access = Gate(
             library.library,
             library.signatures,
@@ -65,43 +65,43 @@ class Run:
         functions = port.code["the function"]
         asked = self.beliefs, self.recorder, functions, settings.query_steps
         self.context = QueryContext(*asked)
-        #: Asks what kept a task from going on, without leaving a mark on the run.
+        #: Evaluates explanations of failures, without changing the run.
         self.noting = QueryContext(*asked, quiet=True)
-        #: The tasks that may run now.
+        #: The eligible tasks.
         self.eligible = Agenda(self.rng)
         self.things = Things()
-        self.held, self.waits = self.things.held, self.things.waits  # parts of them
+        self.held, self.waits = self.things.held, self.things.waits  # parts of `things`
         self.monitors = Monitors(
             self.context, self.recorder, self.eligible, self.things
         )
         self.access.observe(self.monitors.listeners)
-        #: What the host wants done at a time: a heap by time, then by order.
+        #: The host's actions at times: a heap by time, then by order.
         self.host_timers: list[tuple[Time, int, Callable[[], None]]] = []
-        #: What the host wants done when the run is over, and each time that it waits.
+        #: The host's actions at the end of the run, and at each wait.
         self.at_end: list[Callable[[], None]] = []
         self.when_waiting: list[Callable[[], None]] = []
-        #: Whether the loop is turning, and whether it broke off in the midst of that.
+        #: Whether the loop is running, and whether it was aborted by an error.
         self.turning = self.broken = False
-        #: Told of each context that is asked, for coverage.
+        #: Receives each evaluated context, for coverage.
         self.context_asked: ContextListener | None = None
-        #: Whether any RAP can come up among its own subtasks: a solver may bring it
-        #: in. Without solvers only those whose plans are `recursive` can.
+        #: Whether any RAP can recur below itself: a solver may add the recursion.
+        #: Without solvers only RAPs with `recursive` plans can.
         self.all_may_recur = bool(self.solvers)
         self.handlers = port.kit.handlers
         self.result_handlers: dict[Atom, ResultHandler] = {}
         self.result_handlers.update(self.handlers.results)
 
     def sync_clock(self) -> None:
-        """Take the time from the world; for the run it stops at `until`."""
+        """Take the time from the world; the clock of the run stops at `until`."""
         now = self.port.clock()
         if now != self.recorder.time or self.state.until is not None:
             self.set_clock(now)
 
     def set_clock(self, now: Time) -> bool:
-        """Set the run's clock to `now`, capped at `until`; return if it was capped.
+        """Set the run's clock to `now`, capped at `until`; return whether capped.
 
         Raises:
-            PortError: for what is no time, or before the time it was.
+            PortError: for an invalid time, or a time before the present time.
         """
         before, until = self.recorder.time, self.state.until
         now = self.port.time(now, before)
@@ -111,17 +111,17 @@ class Run:
         return self.state.past_until
 
     def waited_in_vain(self) -> bool:
-        """Whether the run has waited as often in a row as it may without a cycle."""
+        """Return whether the run has reached the limit of waits without a cycle."""
         return self.state.waits >= self.settings.idle_waits
 
     def run_host_timers(self) -> None:
-        """Do what the host wants done by now, in the order of its times."""
+        """Call the host's actions that are due, in the order of their times."""
         due = self.host_timers
         while due and due[0][0] <= self.recorder.time:
             heapq.heappop(due)[2]()
 
     def recount_identities(self) -> None:
-        """Count anew which identities are at work: items have got other names."""
+        """Count the active identities again after a renaming of items."""
         at_work = [task for task in self.state.live_tasks() if task.run is not None]
         counted = [
             task for task in at_work if task.plan.recursive or self.all_may_recur

@@ -1,4 +1,4 @@
-"""Settings of the interpreter, and how they are read from text."""
+"""Settings of the interpreter, and their parser."""
 
 from __future__ import annotations
 
@@ -21,28 +21,28 @@ class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     #: How often one choice is allowed [T 3.2.5].
     futile_limit: _Count = 2
-    #: The last different choices of a task of which that counts.
+    #: The number of last different choices of a task that count for `futile-limit`.
     max_choices: _Count = 1000
-    #: The cycles without the clock moving after which a run is called off.
+    #: The cycles without a move of the clock after which a run is aborted.
     idle_cycles: _Count = 100_000
     #: The waits in a row without a cycle after which a run is over [L 4.48].
     idle_waits: _Count = 100_000
     #: The time units that a cycle takes [T 7.2.1].
     cycle_cost: _Cost = 0
-    #: How often a question may go back in vain before it is given up [L 2.70].
+    #: The steps back in vain after which a query is aborted [L 2.70].
     query_steps: _Count = 1_000_000
     #: How many layers an expectation set keeps (docs/memory.md).
     max_layers: _Count = 8
-    #: How long a run waits for a world that cannot say when it will send something.
+    #: The time to wait for a world that cannot state its next time.
     patience: _Cost = 3600
-    #: Whether handlers are held to what the library declares of them.
+    #: Whether handlers are checked against their declarations.
     strict: bool = False
 
     def named(self, names: Iterable[str] | None = None) -> dict[str, Plain]:
         """Return the values by the names of the command line (`futile-limit`).
 
         Args:
-            names: of those that are wanted; all if None.
+            names: the names to return; all if None.
         """
         fields = {name.replace("_", "-"): name for name in self.__struct_fields__}
         wanted = fields if names is None else names
@@ -54,7 +54,7 @@ _TAKES = {
     "patience": "0 or more",
     "strict": "true or false",
 }
-"""What settings take that are no whole numbers from 1."""
+"""The parsers of settings that are no whole numbers from 1."""
 
 
 def read_settings(values: Mapping[str, Plain]) -> Settings:

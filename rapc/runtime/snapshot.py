@@ -21,13 +21,13 @@ from rapc.world import OKAY, Time
 
 
 class AgendaEntry(msgspec.Struct, frozen=True):
-    """A live task as it stands.
+    """A snapshot of a live task.
 
     `state` is `waiting` (for order, time or a signal), `eligible`, `blocked` (by its
     monitors or a thing) or `running` (its method is under way). `deadline` is the
-    nearest of its own and its ancestors', None without any; `slack` the time units left
-    until the latest start that could meet it, negative once that has passed.
-    `waits_for` says in words what keeps the task from going on; empty if nothing does.
+    nearest deadline of the task and its ancestors, or None; `slack` the time units left
+    until the latest start that could meet the deadline, negative afterwards.
+    `waits_for` is the wait of the task as text; empty if the task can go on.
     """
 
     task: int
@@ -43,7 +43,7 @@ class AgendaEntry(msgspec.Struct, frozen=True):
 
 
 def agenda(machine: Run) -> tuple[AgendaEntry, ...]:
-    """All live tasks by number; a value that the run leaves alone."""
+    """Return all live tasks by number, as values independent of the run."""
     return tuple(_entry(machine, task) for task in machine.state.live_tasks())
 
 
@@ -84,7 +84,7 @@ def _obstacle(machine: Run, task: Task) -> str:
 
 
 def results(given: Iterable[TopLevelTask]) -> tuple[TaskResult, ...]:
-    """Return what has become of each top-level task, in order of arrival."""
+    """Return the result of each top-level task, in order of arrival."""
     return tuple([_result(one) for one in given])
 
 
@@ -105,14 +105,14 @@ def _result(given: TopLevelTask) -> TaskResult:
 
 
 def goals(machine: Run) -> dict[int, Goal]:
-    """The goals of all live tasks by number, with the inputs that are known."""
+    """Return the goals of all live tasks by number, with the known inputs."""
     return {task.number: task.goal() for task in machine.state.live_tasks()}
 
 
 def waiting(machine: Run) -> tuple[str, ...]:
-    """Each task that is not done, and what it waits for, for a person to read.
+    """Return a line for people on each task under way and its wait.
 
-    Tasks that wait for their own steps, or for steps before them, are left out.
+    The lines leave out tasks that wait for their own steps, or for steps before them.
     """
     return tuple(
         f"{task.goal()} [{task.number}] {_awaited(machine, task)}"
@@ -128,7 +128,7 @@ def _is_told(machine: Run, task: Task) -> bool:
 
 
 def _under_way(machine: Run, run: MethodRun) -> str | None:
-    """Return the request, or the signals, by which a method will end, if there are."""
+    """Return the request, or the signals, that will end a method, if any."""
     ticket = run.ticket
     if ticket is None:
         return None
@@ -151,20 +151,20 @@ def _things_in_the_way(machine: Run, wait: ThingWait) -> str:
 
 
 def deadlocks_in_words(machine: Run) -> tuple[str, ...]:
-    """Return a line for each deadlock: circle of tasks that wait for each other."""
+    """Return a line for each deadlock: a circle of tasks that wait for each other."""
     found = deadlocks(machine.things)
     return tuple(f"deadlock: {'; '.join(in_words(one))}" for one in found)
 
 
 _FEW = 10
-"""Below this a count says nothing of why a run does not end."""
+"""The lowest count that explains an endless run."""
 
 
 def looping(machine: Run) -> str:
-    """Return what has kept a run going without the clock moving, as far as is seen.
+    """Return the reason why a run goes on without the clock moving, if known.
 
-    A task that chooses again and again, tasks of one RAP that stand below each other
-    without end, or else the family whose tasks try and fail.
+    The reason is a task that chooses again and again, nested tasks of one RAP without
+    end, or else the family whose tasks try and fail.
     """
     tasks = machine.state.live_tasks()
     chosen = [(task.choices, -task.number, task) for task in tasks]

@@ -1,10 +1,11 @@
-"""Handlers held to what the library declares of them: the setting `rapc.strict`.
+"""Checks of handlers against their declared effects: the setting `rapc.strict`.
 
-`:on` says what the handler of a result, or of a datum, changes [L 1]. Here a handler is
-given a memory that notes what it does. After it has run, what is declared must hold,
-and what it did must be declared; else the run ends, for planner and checker believe
-the declarations. What memory makes of the changes when the batch ends (merging,
-counting, expiry) needs no word, nor does what an exclusion takes away.
+`:on` declares the changes of memory by the handler of a result, or of a datum [L 1]. In
+strict mode a handler gets a memory that records its changes. After the handler has run,
+its declared effects must hold, and its changes must be declared. Otherwise the run
+ends, because planner and checker rely on the declarations. The changes that memory
+makes at the end of the batch (merging, counting, expiry) need no declaration, nor do
+removals by an exclusion.
 """
 
 from __future__ import annotations
@@ -26,45 +27,45 @@ from rapc.runtime.run import Run
 from rapc.world import DatumHandler, Handlers, ResultHandler, Time
 
 Question = Callable[[nodes.Formula, Sequence[str]], Callable[..., bool]]
-"""Makes a formula with given variables ready to be asked whether it holds."""
+"""A function that compiles a formula with given variables into a test."""
 
 
 class _Change(msgspec.Struct, frozen=True):
-    """A fact that a handler has asserted or erased, and where its author does so."""
+    """A fact that a handler has asserted or erased, with the line of the handler."""
 
     fact: Fact
     place: str
 
 
 class NotingMemory:
-    """The memory that a handler is given when it is held: it notes what is changed.
+    """The memory of a handler in strict mode, which records the handler's changes.
 
-    It does all that `rapc.world.HandlerMemory` says, through the gate behind it.
+    It implements `rapc.world.HandlerMemory` through a gate.
     """
 
     def __init__(self, run: Run) -> None:
         self._gate: Gate = run.access
         self._memory = run.beliefs
-        #: What was asserted, and what was erased that had been there, in order.
+        #: The asserted facts, and the erased facts that memory contained, in order.
         self.made: list[_Change] = []
         self.taken: list[_Change] = []
 
     def __getattr__(self, name: str) -> Any:
-        """Return what only asks memory as the gate has it."""
+        """Return the gate's attribute, for methods that only read memory."""
         return getattr(self._gate, name)
 
     @property
     def now(self) -> Time:
-        """The time of the clock."""
+        """Return the time of the clock."""
         return self._gate.now
 
     def assert_fact(self, *fact: Atom) -> None:
-        """Assert a fact now, and note it."""
+        """Assert a fact now, and record the change."""
         self._gate.assert_fact(*fact)
         self._note(self._memory.checked(fact))
 
     def erase(self, *prefix: Atom) -> None:
-        """Erase every fact that starts so, and note each."""
+        """Erase every fact that starts with `prefix`, and record each."""
         place = _place_of_caller()
         known = self._memory.signatures.relations
         there = []
@@ -74,19 +75,19 @@ class NotingMemory:
         self.taken += [_Change(fact, place) for fact in there]
 
     def introduce(self, sensor_name: str, kind: str, place: Atom) -> str:
-        """Introduce an item, and note its class and place."""
+        """Introduce an item, and record its class and place."""
         name = self._gate.introduce(sensor_name, kind, place)
         self._note(("class", name, kind, "true"))
         self._note_place(name)
         return name
 
     def move(self, item: str, place: Atom) -> None:
-        """Move an item, and note its place."""
+        """Move an item, and record its place."""
         self._gate.move(item, place)
         self._note_place(item)
 
     def lose(self, item: str) -> None:
-        """Lose an item, and note its place."""
+        """Lose an item, and record its place."""
         self._gate.lose(item)
         self._note_place(item)
 
@@ -107,14 +108,14 @@ def _place_of_caller(depth: int = 1) -> str:
 
 
 class _Told(msgspec.Struct, frozen=True):
-    """What a library says of a primitive or a datum: all that a handler is held to."""
+    """The declaration of a primitive or a datum, for the checks of its handlers."""
 
     form: nodes.DeclarePrimitive | nodes.DeclareDatum
-    #: Names the handler: `the handler of `look``.
+    #: The name of the handler in messages: `the handler of `look``.
     whose: str
 
     def effects(self, result: str) -> Sequence[nodes.DeclaredEffect] | None:
-        """Return what is said to change with `result`; None: nothing is said."""
+        """Return the declared effects of `result`; None without a declaration."""
         if isinstance(self.form, nodes.DeclareDatum):
             return self.form.on
         told = {one.result: one.effects for one in self.form.on}
@@ -122,11 +123,11 @@ class _Told(msgspec.Struct, frozen=True):
 
 
 class _Held:
-    """Holds the handlers of one run.
+    """The checks of the handlers of one run.
 
     Args:
-        run: the run, whose handlers are looked at.
-        question: makes what is declared ready to be asked.
+        run: the run with the handlers.
+        question: compiles declared effects into tests.
     """
 
     def __init__(self, run: Run, question: Question) -> None:
@@ -142,10 +143,10 @@ class _Held:
         request: Fact,
         result: str,
     ) -> str | None:
-        """Run the handler of a result, then see that it kept to what is told of it.
+        """Run the handler of a result, then check its changes and effects.
 
         Raises:
-            PortError: if not, or for another result that is not declared.
+            PortError: for a violation, or for an undeclared result of the handler.
         """
         noting = NotingMemory(self._run)
         other = None
@@ -157,10 +158,10 @@ class _Held:
         return other
 
     def datum(self, told: _Told, handler: DatumHandler, _: object, datum: Fact) -> None:
-        """Run the handler of a datum, then see that it kept to what is told of it.
+        """Run the handler of a datum, then check its changes and effects.
 
         Raises:
-            PortError: if not.
+            PortError: for a violation.
         """
         noting = NotingMemory(self._run)
         handler(noting, datum)
@@ -169,9 +170,10 @@ class _Held:
     def _hold(
         self, told: _Told, handler: object, noting: NotingMemory, of: Fact, result: str
     ) -> None:
-        """See that a handler did nothing else, and that what is told of it holds.
+        """Check that a handler made only declared changes, with all declared effects.
 
-        What is told of a result holds once the data that come with it are handled.
+        The effects of a result must hold after the data of the result have been
+        handled.
         """
         effects = told.effects(result)
         if effects is None:
@@ -194,7 +196,7 @@ class _Held:
             look()
 
     def _breach(self, told: _Told, said: str) -> PortError:
-        """Return what to raise for a handler that does not do what is told of it."""
+        """Return the error for a handler that violates its declaration."""
         source = self._run.library.library.files.get(told.form.span.file)
         declared = "its declaration"
         if source is not None:
@@ -208,7 +210,7 @@ class _Held:
         noting: NotingMemory,
         patterns: Sequence[tuple[nodes.DeclaredEffect, Fact]],
     ) -> Iterator[tuple[str, str]]:
-        """Yield what a handler did that is not told of it, and where it did that."""
+        """Yield a handler's undeclared changes, each with the place in the handler."""
         relations = self._run.beliefs.signatures.relations
         now_called = self._run.beliefs.canonical
         for change in noting.made:
@@ -231,7 +233,7 @@ class _Held:
         patterns: Sequence[tuple[nodes.DeclaredEffect, Fact]],
         given: Mapping[str, Atom],
     ) -> Iterator[str]:
-        """Yield what is told of a handler and has not come about."""
+        """Yield the declared effects of a handler that do not hold."""
         for effect, pattern in patterns:
             if effect.possible:
                 continue
@@ -243,12 +245,12 @@ class _Held:
                 yield f"has not made {format_list(pattern)} hold, as `:on` says"
 
     def _named(self, value: Atom) -> Atom:
-        """Return the memory name for a sensor name that the handler may have given."""
+        """Return the memory name for a sensor name from the handler's arguments."""
         name_of = self._run.beliefs.items.name_of
         return name_of(value) if isinstance(value, str) else value
 
     def _filled(self, effect: nodes.DeclaredEffect, given: Mapping[str, Atom]) -> Fact:
-        """Return the pattern of an effect with the values of the arguments put in."""
+        """Return the pattern of an effect with the values of the arguments."""
         pattern = effect.pattern
         signature = self._run.beliefs.signatures.relations[pattern.name]
         parts: list[Atom] = [pattern.name]
@@ -269,7 +271,7 @@ class _Held:
         )
 
     def _holds(self, effect: nodes.DeclaredEffect, given: Mapping[str, Atom]) -> bool:
-        """Whether the fact of an effect holds, as a clause would ask it."""
+        """Return whether the fact of an effect holds, evaluated like a clause."""
         formula = effect.pattern
         used = {arg.name for arg in formula.args if isinstance(arg, nodes.Var)}
         names = [name for name in given if name in used]
@@ -283,7 +285,7 @@ class _Held:
 def _takes(
     effect: nodes.DeclaredEffect, pattern: Fact, fact: Fact, is_property: bool
 ) -> bool:
-    """Whether an effect says that `fact` may go, as a property's old value may."""
+    """Return whether an effect allows to remove `fact`, perhaps as an old value."""
     if (effect.negated or effect.possible) and match_pattern(pattern, fact) is not None:
         return True
     replaced = is_property and not effect.negated
@@ -291,9 +293,9 @@ def _takes(
 
 
 def hold_handlers(run: Run, question: Question) -> None:
-    """Have the handlers of a run held to what its library declares, from now on.
+    """Check the handlers of a run against their declarations, from now on.
 
-    `question` makes the formulas of declared effects ready to be asked.
+    `question` compiles the formulas of declared effects into tests.
     """
     held, handlers = _Held(run, question), run.handlers
     library = run.library.library

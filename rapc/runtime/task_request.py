@@ -1,6 +1,6 @@
-"""Top-level tasks: what a host, or a user on the command line, asks the robot to do.
+"""Top-level tasks, as a host or a user on the command line submits them.
 
-They come as text, or stand in an agenda of the library (`define-agenda`).
+A task request is text, or a part of an agenda of the library (`define-agenda`).
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from rapc.world import Time
 
 
 class TaskRequest(msgspec.Struct, frozen=True):
-    """A top-level task: a goal `(rap args...)` and how it is to be run.
+    """A top-level task: a goal `(rap args...)` with options of its execution.
 
-    `deadline` and `at` are absolute times; a task that stands in the `background`
-    does not keep the run going.
+    `deadline` and `at` are absolute times; a task in the `background` does not keep the
+    run going.
     """
 
     goal: Fact
@@ -34,10 +34,10 @@ class TaskRequest(msgspec.Struct, frozen=True):
 
 
 def read_task_request(text: str) -> TaskRequest:
-    """A task from text: `(rap args) :priority 4 :deadline 290 :at 120`.
+    """Return a task from text: `(rap args) :priority 4 :deadline 290 :at 120`.
 
     Raises:
-        TextError: a ValueError with one line that says what is wrong.
+        TextError: a ValueError with one line that describes the error.
     """
     goal, options = parse_goal_options(text)
     args = [arg.value for arg in goal.args if isinstance(arg, Const)]
@@ -59,7 +59,7 @@ def read_task_request(text: str) -> TaskRequest:
 
 
 def of_node(task: nodes.GivenTask) -> TaskRequest:
-    """Return the request that a line of an agenda or of a test stands for."""
+    """Return the request of a line in an agenda or in a test."""
     args = [arg.value for arg in task.goal.args if isinstance(arg, Const)]
     return TaskRequest(
         goal=(task.goal.name, *args),
@@ -84,7 +84,7 @@ def of_agenda(library: Library, name: str) -> tuple[TaskRequest, ...]:
 
 
 def as_text(request: TaskRequest) -> str:
-    """Return the text from which `read_task_request` makes `request` again."""
+    """Return the text from which `read_task_request` makes the same request."""
     words = [format_list(request.goal)]
     if request.priority:
         words.append(f":priority {request.priority}")

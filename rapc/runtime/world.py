@@ -1,4 +1,4 @@
-"""The module that `rapc.world` was in earlier versions: who imports from it is told."""
+"""The earlier name of the module `rapc.world`; an import explains the new name."""
 
 from __future__ import annotations
 
