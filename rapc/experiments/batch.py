@@ -26,18 +26,18 @@ class WorkersLost(Error):
 
 
 class Workers(Protocol):
-    """Processes that do runs. Any method may raise WorkersLost."""
+    """Processes that execute runs. Any method may raise WorkersLost."""
 
     @property
     def room(self) -> int:
-        """Return how many jobs are worth having under way at a time."""
+        """Return the useful number of concurrent jobs."""
 
     @property
     def chunk(self) -> int:
-        """Return how many runs a job should have at most."""
+        """Return the highest useful number of runs of a job."""
 
     def submit(self, job: Job) -> Future[tuple[Result, ...]]:
-        """Start `job`. The future's `TimeoutError` means that it took too long."""
+        """Start `job`. The future's `TimeoutError` means an exceeded time limit."""
 
 
 class BatchResult(msgspec.Struct, frozen=True):
@@ -69,12 +69,12 @@ def jobs(
 
 
 def run_batch(workers: Workers, work: Iterable[Job]) -> Iterator[BatchResult]:
-    """Do jobs and yield their results in the order in which they come in.
+    """Run jobs and yield their results in the order of arrival.
 
     Each run of each job is in exactly one result, with its measures or a fault.
 
     Raises:
-        WorkersLost: if there are no workers any more.
+        WorkersLost: if no workers are left.
     """
     waiting = iter(work)
     again: deque[_Dispatch] = deque()
@@ -114,7 +114,7 @@ def _take(
 ) -> Iterator[BatchResult]:
     """Yield the results of `future`; put runs that were lost back into `again`.
 
-    Runs that were lost too often, or took too long, get a fault for a result.
+    Runs that were lost too often, or took too long, get a fault as their result.
     """
     config, seeds = given.job.config, given.job.seeds
     error = CancelledError() if future.cancelled() else future.exception()

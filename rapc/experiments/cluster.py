@@ -1,4 +1,4 @@
-"""Workers of a Dask cluster that runs already, through its futures."""
+"""Workers of a running Dask cluster, through its futures."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ class ClusterWorkers:
     """The workers of a scheduler; to be used with `with`.
 
     Args:
-        address: the scheduler's, as `tcp://host:8786`.
-        runs: how many are to be done in all.
+        address: the scheduler's address, as `tcp://host:8786`.
+        runs: the number of all runs.
 
     Raises:
-        WorkersLost: if nobody answers there.
+        WorkersLost: if no scheduler answers at the address.
     """
 
     def __init__(self, address: str, runs: int) -> None:
@@ -65,7 +65,7 @@ class ClusterWorkers:
 
     @property
     def threads(self) -> int:
-        """Return how many threads the workers have now: workers may come and go."""
+        """Return the present number of threads: workers may come and go."""
         try:
             return sum(self._client.nthreads().values())
         except OSError as error:
@@ -73,16 +73,16 @@ class ClusterWorkers:
 
     @property
     def room(self) -> int:
-        """A few jobs for each thread."""
+        """Return a few jobs for each thread."""
         return 4 * max(1, self.threads)
 
     @property
     def chunk(self) -> int:
-        """Few runs if there are few, so that all workers have some."""
+        """Return a small number for few runs, so that all workers have runs."""
         return max(1, min(_RUNS, self._runs // self.room))
 
     def submit(self, job: Job) -> Future[tuple[Result, ...]]:
-        """Have a job done by a worker that the scheduler chooses."""
+        """Start a job on a worker that the scheduler chooses."""
         future: Future[tuple[Result, ...]] = self._executor.submit(run_job, job)
         return future
 
@@ -91,11 +91,11 @@ class ClusterWorkers:
 
 
 def _knock(host: str, port: int, *, speaks: bool) -> None:
-    """See that a scheduler is there, which speaks first where nothing is encrypted.
+    """Validate that a scheduler answers, which speaks first without encryption.
 
-    It begins with the length of what follows. A client that cannot connect is noisy
-    about it; one that has got hold of another server would wait for ever, or take the
-    first words of a mail server for a length. Raises OSError.
+    The scheduler begins with the length of its message. A Dask client that cannot
+    connect prints many messages; a client of a different kind of server would wait for
+    ever, or read the greeting of a mail server as a length. Raises OSError.
     """
     with socket.create_connection((host, port), timeout=_PATIENCE) as line:
         if not speaks:

@@ -1,8 +1,8 @@
-"""What an experiment is, as its file says: library, world, tasks, what varies, seeds.
+"""Definition of an experiment: library, world, tasks, varied setting, seeds.
 
-An experiment is read from TOML: one that comes with rapc, or a file of the user's. Here
-it is found out whether the file has the right form and does not contradict itself;
-whether what it names exists, by `points`, which has the library and the world.
+An experiment is read from TOML: a file that comes with rapc, or a file of the user.
+This module validates the form and the consistency of the file. `points`, which has the
+library and the world, validates the names.
 """
 
 from __future__ import annotations
@@ -32,44 +32,44 @@ _Settings = Mapping[str, Mapping[str, Value]]
 
 
 class ExperimentError(Error):
-    """An experiment that cannot be run as it is written down."""
+    """An experiment with an invalid definition."""
 
 
 class Reference(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """Figures from elsewhere, to stand beside ours."""
+    """Figures from elsewhere, for comparison with the measured figures."""
 
-    #: Says in a word whose they are.
+    #: The source of the figures, in a word.
     title: str
     #: For each measure, by its name, as many numbers as `at` has values.
     figures: Mapping[str, tuple[int | float, ...]]
-    #: Values of what the part varies.
+    #: Values of the varied setting.
     at: tuple[Value, ...] = ()
-    #: For a measure what is said in words: a value of `vary`, from how much, to what.
+    #: Verbal ranges of a measure: a value of `vary`, the low and the high end.
     bounds: Mapping[str, tuple[tuple[Value, float, float], ...]] = {}
-    #: Whether nothing can go below them: a line in plots, and compared with nothing.
+    #: Whether the figures are a lower bound: a line in plots, without comparison.
     least: bool = False
 
 
 class PlotMark(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """A value on the axis of what varies that is worth a mark, and why."""
+    """A marked value on the axis of the varied setting, with its reason."""
 
     at: int | float
     label: str
 
 
 class Series(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """One series of points: one option or setting varied, or a single point."""
+    """One series of points: one varied option or setting, or a single point."""
 
     name: _Name
     title: str = ""
-    #: A library, an agenda or tasks in place of those of the experiment.
+    #: A library, an agenda or tasks that replace those of the experiment.
     library: Annotated[str, Meta(min_length=1)] | None = None
     agenda: str | None = None
     tasks: tuple[str, ...] | None = None
-    #: The `world.option` or `rapc.setting` that varies, and its values.
+    #: The varied `world.option` or `rapc.setting`, and its values.
     vary: str | None = None
     values: tuple[Value, ...] = ()
-    #: What is set besides what is set for all.
+    #: Options and settings of this part, in addition to those of the experiment.
     set: _Settings = {}
     #: Names of parts that are drawn into the same plot.
     beside: tuple[str, ...] = ()
@@ -83,47 +83,48 @@ class Experiment(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """A whole experiment."""
 
     name: str
-    #: A path, seen from the file of the experiment.
+    #: A path, relative to the file of the experiment.
     library: Annotated[str, Meta(min_length=1)]
     world: str
     #: The time at which a run is stopped.
     until: _Time
     part: Annotated[tuple[Series, ...], Meta(min_length=1)]
     title: str = ""
-    #: An agenda of the library, and tasks as for `rapc run --task`, given after its.
+    #: An agenda of the library, and tasks as for `rapc run --task`, added after its
+    #: tasks.
     agenda: str | None = None
     tasks: tuple[str, ...] = ()
-    #: What each seed draws, by the name that stands in braces for it.
+    #: The values that each seed draws, by their name in braces.
     draw: Mapping[_Name, Draw] = {}
     seeds: Annotated[int, Meta(ge=1, le=MOST_SEEDS)] = 30
-    #: The seed of the first run of each point; the others follow it.
+    #: The seed of the first run of each point; the other seeds follow.
     first_seed: Annotated[int, Meta(ge=0, le=10**9)] = msgspec.field(
         name="first-seed", default=0
     )
-    #: How many seconds a run may take.
+    #: The time limit of a run, in seconds.
     time_limit: _Time = msgspec.field(name="time-limit", default=120)
     #: RAPs whose tasks are counted; none: all tasks that are not in the background.
     counted: tuple[str, ...] = ()
-    #: RAPs and primitives whose successes are counted, by what they are called.
+    #: RAPs and primitives whose successes are counted, by the name of the measure.
     count: Mapping[_Name, str] = {}
-    #: Which of the world's figures about the truth are shown.
+    #: The ground-truth figures of the world in the tables.
     figures: tuple[str, ...] = ()
     set: _Settings = {}
 
     def given(self, part: Series) -> tuple[str | None, tuple[str, ...]]:
         """Return the agenda and the tasks of `part`: its own, or the experiment's.
 
-        A part that has either of its own has none of the experiment's.
+        A part with its own agenda or tasks has neither from the experiment.
         """
         if part.agenda is not None or part.tasks is not None:
             return part.agenda, part.tasks or ()
         return self.agenda, self.tasks
 
     def part_named(self, name: str) -> Series:
-        """Return the part that is called `name`.
+        """Return the part with the name `name`.
 
         Raises:
-            ExperimentError: if there is none.
+            ExperimentError: if the part is unknown.
         """
         named = {part.name: part for part in self.part}
         if name not in named:
@@ -138,16 +139,16 @@ class Experiment(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 def shipped() -> Mapping[str, Path]:
-    """The experiments that come with rapc, by name."""
+    """Return the experiments that come with rapc, by name."""
     files = sorted(Path(__file__).parent.glob(f"*{SUFFIX}"))
     return {file.name.removesuffix(SUFFIX): file for file in files}
 
 
 def experiment_file(name: str) -> Path:
-    """The file of an experiment: one that comes with rapc, or a path that ends so.
+    """Return the file of an experiment: shipped with rapc, or a path to a TOML file.
 
     Raises:
-        ExperimentError: if there is no such experiment.
+        ExperimentError: if the experiment does not exist.
     """
     if name.endswith(SUFFIX):
         return Path(name)
@@ -164,7 +165,7 @@ def read_experiment(file: Path) -> Experiment:
     """Read and decode a file.
 
     Raises:
-        ExperimentError: for a file that cannot be read or is no experiment.
+        ExperimentError: for a file that cannot be read or is not an experiment.
     """
     try:
         text = read_text(file)
@@ -177,11 +178,11 @@ def read_experiment(file: Path) -> Experiment:
 
 
 def decode_experiment(text: str, name: str) -> Experiment:
-    """An experiment from TOML text.
+    """Return an experiment from TOML text.
 
     Raises:
-        ExperimentError: for text that is no TOML, unknown keys, values of the wrong
-            kind, and what contradicts itself.
+        ExperimentError: for invalid TOML, unknown keys, values of the wrong kind, and
+            contradictions.
     """
     try:
         data = toml.parsed(text)
@@ -198,7 +199,7 @@ def decode_experiment(text: str, name: str) -> Experiment:
 
 
 def _unknown(data: Mapping[str, Any]) -> Iterator[tuple[str, str, list[str]]]:
-    """Unknown keys with where they are, and the keys that are known there."""
+    """Yield unknown keys with their position, and the known keys there."""
 
     def look(
         table: object, kind: type[msgspec.Struct], where: str
@@ -221,11 +222,11 @@ def _unknown(data: Mapping[str, Any]) -> Iterator[tuple[str, str, list[str]]]:
         yield from look(draw, Between, f" in `{name}` of `draw`")
 
 
-# --- what contradicts itself ----------------------------------------------------------
+# --- contradictions -------------------------------------------------------------------
 
 
 def _contradictions(experiment: Experiment) -> Iterator[str]:
-    """Yield what is wrong with an experiment, in words."""
+    """Yield the contradictions of an experiment, as text."""
     if experiment.library == "-":
         yield "`library`: standard input is there only once, a file is wanted"
     yield from _about_tasks(experiment)
@@ -251,7 +252,7 @@ def _contradictions(experiment: Experiment) -> Iterator[str]:
 
 
 def _misfits(part: Series, told: str) -> Iterator[str]:
-    """Figures from elsewhere that are not one for each value."""
+    """Yield errors of reference figures: each value needs exactly one figure."""
     if part.reference is None:
         return
     many = len(part.reference.at) if part.vary is not None else 1
@@ -278,7 +279,7 @@ def _misfits(part: Series, told: str) -> Iterator[str]:
 
 
 def _about_tasks(experiment: Experiment) -> Iterator[str]:
-    """Parts without a task, and draws that nobody uses or makes."""
+    """Yield parts without a task, unused draws and undefined draws."""
     for part in experiment.part:
         agenda, tasks = experiment.given(part)
         if agenda is None and not tasks:
@@ -299,7 +300,7 @@ def _about_tasks(experiment: Experiment) -> Iterator[str]:
 
 
 def _texts(experiment: Experiment) -> Iterator[str]:
-    """The texts in which a value that is drawn may stand."""
+    """Yield the texts that may contain a drawn value."""
     for part in experiment.part:
         yield from experiment.given(part)[1]
         yield from (value for value in part.values if isinstance(value, str))

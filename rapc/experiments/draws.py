@@ -1,7 +1,7 @@
-"""What is drawn by seed: values that stand as `{name}` in tasks and options.
+"""Values drawn by seed, written as `{name}` in tasks and options.
 
-Each seed draws every value once, from a random stream of its own, `SEED:experiment`; so
-points that are set beside each other meet the same tasks under the same seed.
+Each seed draws every value once, from a separate random stream, `SEED:experiment`; so
+points that are compared have equal tasks under equal seeds.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class Between(
     forbid_unknown_fields=True,
     rename={"low": "from", "high": "to"},
 ):
-    """A whole number, each between two as likely as any other, both included."""
+    """A uniformly distributed whole number between two bounds, both included."""
 
     low: int
     high: int
@@ -39,7 +39,7 @@ Draws = Mapping[str, Draw]
 
 
 def drawn(draws: Draws, seed: int) -> dict[str, str]:
-    """Return a value for each name of `draws` as text, always the same for `seed`."""
+    """Return a value for each name of `draws` as text; equal for an equal `seed`."""
     chance = random.Random(f"{seed}:experiment")
     return {
         name: typed(
@@ -52,7 +52,7 @@ def drawn(draws: Draws, seed: int) -> dict[str, str]:
 
 
 def extremes(draws: Draws) -> Iterator[dict[str, str]]:
-    """Yield drawings that have each value that may come; of a range, both ends."""
+    """Yield drawings that contain each possible value; of a range, both ends."""
     all_ = {
         name: (draw.low, draw.high) if isinstance(draw, Between) else draw
         for name, draw in draws.items()
@@ -65,10 +65,10 @@ def extremes(draws: Draws) -> Iterator[dict[str, str]]:
 
 
 def with_draws(text: str, values: Mapping[str, str]) -> str:
-    """Return `text` with the values drawn put in for their names in braces."""
+    """Return `text` with the drawn values in place of their names in braces."""
     return _PLACE.sub(lambda found: values.get(found[1], found[0]), text)
 
 
 def names_in(text: str) -> list[str]:
-    """Return the names that stand in braces in `text`."""
+    """Return the names in braces in `text`."""
     return _PLACE.findall(text)

@@ -1,10 +1,11 @@
-"""Workers on this machine: processes, any of which may be lost.
+"""Workers on this machine: processes, each of which may be lost.
 
-Ctrl-C goes to all processes of a terminal. Here it reaches the one that waits for
-results and no other: Pebble is asked for things with interrupts held back, so that no
-pool is left half started or half stopped, and what is started meanwhile sees none.
+Ctrl-C goes to all processes of a terminal. Only the process that waits for results must
+receive it. Calls of Pebble hold interrupts back, so that no pool is half started or
+half stopped, and processes that start meanwhile receive no interrupt.
 
-If that process is killed nobody is left to end the others: each sees to it itself.
+If the waiting process is killed, no process is left to end the others: each worker
+watches its parent and ends itself.
 """
 
 from __future__ import annotations
@@ -24,18 +25,18 @@ _Results = tuple[Result, ...]
 
 
 def cores() -> int:
-    """Return how many processes this machine can run at a time for us."""
+    """Return the number of processes that this machine can run for rapc at a time."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
 
 
 class _Slot:
-    """One process, in a pool of its own, and the job it was given last.
+    """One process, in a separate pool, and its latest job.
 
-    The processes of one pool share a pipe and its locks: one that is killed while it
-    takes a job from the pipe leaves the others without. So each has its own, and gets
-    a new one when anything went wrong.
+    The processes of one pool share a pipe and its locks: a process that is killed while
+    it takes a job from the pipe blocks the other processes. So each process has a
+    separate pool, and gets a new pool after any error.
     """
 
     def __init__(self, time_limit: float) -> None:
@@ -53,7 +54,7 @@ class _Slot:
         try:
             self._last = self._pool.schedule(run_job, args=[job], timeout=self._limit)
         except (RuntimeError, OSError, EOFError) as error:
-            self._last = Future()  # as if the process had been lost with the job
+            self._last = Future()  # as if the process was lost with the job
             self._last.set_exception(error)
         return self._last
 
@@ -76,9 +77,9 @@ def _pool() -> ProcessPool:
 
 
 def end_with_parent() -> None:
-    """Have this process end as soon as the one that started it does, however it does.
+    """Start a thread that ends this process when its parent ends in any way.
 
-    It would go on with its run otherwise, which may be one without an end, and keep the
+    Otherwise the process would continue its run, which may be endless, and keep the
     server of processes waiting.
     """
     Thread(target=_wait_and_end, daemon=True).start()
@@ -92,12 +93,12 @@ def _wait_and_end() -> None:
 
 
 class LocalWorkers:
-    """Processes of this machine; to be used with `with`, which ends them.
+    """Processes of this machine; to be used with `with`, which ends the processes.
 
     Args:
-        jobs: how many.
-        time_limit: seconds that a run may take; the process that takes longer is
-            killed, and a new one takes its place.
+        jobs: the number of processes.
+        time_limit: seconds that a run may take; a process that takes longer is killed
+            and replaced by a new process.
     """
 
     chunk = 1
@@ -107,7 +108,7 @@ class LocalWorkers:
         self.room = jobs
 
     def __enter__(self) -> LocalWorkers:
-        resource_tracker.ensure_running()  # its start lets interrupts in
+        resource_tracker.ensure_running()  # its start permits interrupts
         return self
 
     def __exit__(self, *raised: object) -> None:
@@ -115,14 +116,14 @@ class LocalWorkers:
             for slot in self._slots:
                 slot.stop()
             for process in multiprocessing.active_children():
-                process.kill()  # one that still starts would lament what is taken down
+                process.kill()  # a starting process would print errors
             for slot in self._slots:
                 slot.join()
 
     def submit(self, job: Job) -> Future[_Results]:
-        """Have `job` done by a process that is free, of which there must be one.
+        """Run `job` on a free process; at least one process must be free.
 
-        A process that cannot be started is one that was lost: the future says so.
+        A process that cannot be started counts as lost: the future has the error.
         """
         with interrupts_held():
             return next(slot for slot in self._slots if slot.free).submit(job)

@@ -1,4 +1,4 @@
-"""What is measured of a run: the numbers of T figure 6.7, gathered from its events."""
+"""Measures of a run: the numbers of T figure 6.7, computed from its events."""
 
 from __future__ import annotations
 
@@ -36,51 +36,51 @@ LABELS: Mapping[str, str] = {
 
 
 class TaskTold(msgspec.Struct, frozen=True):
-    """What became of one of the tasks that are counted."""
+    """The end of one of the counted tasks."""
 
     goal: str
     came: Time
-    #: When it succeeded or failed; None if it did neither.
+    #: The time when the task succeeded or failed; None if it did neither.
     ended: Time | None
     outcome: str
-    #: Why it failed, in a line; empty if it has not.
+    #: The reason of the failure, in a line; empty without a failure.
     reason: str = ""
 
 
 class Measures(msgspec.Struct, frozen=True):
-    """What came of a run."""
+    """The measures of one run."""
 
-    #: Why it was over, and what the world says if it ended the run.
+    #: The reason of the end, and the world's reason if the world ended the run.
     reason: str
     disaster: str | None
-    #: The time units it took.
+    #: The duration in time units.
     time: Time
-    #: What became of the tasks that are counted.
+    #: The ends of the counted tasks.
     completed: int
     given_up: int
     pending: int
-    #: Primitives that ended, those that only look apart, and all that failed.
+    #: Ended effector primitives, ended sensor primitives, and all failed primitives.
     effector: int
     sensor: int
     failed: int
-    #: Successes of the RAPs and primitives named for it.
+    #: Successes of the RAPs and primitives in `count`.
     counts: Mapping[str, int]
     missed_deadlines: int = 0
     query_faults: int = 0
-    #: What the world tells of the truth, of what was asked for.
+    #: The requested ground-truth figures of the world.
     figures: Mapping[str, float] = {}
-    #: The tasks that are counted and have come, in the order in which they came.
+    #: The counted tasks that have come, in the order of arrival.
     tasks: tuple[TaskTold, ...] = ()
 
 
 def tasks_told(
     raps: Container[str], results: Iterable[events.TaskResult]
 ) -> tuple[TaskTold, ...]:
-    """Return what became of the tasks in the foreground that are of `raps`.
+    """Return the ends of the foreground tasks of `raps`.
 
     Args:
         raps: the names of the RAPs whose tasks are counted.
-        results: what became of all tasks that have come, in that order.
+        results: the results of all tasks, in the order of arrival.
     """
     return tuple(
         [
@@ -98,9 +98,9 @@ def tasks_told(
 
 
 def _reason(result: events.TaskResult) -> str:
-    """Return why a task has failed: the clause that it all came from.
+    """Return the reason of a task's failure: the clause of the first cause.
 
-    What was bound is left out, so that failures of one kind read alike.
+    Bindings are left out, so that failures of one kind have equal texts.
     """
     first = result.because
     if first is None:
@@ -118,10 +118,10 @@ def _clause(cause: events.Cause) -> str:
 
 
 def figures_of(world: World) -> dict[str, float]:
-    """Return the numbers that a world tells of the truth; none if it tells none.
+    """Return the ground-truth figures of a world; none if it has none.
 
     Raises:
-        PortError: if the world breaks, or returns no mapping.
+        PortError: if the world violates the port, or returns no mapping.
     """
     held = HeldWorld(world)
     told: Any = held.figures() if isinstance(held, Truthful) else {}
@@ -129,7 +129,7 @@ def figures_of(world: World) -> dict[str, float]:
 
 
 def numbers_of(measures: Measures) -> dict[str, float]:
-    """The numbers of a run by their names in `LABELS`, and what was counted besides."""
+    """Return the numbers of a run by their names in `LABELS`, and other counts."""
     primitives = measures.effector + measures.sensor
     numbers: dict[str, float] = {
         "completed": measures.completed,
@@ -158,7 +158,7 @@ def numbers_of(measures: Measures) -> dict[str, float]:
 
 
 def with_time_each(numbers: Mapping[str, float]) -> dict[str, float]:
-    """Numbers with the time for each task completed, where it can be told."""
+    """Return numbers with the time for each completed task, if it is defined."""
     if "time-each" in numbers or not numbers.get("completed") or "time" not in numbers:
         return dict(numbers)
     return {**numbers, "time-each": numbers["time"] / numbers["completed"]}

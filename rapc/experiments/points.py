@@ -1,7 +1,7 @@
-"""The points of an experiment: what is run for each value of each part.
+"""The points of an experiment: the runs for each value of each part.
 
-Here everything that an experiment names is looked up, and refused if it is not there,
-before the first run.
+This module looks up all names of an experiment, and refuses unknown names before the
+first run.
 """
 
 from __future__ import annotations
@@ -32,18 +32,18 @@ from rapc.worlds import registry
 
 
 class Point(msgspec.Struct, frozen=True):
-    """One value of a part, and what is run for it."""
+    """One value of a part, and the configuration for it."""
 
     part: str
     value: Value | None
     config: PointConfig
     #: The hash of the configuration.
     digest: str
-    #: The settings as the command line takes them, `owner.name` and value.
+    #: The settings in the form of the command line, `owner.name` and value.
     texts: Mapping[str, str]
     #: The file or folder of the library.
     library: str
-    #: The agenda and the tasks given besides.
+    #: The agenda, and the tasks besides.
     agenda: str | None
     tasks: tuple[str, ...]
 
@@ -54,13 +54,13 @@ def points(
     """Return the points of all parts, in order.
 
     Args:
-        experiment: what is run.
-        folder: where its file lies.
+        experiment: the experiment.
+        folder: the folder of its file.
         load: returns the checked library of a file or folder.
 
     Raises:
-        ExperimentError: if the experiment names a world, an option, a setting, an
-            agenda, a RAP or a task that is not there.
+        ExperimentError: if a world, an option, a setting, an agenda, a RAP or a task of
+            the experiment is unknown.
     """
     with _blamed():
         return tuple(_points(experiment, folder, load))
@@ -86,7 +86,7 @@ def _points(
 
 
 def _named(library: str, folder: Path) -> str:
-    """Return how a command names a library that a file in `folder` names."""
+    """Return the path of a library for commands, from its name in `folder`."""
     return library if library.startswith(STANDARD) else str(folder / library)
 
 
@@ -106,7 +106,7 @@ def command(experiment: Experiment, point: Point, seed: int) -> str:
 
 @contextmanager
 def _blamed() -> Iterator[None]:
-    """Blame the experiment for what is not there or cannot be run."""
+    """Report unknown names and refused runs as errors of the experiment."""
     try:
         yield
     except (WorldError, SettingError) as error:
@@ -118,7 +118,7 @@ def _blamed() -> Iterator[None]:
 
 
 def _of_agenda(library: Program, name: str | None) -> tuple[str, ...]:
-    """The tasks of an agenda of a library, as text."""
+    """Return the tasks of an agenda of a library, as text."""
     tasks = () if name is None else of_agenda(library.library, name)
     return tuple([as_text(task) for task in tasks])
 
@@ -134,7 +134,7 @@ def _tasks(texts: Iterable[str]) -> list[TaskRequest]:
 
 
 def _uncounted(config: PointConfig, tasks: Sequence[TaskRequest]) -> None:
-    """See that there are tasks to be counted."""
+    """Validate that there are tasks to count."""
     given = [str(task.goal[0]) for task in tasks if not task.background]
     if not given:
         message = "all tasks are in the background: there is none to count"
@@ -148,7 +148,7 @@ def _uncounted(config: PointConfig, tasks: Sequence[TaskRequest]) -> None:
 def _unknown(
     experiment: Experiment, part: Series, library: Program
 ) -> Iterator[ExperimentError]:
-    """Yield what is to be counted, or has figures, and is not there."""
+    """Yield the unknown names in counts and in reference figures."""
     known = [*library.library.raps, *library.library.primitives]
     for name, what in experiment.count.items():
         if name in LABELS:
@@ -168,7 +168,7 @@ def _unknown(
 def _texts(
     experiment: Experiment, part: Series, value: Value | None, folder: Path
 ) -> dict[str, str]:
-    """All settings of a point by `owner.name`, as text for the command line."""
+    """Return all settings of a point by `owner.name`, as text for commands."""
     values: dict[str, Value] = {}
     for table in (experiment.set, part.set):
         for owner, settings in table.items():
@@ -222,9 +222,9 @@ def _config(
 
 
 def _try(library: Program, config: PointConfig) -> None:
-    """See that a world can be made so, and that the tasks can be run in it.
+    """Validate that the world can be made, and that the tasks can be run in it.
 
-    What is drawn is tried with each of its values, of a range with both ends.
+    Drawn values are tested with each value, ranges with both ends.
     """
     for values in extremes(config.draws):
         settled = resolved(config, values)
@@ -235,7 +235,7 @@ def _try(library: Program, config: PointConfig) -> None:
 
 
 def _figures(world: World, wanted: Sequence[str]) -> None:
-    """See that a world tells the figures that are wanted."""
+    """Validate that a world has the requested figures."""
     told = figures_of(world)
     for name in wanted:
         if name in LABELS:
@@ -247,7 +247,7 @@ def _figures(world: World, wanted: Sequence[str]) -> None:
 
 
 def unit(world: type[World], vary: str) -> str:
-    """The unit of what is varied; empty if it has none."""
+    """Return the unit of the varied setting; empty if it has none."""
     owner, _, name = vary.partition(".")
     units = {option.name: option.unit for option in world.kit.options}
     return units.get(name, "") if owner == world.name else ""

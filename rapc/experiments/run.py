@@ -1,8 +1,7 @@
-"""One run, or several of one configuration: what a worker does, wherever it is.
+"""One run, or several of one configuration: the job of a worker on any machine.
 
-A worker is a process of its own. It gets all it needs with the job: a configuration has
-the text of the library in it. Nothing that a run does outlasts the run but the compiled
-library.
+A worker is a separate process. Its job has all data of the run: a configuration
+contains the text of the library. Only the compiled library is kept after a run.
 """
 
 from __future__ import annotations
@@ -38,28 +37,30 @@ _CODE = (".py", ".lark")
 
 
 class PointConfig(msgspec.Struct, frozen=True):
-    """What is run, and what is counted of it."""
+    """The configuration of a run, and the requested measures."""
 
     rapc: str
     #: A digest of rapc and of the package of the world.
     code: str
-    #: What a run is begun with, but for its seed; all options and settings are there.
+    #: The start of a run without its seed; all options and settings are included.
     spec: RunSpec
-    #: The files of the library, name and text, in the order in which they were linked.
+    #: The files of the library, name and text, in the order of linking.
     sources: tuple[tuple[str, str], ...]
     counted: tuple[str, ...]
     count: Mapping[str, str]
-    #: Which figures of the world about the truth are told.
+    #: The requested ground-truth figures of the world.
     figures: tuple[str, ...] = ()
-    #: What each seed draws; it stands in tasks and in `texts` by its name in braces.
+    #: The values that each seed draws; their names are in braces in the spec and in
+    #: `texts`.
     draws: Draws = {}
-    #: Options and settings with something drawn, by `owner.name`.
+    #: Options and settings with a drawn value, by `owner.name`.
     texts: Mapping[str, str] = {}
 
     def as_json(self) -> bytes:
-        """The configuration for a person, with a digest for the library's text.
+        """Return the configuration as JSON, with a digest of the library's text.
 
-        It does not say where files lie: the same library elsewhere is the same.
+        The JSON has no paths of files: an equal library in a different folder has an
+        equal configuration.
         """
         texts = "\0".join(text for _, text in self.sources)
         digest = hashlib.sha256(texts.encode(errors="replace")).hexdigest()
@@ -69,15 +70,15 @@ class PointConfig(msgspec.Struct, frozen=True):
         return msgspec.json.encode(plain, order="deterministic")
 
     def digest(self) -> str:
-        """The hash under which results are stored."""
+        """Return the hash under which results are stored."""
         return hashlib.sha256(self.as_json()).hexdigest()[:16]
 
 
 def resolved(config: PointConfig, values: Mapping[str, str]) -> PointConfig:
-    """Return `config` with the values drawn in their places, so that nothing is drawn.
+    """Return `config` with the drawn values inserted, without draws.
 
     Raises:
-        WorldError, SettingError: for an option or setting that cannot be so.
+        WorldError, SettingError: for an invalid option or setting.
     """
     if not config.draws:
         return config
@@ -95,9 +96,9 @@ def resolved(config: PointConfig, values: Mapping[str, str]) -> PointConfig:
 
 
 def digest_of_code(world: type[World]) -> str:
-    """A digest of the code that decides what a run comes to.
+    """Return a digest of the code that determines the result of a run.
 
-    That is all of rapc, and the package of the world if that is another one.
+    The digest covers rapc, and the package of the world if that is different.
     """
     package = world.__module__.partition(".")[0]
     return _digest_of(tuple(sorted({"rapc", package})))
@@ -129,10 +130,10 @@ class Job(msgspec.Struct, frozen=True):
 
 
 class Result(msgspec.Struct, frozen=True):
-    """What came of a run: its measures, or why there are none, in a line.
+    """The result of a run: its measures, or the reason why they are missing.
 
-    `trace` is where an error came from, for a developer; `seconds` of processor time
-    were spent.
+    `trace` is the traceback of an error, for a developer; `seconds` is the processor
+    time of the run.
     """
 
     seed: int
@@ -143,13 +144,13 @@ class Result(msgspec.Struct, frozen=True):
 
 
 class OtherCode(Error):
-    """A worker has another rapc than the one that gave it the job."""
+    """A worker has a different version of rapc than the process that sent the job."""
 
 
 def run_job(job: Job) -> tuple[Result, ...]:
     """Run a configuration under each seed of a job.
 
-    A run that raises an error is a result with a fault: the others go on.
+    A run that raises an error has a fault as its result; the other runs continue.
     """
     return tuple([_run(job.config, seed) for seed in job.seeds])
 
@@ -158,17 +159,17 @@ def _run(config: PointConfig, seed: int) -> Result:
     began = time.process_time()
     try:
         measures = measure(config, seed)
-    except Exception as error:  # whatever it is, it is told with its seed
+    except Exception as error:  # any error is reported with its seed
         what = " ".join(f"{type(error).__name__}: {error}".split())
         return Result(seed, None, what, traceback.format_exc())
     return Result(seed, measures, seconds=time.process_time() - began)
 
 
 def measure(config: PointConfig, seed: int) -> Measures:
-    """Run a configuration under a seed, as `rapc run` does, and measure it.
+    """Run a configuration under a seed, as `rapc run` does, and measure the run.
 
     Raises:
-        OtherCode: if the configuration was made by another rapc.
+        OtherCode: if a different version of rapc made the configuration.
     """
     config = resolved(config, drawn(config.draws, seed))
     spec = msgspec.structs.replace(config.spec, seed=seed)
@@ -212,7 +213,7 @@ def measure(config: PointConfig, seed: int) -> Measures:
 def counted_tasks(
     tasks: Sequence[TaskRequest], raps: Sequence[str]
 ) -> list[TaskRequest]:
-    """The tasks that are counted: those of some RAPs, or all in the foreground."""
+    """Return the counted tasks: of some RAPs, or all in the foreground."""
     return [
         task
         for task in tasks
@@ -222,9 +223,10 @@ def counted_tasks(
 
 @lru_cache(maxsize=16)
 def _compiled(name: str, sources: tuple[tuple[str, str], ...], thread: int) -> Program:
-    """A library from its texts, which were checked where they were read.
+    """Return a compiled library from its texts, which are already checked.
 
-    It compiles queries when they are first asked, so each thread has its own.
+    The library compiles queries at their first use, so each thread has a separate
+    library.
     """
     files = [SourceFile(file, text) for file, text in sources]
     return Program(load_sources(files).library, name)

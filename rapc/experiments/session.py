@@ -1,4 +1,4 @@
-"""A batch as it was asked for: its points and seeds, and which of them are missing."""
+"""A requested batch: its points and seeds, and the missing runs."""
 
 from __future__ import annotations
 
@@ -16,18 +16,17 @@ from rapc.worlds.registry import find_world
 
 
 class Batch:
-    """An experiment, the parts of it that are to be run, and under which seeds.
+    """An experiment, the parts to run, and the seeds.
 
     Args:
         made: the experiment.
-        folder: where its file lies.
-        load: returns the checked library of a file or folder; asked once for each.
-        parts: the names of the parts; all if there are none.
-        seeds: how many runs each point gets; None: as the experiment says.
+        folder: the folder of its file.
+        load: returns the checked library of a file or folder; called once for each.
+        parts: the names of the parts; all parts if there are none.
+        seeds: the number of runs of each point; None: as in the experiment.
 
     Raises:
-        ExperimentError: for a part, world, option, setting, RAP or task that is not
-            there.
+        ExperimentError: for an unknown part, world, option, setting, RAP or task.
     """
 
     def __init__(
@@ -46,7 +45,7 @@ class Batch:
         self.seeds = range(first, first + (seeds or made.seeds))
 
     def missing(self, store: Store) -> list[tuple[PointConfig, list[int]]]:
-        """Return the configurations of the chosen points with the seeds they lack.
+        """Return the configurations of the chosen points with their missing seeds.
 
         Points of equal configuration are listed once.
         """
@@ -59,7 +58,7 @@ class Batch:
         return list(lacking.values())
 
     def summaries(self, store: Store) -> Iterator[PartSummary]:
-        """The parts chosen, and those that have all their results from before."""
+        """Yield the chosen parts, and the other parts with complete stored results."""
         world = find_world(self.made.world)
         for part in self.made.part:
             summary = summarize(
@@ -73,7 +72,7 @@ class Batch:
                 yield summary
 
     def point_of(self, config: PointConfig) -> Point:
-        """The first point that a configuration is of."""
+        """Return the first point with a configuration."""
         digest = config.digest()
         return next(point for point in self.points if point.digest == digest)
 

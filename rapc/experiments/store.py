@@ -1,7 +1,7 @@
-"""Results as they come, in a file that a batch can be taken up from again.
+"""Store of results in a file, from which a batch can continue.
 
-One SQLite file; the key of a result is the hash of its configuration and its seed. The
-process that gives out the work is the only one that writes.
+The store is one SQLite file; the key of a result is the hash of its configuration and
+its seed. Only the process that distributes the jobs writes.
 """
 
 from __future__ import annotations
@@ -65,18 +65,18 @@ where config = ? and seed >= ? and seed < ? order by seed
 
 
 class StoreError(Error):
-    """A file that results cannot be kept in, or a folder that is in use."""
+    """An invalid file of results, or a folder that is in use."""
 
 
 @contextmanager
 def sole_user(folder: Path) -> Iterator[None]:
-    """Keep others out of a folder of results while the block runs.
+    """Lock a folder of results against other processes while the block runs.
 
-    Two at work in one folder would each do all the runs. A file system that knows no
-    such locks lets them: what they keep agrees.
+    Two processes with the same folder would each execute all runs. On a file system
+    without locks both may run: their results agree.
 
     Raises:
-        StoreError: if another process is in such a block for the folder.
+        StoreError: if another process has locked the folder.
     """
     if fcntl is None:
         yield
@@ -99,11 +99,11 @@ def sole_user(folder: Path) -> Iterator[None]:
 
 
 class Store:
-    """The results in a file, which is made if there is none. To be used with `with`.
+    """The results in a file, which is created if missing. To be used with `with`.
 
     Raises:
-        StoreError: for a file that is something else, or is damaged, or cannot be
-            written; so do all methods.
+        StoreError: for a file that is not a store, is damaged, or cannot be written.
+            All methods raise this error, too.
     """
 
     def __init__(self, file: Path) -> None:
@@ -128,7 +128,7 @@ class Store:
 
     @contextmanager
     def _blamed(self) -> Iterator[None]:
-        """Blame the file for what goes wrong."""
+        """Raise errors of the database as errors of the file."""
         try:
             yield
         except (sqlite3.Error, msgspec.MsgspecError) as error:
@@ -141,18 +141,18 @@ class Store:
         self._base.close()
 
     def configs(self) -> list[str]:
-        """The hashes of the configurations of which there are results."""
+        """Return the hashes of the configurations with results."""
         with self._blamed():
             return [digest for (digest,) in self._base.execute(_CONFIGS)]
 
     def seeds(self, config: str) -> frozenset[int]:
-        """The seeds of which there are results, by the hash of a configuration."""
+        """Return the seeds with results, by the hash of a configuration."""
         with self._blamed():
             rows = self._base.execute(_SEEDS, (config,))
             return frozenset(seed for (seed,) in rows)
 
     def add(self, config: PointConfig, results: Iterable[Result]) -> None:
-        """Keep what came of runs; those with a fault are left out."""
+        """Store the results of runs, except results with a fault."""
         digest = config.digest()
         with self._blamed():
             self._base.execute("begin")
@@ -170,7 +170,7 @@ class Store:
         self._base.execute(_KEEP, values)
 
     def measures(self, config: str, seeds: range) -> dict[int, Measures]:
-        """Return what is known of a configuration under some seeds, by seed."""
+        """Return the stored measures of a configuration under some seeds, by seed."""
         with self._blamed():
             rows = self._base.execute(_FIND, (config, seeds.start, seeds.stop))
             return {seed: _measures(values) for seed, *values in rows}

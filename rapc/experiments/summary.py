@@ -1,7 +1,7 @@
-"""What the runs of a part come to: for each point the averages, and how they spread.
+"""Summary of the runs of a part: for each point the averages and spreads.
 
 A run that the world ended is a disaster: it is counted, and left out of the averages.
-Tasks that were given up or are pending are not (T 6.3.1).
+Runs with failed or pending tasks are included (T 6.3.1).
 """
 
 from __future__ import annotations
@@ -19,74 +19,74 @@ from rapc.experiments.points import Point
 
 
 class Spread(msgspec.Struct, frozen=True):
-    """An average, and how far apart the numbers lie that went into it."""
+    """An average, and the spread of its numbers."""
 
     mean: float
     low: float
     high: float
-    #: The standard deviation; 0 of one number.
+    #: The standard deviation; 0 for one number.
     deviation: float
-    #: What a tenth of the numbers lies below, and nine tenths of them.
+    #: The tenth and the ninetieth percentile.
     tenth: float
     ninetieth: float
 
 
 class TaskRow(msgspec.Struct, frozen=True):
-    """What became of the task that came first, or second and so on, in all runs."""
+    """The results, over all runs, of the task with one position of arrival."""
 
-    #: What it is; None if it is not the same in all runs.
+    #: The goal; None if it is not equal in all runs.
     goal: str | None
     runs: int
     completed: int
     given_up: int
-    #: When it came, and when it succeeded in the runs in which it did.
+    #: The time of its arrival, and the time of its success in the successful runs.
     came: Spread
     ended: Spread | None
 
 
 class PointSummary(msgspec.Struct, frozen=True):
-    """What the runs of one point come to."""
+    """The results of the runs of one point."""
 
     value: Value | None
-    #: How many have results, and how many are wanted.
+    #: The number of results, and the number of requested runs.
     runs: int
     wanted: int
-    #: Seeds by what the world said that ended their runs.
+    #: Seeds by the world's reason for ending their runs.
     disasters: Mapping[str, tuple[int, ...]]
-    #: Seeds by why a run was over though tasks were left and the world went on.
+    #: Seeds by the reason why a run ended with tasks left and without the world.
     stopped: Mapping[str, tuple[int, ...]]
-    #: A measure that no run has is not among them.
+    #: The measures that at least one run has.
     figures: Mapping[str, Spread]
-    #: How many tasks failed, by why; the most frequent first.
+    #: The number of failed tasks by reason; most frequent first.
     reasons: Mapping[str, int]
-    #: The tasks that are counted, in the order in which they come.
+    #: The counted tasks, in the order of arrival.
     tasks: tuple[TaskRow, ...]
 
     @property
     def lost(self) -> int:
-        """Return how many runs ended in a disaster."""
+        """Return the number of runs that ended in a disaster."""
         return sum(map(len, self.disasters.values()))
 
 
 class PartSummary(msgspec.Struct, frozen=True):
-    """A part with what its points come to."""
+    """A part with the results of its points."""
 
     part: Series
-    #: The unit of what the part varies.
+    #: The unit of the varied setting.
     unit: str
-    #: What is counted besides, and the world's figures, by name.
+    #: The names of other counts, and of the world's figures.
     told: tuple[str, ...]
-    #: Those of `told` that are counted.
+    #: The names in `told` that are counts.
     counted: tuple[str, ...]
     rows: tuple[PointSummary, ...]
 
     @property
     def complete(self) -> bool:
-        """Whether every run that is wanted has a result."""
+        """Return whether every requested run has a result."""
         return all(row.runs == row.wanted for row in self.rows)
 
     def reference(self, value: Value | None) -> Mapping[str, float]:
-        """Figures from elsewhere for a value, with those that follow from them."""
+        """Return the reference figures for a value, with derived figures."""
         reference = self.part.reference
         if reference is None:
             return {}
@@ -100,14 +100,14 @@ def summarize(
     found: Callable[[str], Mapping[int, Measures]],
     wanted: int,
 ) -> PartSummary:
-    """Return what the runs of a part come to.
+    """Return the summary of the runs of a part.
 
     Args:
         part: the part.
-        unit: the unit of what it varies.
+        unit: the unit of the varied setting.
         points: its points, in order.
-        found: the measures by seed that there are of a configuration, by its hash.
-        wanted: how many runs a point is to have.
+        found: returns the stored measures of a configuration, by its hash; by seed.
+        wanted: the number of requested runs of a point.
     """
     counted = tuple(points[0].config.count)
     told = (*counted, *points[0].config.figures)
@@ -140,7 +140,7 @@ def _row(
 
 
 def _total(each: Spread, told: Sequence[Mapping[str, float]]) -> Spread:
-    """The time for each task over all runs: a run that completes one weighs little."""
+    """Return the time for each task over all runs, weighted by completed tasks."""
     time = sum(numbers["time"] for numbers in told)
     done = sum(numbers["completed"] for numbers in told)
     return msgspec.structs.replace(each, mean=time / done)
@@ -167,7 +167,7 @@ def _stopped(measures: Measures) -> str | None:
 
 
 def _seeds(told: Mapping[int, str | None]) -> dict[str, tuple[int, ...]]:
-    """Seeds by what is told of them."""
+    """Return seeds by their reason."""
     seeds: dict[str, tuple[int, ...]] = {}
     for seed, what in told.items():
         if what is not None:
@@ -188,7 +188,7 @@ def _spread(values: Iterable[float]) -> Spread:
 
 
 def _quantile(known: Sequence[float], part: float) -> float:
-    """Return the quantile of sorted numbers, between two of them in proportion."""
+    """Return the quantile of sorted numbers, interpolated linearly."""
     place = part * (len(known) - 1)
     below = int(place)
     above = min(below + 1, len(known) - 1)
