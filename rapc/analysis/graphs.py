@@ -82,7 +82,7 @@ def library_graph(library: Library) -> networkx.MultiDiGraph[str]:
     leads from the part that calls, queries, changes or claims to the called or affected
     part. The attributes of an edge are `relation` and `label`, see `Relation`.
     """
-    import networkx  # noqa: PLC0415  # it takes longer to import than a check does
+    import networkx  # noqa: PLC0415  # the import takes longer than a check
 
     graph: networkx.MultiDiGraph[str] = networkx.MultiDiGraph(name="library")
     for kind, name, form in _declared(library):
@@ -264,7 +264,7 @@ def _drawn(
     return drawing.done()
 
 
-# --- parts of it --------------------------------------------------------------------
+# --- parts of the graph ---------------------------------------------------------------
 
 
 def calls(library: Library) -> Graph:

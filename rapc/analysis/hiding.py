@@ -31,7 +31,7 @@ _CONSTANTS = ("misspelt-constant", "foreign-constant", "mixed-values")
 _RESOURCES = ("wrong-resource-kind", "not-a-resource")
 
 HIDES = (
-    # If kinds are mixed up, so are the values.
+    # If kinds are confused, the values are confused, too.
     Row(
         ("kinds-apart",),
         (

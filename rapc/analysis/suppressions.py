@@ -188,7 +188,7 @@ def unused(suppression: Suppression, source: SourceFile) -> Diagnostic:
     )
 
 
-# --- what a comment covers ---------------------------------------------------------
+# --- spans of suppressions ------------------------------------------------------------
 
 
 def _first_forms(unit: SourceUnit) -> Mapping[int, Span]:

@@ -42,7 +42,7 @@ from rapc.ir import nodes
 from rapc.ir.walk import input_terms, steps, substitute, variables
 from rapc.library.library import Library
 
-# --- what a RAP calls ---------------------------------------------------------------
+# --- calls of RAPs --------------------------------------------------------------------
 
 
 def calls_of(rap: nodes.DefineRap) -> tuple[str, ...]:
@@ -66,7 +66,7 @@ def below_agendas(library: Library) -> dict[str, nodes.DefineRap]:
     return reached(library, [one.goal.name for a in agendas for one in a.tasks])
 
 
-# --- what a request or a rule does --------------------------------------------------
+# --- effects of requests and rules ----------------------------------------------------
 
 Values = tuple[object, ...]
 """The arguments of a fact: constants, or None for unknown arguments."""
@@ -146,7 +146,7 @@ def _values(fact: nodes.Proposition, given: Mapping[str, object]) -> Values:
     )
 
 
-# --- what a RAP may bring about -----------------------------------------------------
+# --- possible effects of RAPs ---------------------------------------------------------
 
 
 class _Outcome(msgspec.Struct, frozen=True, gc=False):
@@ -395,7 +395,7 @@ def may_end(note: nodes.Annotation) -> bool:
     return isinstance(note, nodes.UntilStart | nodes.UntilEnd | nodes.Window)
 
 
-# --- what a RAP surely brings about -------------------------------------------------
+# --- guaranteed effects of RAPs -------------------------------------------------------
 
 
 def done(library: Library, goal: nodes.Goal) -> list[Literal]:

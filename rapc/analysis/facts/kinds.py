@@ -87,7 +87,7 @@ INFERRED = Fact(_run)
 """The kinds of variables and inputs without a declared kind."""
 
 
-# --- what holds together -----------------------------------------------------------
+# --- formulas that hold together ------------------------------------------------------
 
 
 def _scopes(rap: nodes.DefineRap) -> Iterator[_Scope]:
@@ -125,7 +125,7 @@ def _facts(formula: nodes.Formula) -> Iterator[nodes.Proposition]:
                 waiting.append(here)
 
 
-# --- what is learned ------------------------------------------------------------------
+# --- inference ------------------------------------------------------------------------
 
 
 class _Learning:

@@ -169,7 +169,7 @@ def _is_true(goal: Literal) -> bool:
 
 
 def may_be(goal: Literal, other: Literal) -> bool:
-    """Return whether two literals have the same type and name, in any other respect."""
+    """Return whether two literals have the same type and name."""
     if goal.holds is not other.holds:
         return False
     one, two = goal.formula, _fact(goal, other)
@@ -517,7 +517,7 @@ class Conjunction:
             return None
         earliest = self._earliest.setdefault(fact.name, (fact, literal))
         if earliest[1] is literal:
-            return None  # nothing to hold it against
+            return None  # no value to compare with
         self._first(declared, *earliest)
         first = self._first(declared, fact, literal)
         if first is literal or first is None:
@@ -626,7 +626,7 @@ def contradict(signatures: Signatures, one: Literal, other: Literal) -> bool:
     return both.add(other) is not None
 
 
-# --- the facts that a formula asks for ------------------------------------------------
+# --- facts that a formula queries -----------------------------------------------------
 
 
 def is_computed(library: Library, name: str) -> bool:
