@@ -4,14 +4,14 @@
     result = rapc.run(library, "truck", "(fill-order red 4 factory-1)", seed=7)
     print(result.reason, result.succeeded)
 
-`load` and `loads` read a library, `check` says what is wrong with one, `run` runs tasks
-of it, `CheckedLibrary.start` begins a run that is stepped and asked. Worlds of one's
-own are made of what `rapc.world` has. What a caller can get wrong is a `rapc.Error`;
-docs/python.md tells the rest.
+`load` and `loads` read a library, `check` returns a report of its findings, `run` runs
+tasks of the library, and `CheckedLibrary.start` starts a run for stepping and queries.
+`rapc.world` has the base classes of new worlds. Every error that a caller can cause is
+a `rapc.Error`. The Python API is described in docs/python.md.
 """
 
-# Each name is imported when it is first asked for: the command line starts at once.
-# Ctrl-C is seen to after what is imported here (`rapc.cli.start`): not even `typing`.
+# Each name is imported at its first use, so that the command line starts fast.
+# Ctrl-C is handled after these imports (`rapc.cli.start`): not even `typing`.
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from importlib import import_module as _import_module
 
 from rapc.base.version import VERSION as _VERSION
 
-TYPE_CHECKING = False  # to type checkers it is true, by its name
+TYPE_CHECKING = False  # true for type checkers, by its name
 
 if TYPE_CHECKING:
     from rapc import events as events
@@ -83,7 +83,7 @@ _HOMES = {name: home for home, names in _NAMES.items() for name in names.split()
 
 _MODULES = {"events": "rapc.events", "world": "rapc.world"}
 
-__all__ = ["__version__", *_HOMES, *_MODULES]  # noqa: PLE0604  # they are strings
+__all__ = ["__version__", *_HOMES, *_MODULES]  # noqa: PLE0604  # all are strings
 
 
 def __getattr__(name: str) -> object:

@@ -1,10 +1,10 @@
-"""All that a user of rapc can get wrong, as exceptions with one base.
+"""Errors that a user of rapc can cause, as exceptions with one base class.
 
-Each carries a line of text, `message`, and perhaps a remedy, `help`. A front end prints
-both; a traceback would add nothing. An exception of any other class that leaves rapc is
-a fault of rapc, or the host's own.
+Each error has a line of text, `message`, and an optional remedy, `help`. A front end
+prints both without a traceback. An exception of any other class that leaves rapc is a
+fault of rapc or of the host.
 
-Not here: `CheckError`, which carries a report (`rapc.host`).
+Not here: `CheckError`, which has a report (`rapc.host`).
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from collections.abc import Sequence
 
 
 class Error(Exception):
-    """A mistake in what rapc was given: files, text, a world, a setting, a task."""
+    """An invalid input to rapc: files, text, a world, a setting, a task."""
 
-    #: What is wrong, in one line, beginning in lower case.
+    #: The error, in one line, beginning in lower case.
     message: str
-    #: What to do about it, or an empty text.
+    #: The remedy, or an empty text.
     help: str
 
     def __init__(self, message: str, help: str = "") -> None:
@@ -27,7 +27,7 @@ class Error(Exception):
 
 
 class LoadError(Error):
-    """A path that cannot be read, or holds no text."""
+    """A path that cannot be read, or contains no text."""
 
 
 class WriteError(Error):
@@ -35,11 +35,11 @@ class WriteError(Error):
 
 
 class SavedError(Error):
-    """A file that holds no saved library that this rapc can run."""
+    """A file that is not a saved library for this version of rapc."""
 
 
 class TextError(Error, ValueError):
-    """A small text (a fact, a formula, a task) that is not what it should be."""
+    """An invalid short text: a fact, a formula or a task."""
 
 
 class FactError(Error, ValueError):
@@ -47,20 +47,20 @@ class FactError(Error, ValueError):
 
 
 class SettingError(Error, ValueError):
-    """A setting that does not exist, or takes another value."""
+    """An unknown setting, or a setting with an invalid value."""
 
 
 class ArgumentError(Error, TypeError):
-    """An argument of the wrong type given to a function of `rapc`."""
+    """An argument of the wrong type for a function of `rapc`."""
 
 
 class RefusedError(Error):
-    """A library, world or task that cannot be run, said before anything happens."""
+    """A library, world or task that cannot be run, reported before the run starts."""
 
     #: One line for each reason.
     reasons: tuple[str, ...]
-    #: The names that the library declares and the world does not have, if they are so
-    #: many that another world is meant.
+    #: The names that the library declares and the world does not have, if their number
+    #: suggests that a different world is meant.
     lacking: tuple[str, ...]
 
     def __init__(self, reasons: Sequence[str], lacking: Sequence[str] = ()) -> None:
@@ -70,25 +70,25 @@ class RefusedError(Error):
 
 
 class WorldError(Error):
-    """A world, or an option of one, that is not to be had."""
+    """An unknown or unavailable world, or an invalid option of a world."""
 
 
 class PortError(Error):
-    """A world, or code registered with one, that does not keep to the port.
+    """A world, or code registered with a world, that violates the port.
 
-    What the code of the world raised, if it did, is the `__cause__`.
+    If the code of the world raised an exception, it is the `__cause__`.
     """
 
 
 class StateError(Error):
-    """A run that cannot be saved, or a saved run that cannot be taken up."""
+    """A run that cannot be saved, or a saved run that cannot be restored."""
 
 
 def in_a_line(error: Error) -> str:
-    """Return an error with what to do about it."""
+    """Return an error and its help as one line."""
     return f"{error.message}; {error.help}" if error.help else error.message
 
 
 def reason(error: OSError) -> str:
-    """Return why the system could not do something, in lower case."""
+    """Return the reason of a failed system call, in lower case."""
     return (error.strerror or str(error)).lower()

@@ -1,14 +1,15 @@
-"""What happens in a run, one frozen record per kind of event.
+"""Events of a run, one frozen record for each kind of event.
 
 The fields are the keys of the trace format (`docs/trace.md`) after `event`, `n`,
 `cycle` and `time`. An event's name in the trace is its tag.
 
 Events hold values: goals, facts, bindings. A value is a symbol or a string of the
-language (`str`, `Text`), a number, or a tuple for a list; a variable that has no value
-stands as its name, and a set or counter as it was then, in words.
+language (`str`, `Text`), a number, or a tuple for a list; a variable without a value is
+represented by its name, and a set or counter by a text with its contents at the time of
+the event.
 
-This is the one list of events: each says which of its fields a trace writes as text and
-what a trace for people writes in a line. Traces themselves are in
+This is the only list of events: each event defines which of its fields a trace writes
+as text, and its line in a trace for people. Traces themselves are in
 `rapc.runtime.events.trace`.
 """
 
@@ -31,7 +32,7 @@ def _kebab(name: str) -> str:
 
 
 class Goal:
-    """What a task is to do; immutable. `str` gives RAP text: `(find box => ?place)`."""
+    """The goal of a task; immutable. `str` returns RAP text: `(find box => ?place)`."""
 
     __slots__ = ("inputs", "name", "outputs", "text")
 
@@ -40,16 +41,17 @@ class Goal:
     ) -> None:
         #: The name of the RAP.
         self.name = name
-        #: A value for each input: see the head of this module.
+        #: A value for each input; see the head of this module.
         self.inputs = inputs
         #: A value, or the name of the variable, for each output of the RAP.
         self.outputs = outputs
-        #: It as RAP text, once somebody has asked: many events tell of one goal.
+        #: The goal as RAP text, cached at the first use: many events have the same
+        #: goal.
         self.text: str | None = None
 
     @property
     def parts(self) -> tuple[Any, ...]:
-        """The name, the inputs, and behind `=>` the outputs, if the RAP has any."""
+        """Return the name, the inputs, and after `=>` the outputs, if any."""
         if not self.outputs:
             return (self.name, *self.inputs)
         return (self.name, *self.inputs, "=>", *self.outputs)
@@ -70,12 +72,12 @@ class Goal:
 
 
 class ResourceChange(msgspec.Struct, frozen=True):
-    """What became of a set or counter."""
+    """A change of a set or counter."""
 
     #: `set-add`, `set-sub`, `counter-add` or `counter-sub`.
     op: str
     amount: Atom
-    #: The set or counter as it is after the change, in words: `#counter(3)`.
+    #: The set or counter after the change, as text: `#counter(3)`.
     resource: str
 
     def __str__(self) -> str:
@@ -83,34 +85,34 @@ class ResourceChange(msgspec.Struct, frozen=True):
 
 
 class Cause(msgspec.Struct, frozen=True, omit_defaults=True):
-    """Why a task has failed or a method ended badly; all of it text."""
+    """The cause of a failure of a task or method; all fields are text."""
 
-    #: The clause in words, with what it belongs to: "preconditions of `fetch`".
+    #: The clause with its owner: "preconditions of `fetch`".
     clause: str
-    #: Where it, or the part, stands: file and line; empty where there is no text.
+    #: The file and line of the clause or part; empty without a source text.
     place: str = ""
-    #: The first part of the clause without a solution, as it is written.
+    #: The first part of the clause without a solution, as in the source.
     part: str = ""
-    #: What is wrong with it, where that is more than that it does not hold.
+    #: The error, if the part does not merely fail to hold.
     note: str = ""
-    #: What the variables of the part were bound to then.
+    #: The bindings of the variables of the part at that time.
     bindings: Mapping[str, str] = {}
-    #: Where there was no method: for each one what ruled it out.
+    #: If there was no method: the reason against each method.
     methods: tuple[Cause, ...] = ()
     #: The number of the task of a step that failed.
     task: int | None = None
-    #: How many causes are left out between this one and the next.
+    #: The number of causes left out between this cause and the next.
     skipped: int = 0
-    #: What it came from: why the step's task failed, or the method tried last.
+    #: The underlying cause: of the step's task, or of the last method.
     because: Cause | None = None
 
     def short(self) -> Cause:
-        """Return the cause with its file, but not with the folders of that."""
+        """Return the cause with file names, without folders."""
         file = self.place.replace("\\", "/").rpartition("/")[2]
         return msgspec.structs.replace(self, place=file)
 
     def line(self) -> str:
-        """Return the cause on one line, without what it came from."""
+        """Return the cause on one line, without the underlying cause."""
         at = f" at {self.place}" if self.place else ""
         said = self.part
         if self.bindings:
@@ -159,14 +161,14 @@ class Event(msgspec.Struct, frozen=True, tag_field="event", tag=_kebab, kw_only=
     time: int | float
 
     def line(self) -> str | None:
-        """Return what a trace for people writes, without the time; None for nothing."""
+        """Return the line of a trace for people, without the time; None for no line."""
         return None
 
 
 class RunStarted(Event, frozen=True, kw_only=True):
     """The first event; `format` is the version of the trace format.
 
-    The tasks of an agenda are among those of the `spec`, which holds all settings.
+    `spec` has all settings; its tasks include the tasks of an agenda.
     """
 
     format: int
@@ -205,7 +207,7 @@ class TaskSelected(Event, frozen=True, kw_only=True):
 
 
 class MethodChosen(Event, frozen=True, kw_only=True):
-    """A task starts a method, with the bindings it was chosen under."""
+    """A task starts a method, with the bindings of the choice."""
 
     task: int
     rap: str
@@ -217,7 +219,7 @@ class MethodChosen(Event, frozen=True, kw_only=True):
 
 
 class MethodEnded(Event, frozen=True, kw_only=True):
-    """A method ended; `result` is `okay` or what failed it."""
+    """A method ended; `result` is `okay` or the reason of the failure."""
 
     task: int
     method: str
@@ -226,7 +228,7 @@ class MethodEnded(Event, frozen=True, kw_only=True):
 
 
 class TaskBlocked(Event, frozen=True, kw_only=True, omit_defaults=True):
-    """A task cannot go on until what `on` says; `holder` is who has it, if a thing."""
+    """A task is blocked, waiting for `on`; `holder` holds the thing, if any."""
 
     task: int
     on: str
@@ -240,7 +242,7 @@ class TaskBlocked(Event, frozen=True, kw_only=True, omit_defaults=True):
 
 
 class TaskWoken(Event, frozen=True, kw_only=True, omit_defaults=True):
-    """What a task waited for has come; `holder` had it, if it is a thing."""
+    """The condition of a blocked task is met; `holder` held the thing, if any."""
 
     task: int
     on: str
@@ -251,10 +253,10 @@ class TaskWoken(Event, frozen=True, kw_only=True, omit_defaults=True):
 
 
 class Deadlock(Event, frozen=True, kw_only=True):
-    """A deadlock: each of `tasks` waits for a thing held above the next of them.
+    """A deadlock: each of `tasks` waits for a thing that an ancestor of the next holds.
 
-    The last waits for the first; it is the task that has just been blocked that comes
-    first. `waiting` has a line for each task.
+    The last task waits for the first, which is the task that has just been blocked.
+    `waiting` has a line for each task.
     """
 
     tasks: tuple[int, ...]
@@ -265,9 +267,9 @@ class Deadlock(Event, frozen=True, kw_only=True):
 
 
 class MethodSuspended(Event, frozen=True, kw_only=True):
-    """A method is gone as if never chosen: the task `by` takes the thing `for`.
+    """A method is suspended and undone: the task `by` takes the thing `for`.
 
-    Its task is blocked until it can have again what the method had asked for.
+    Its task is blocked until it can hold again the things that the method claimed.
     """
 
     task: int
@@ -281,7 +283,7 @@ class MethodSuspended(Event, frozen=True, kw_only=True):
 
 
 class TaskSucceeded(Event, frozen=True, kw_only=True):
-    """A task ended well."""
+    """A task succeeded."""
 
     task: int
     goal: Goal
@@ -292,7 +294,7 @@ class TaskSucceeded(Event, frozen=True, kw_only=True):
 
 
 class TaskFailed(Event, frozen=True, kw_only=True):
-    """A task failed; `result` is what its parent sees."""
+    """A task failed; `result` is the failure as its parent sees it."""
 
     task: int
     goal: Goal
@@ -313,7 +315,7 @@ class TaskFailed(Event, frozen=True, kw_only=True):
 
 
 class TaskRemoved(Event, frozen=True, kw_only=True):
-    """A task left the agenda without ending by itself."""
+    """A task left the agenda without an end of its own."""
 
     task: int
     cause: str
@@ -323,7 +325,7 @@ class TaskRemoved(Event, frozen=True, kw_only=True):
 
 
 class PrimitiveRequested(Event, frozen=True, kw_only=True):
-    """A request went to the world: memory names, and sensor names as sent."""
+    """A request to the world, with the names of memory and as sent, by sensor name."""
 
     task: int
     request: Fact
@@ -331,7 +333,7 @@ class PrimitiveRequested(Event, frozen=True, kw_only=True):
 
 
 class PrimitiveEnded(Event, frozen=True, kw_only=True):
-    """A primitive ended and its handlers have changed what they change."""
+    """A primitive ended, and its handlers have changed memory."""
 
     task: int | None
     request: Fact
@@ -344,7 +346,7 @@ class PrimitiveEnded(Event, frozen=True, kw_only=True):
 
 
 class PrimitiveCancelled(Event, frozen=True, kw_only=True):
-    """What was under way is wanted no more; told before what follows from it."""
+    """A request was cancelled; the event precedes the consequences."""
 
     task: int
     request: Fact
@@ -354,12 +356,12 @@ class PrimitiveCancelled(Event, frozen=True, kw_only=True):
 
 
 class RequestRefused(Event, frozen=True, kw_only=True):
-    """The world will not carry a request out beside others: names as requested."""
+    """The world refused a request beside active requests: names as requested."""
 
     task: int
     request: Fact
     sent: Fact
-    #: Why, in the world's words; None where it gives no reason.
+    #: The world's reason; None without a reason.
     because: str | None = None
 
     def line(self) -> str:  # noqa: D102  # see `Event`
@@ -369,7 +371,7 @@ class RequestRefused(Event, frozen=True, kw_only=True):
 
 
 class SkillEnabled(Event, frozen=True, kw_only=True):
-    """A skill of an activation of `task` is on from now."""
+    """A skill of an activation of `task` was switched on."""
 
     task: int
     what: Fact
@@ -379,7 +381,7 @@ class SkillEnabled(Event, frozen=True, kw_only=True):
 
 
 class SkillDisabled(Event, frozen=True, kw_only=True):
-    """A skill of an activation of `task` is wanted no more."""
+    """A skill of an activation of `task` was switched off."""
 
     task: int
     what: Fact
@@ -389,7 +391,7 @@ class SkillDisabled(Event, frozen=True, kw_only=True):
 
 
 class DataReceived(Event, frozen=True, kw_only=True):
-    """A datum came unasked."""
+    """A datum was received without a request."""
 
     data: Fact
 
@@ -402,14 +404,14 @@ class FactAsserted(Event, frozen=True, kw_only=True):
 
 
 class FactErased(Event, frozen=True, kw_only=True):
-    """A fact went."""
+    """A fact was erased."""
 
     fact: Fact
     by: str
 
 
 class ResourceChanged(Event, frozen=True, kw_only=True):
-    """A set or counter changed; `what` is the effect and the new value."""
+    """A set or counter changed; `what` is the change and the new value."""
 
     task: int
     what: ResourceChange
@@ -419,7 +421,7 @@ class ResourceChanged(Event, frozen=True, kw_only=True):
 
 
 class SignalReceived(Event, frozen=True, kw_only=True, tag="signal"):
-    """A signal came; `task` has the oldest activation under which it arose, if any.
+    """A signal was received; `task` has the oldest of its activations, if any.
 
     The task may have ended.
     """
@@ -432,9 +434,9 @@ class SignalReceived(Event, frozen=True, kw_only=True, tag="signal"):
 
 
 class RuleRun(Event, frozen=True, kw_only=True):
-    """A rule over memory acts, for `what`: a result at the end of `task`, or a signal.
+    """A rule over memory ran, for `what`: a result at the end of `task`, or a signal.
 
-    `at` is where the query and the actions stand, `doors.rap:12`.
+    `at` is the position of the query and the actions, `doors.rap:12`.
     """
 
     task: int | None
@@ -453,10 +455,10 @@ class QueryFaulted(Event, frozen=True, kw_only=True):
 
 
 class ItemEvent(Event, frozen=True, kw_only=True):
-    """What the events about introduced items have in common; `sensor` may be lost.
+    """The base of the events about introduced items; `sensor` may be lost.
 
-    `with` is the name that `item` now stands for too, if descriptions were merged;
-    `score` how well they match, and `rival` how well the best other candidate does.
+    `with` is the second name of `item`, if descriptions were merged; `score` is the
+    quality of the match, and `rival` the quality of the second-best match.
     """
 
     item: str
@@ -469,23 +471,23 @@ class ItemEvent(Event, frozen=True, kw_only=True):
 
 
 class ItemIntroduced(ItemEvent, frozen=True, kw_only=True):
-    """An item came into reach under a sensor name."""
+    """An item became accessible under a sensor name."""
 
 
 class ItemMerged(ItemEvent, frozen=True, kw_only=True):
-    """Two descriptions have turned out to be of one item."""
+    """Two descriptions were recognised as one item."""
 
 
 class ItemMoved(ItemEvent, frozen=True, kw_only=True):
-    """An item is at another place than before."""
+    """An item has changed its place."""
 
 
 class ItemLost(ItemEvent, frozen=True, kw_only=True):
-    """An item is not where it was: its location is `unknown`."""
+    """An item is no longer at its place: its location is `unknown`."""
 
 
 class FamilySwitched(Event, frozen=True, kw_only=True):
-    """The family chosen differs from the one chosen last."""
+    """The selected family differs from the family selected before."""
 
     task: int
     from_: int = msgspec.field(name="from")
@@ -496,7 +498,7 @@ class FamilySwitched(Event, frozen=True, kw_only=True):
 
 
 class DeadlineMissed(Event, frozen=True, kw_only=True):
-    """The clock has passed a task's deadline."""
+    """The clock has passed the deadline of a task."""
 
     task: int
     deadline: int | float
@@ -506,7 +508,7 @@ class DeadlineMissed(Event, frozen=True, kw_only=True):
 
 
 class SolverCalled(Event, frozen=True, kw_only=True):
-    """A problem solver was asked and returned so many methods."""
+    """A problem solver was called and returned a number of methods."""
 
     task: int
     goal: Goal
@@ -524,18 +526,18 @@ class TaskResult(msgspec.Struct, frozen=True, omit_defaults=True):
     outcome: str
     result: str | None
     background: bool
-    #: When it came, and when it succeeded, failed or was cancelled; None before.
+    #: The time of arrival, and the time of the end; None before the end.
     came: int | float = 0
     ended: int | float | None = None
-    #: Why it failed; None if it has not, or where nobody was told of it.
+    #: The cause of the failure; None without a failure, or if no listener received it.
     because: Cause | None = None
 
 
 class RunEnded(Event, frozen=True, kw_only=True):
-    """The last event: why the run is over, and what became of each task given.
+    """The last event: the reason of the end, and the result of each top-level task.
 
-    `waiting` names the tasks that were left over, each with what it waited for;
-    `because` is what a world said that ended the run.
+    `waiting` names the tasks that were left, each with its wait condition; `because` is
+    the world's reason, if the world ended the run.
     """
 
     reason: str
@@ -561,7 +563,7 @@ def kinds() -> Mapping[str, type[Event]]:
 
 
 def words(kind: type[Event]) -> list[tuple[str, Write]]:
-    """Return the keys that a trace has as text, each with how it is written."""
+    """Return the keys with text in a trace, each with its writer."""
     return [
         (field.encode_name, _WRITES[field.type])
         for field in msgspec.structs.fields(kind)
@@ -571,5 +573,5 @@ def words(kind: type[Event]) -> list[tuple[str, Write]]:
 
 @cache
 def keys(kind: type[Event]) -> tuple[str, ...]:
-    """Return the keys of a kind of event in a trace, those of all events first."""
+    """Return the keys of a kind of event in a trace, the common keys first."""
     return tuple([field.encode_name for field in msgspec.structs.fields(kind)])

@@ -1,9 +1,9 @@
-"""What a Python program does with rapc: load a library, check it, run tasks of it.
+"""Functions of rapc for Python programs: load and check a library, run tasks.
 
-These are the functions that `import rapc` has. A library of sources and a saved one
-(`rapc compile`) are loaded alike. Whatever a caller can get wrong is a `rapc.Error`.
-Not here: stepping and asking a run (`rapc.runtime.interpreter`), worlds of one's own
-(`rapc.world`).
+These functions are the public functions of `import rapc`. Libraries of sources and
+saved libraries (`rapc compile`) are loaded in the same way. Every error that a caller
+can cause is a `rapc.Error`. Not here: stepping and querying a run
+(`rapc.runtime.interpreter`), new worlds (`rapc.world`).
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ if TYPE_CHECKING:
 class CheckError(Error):
     """A library with findings of severity error."""
 
-    #: The findings of severity error, no others.
+    #: The findings of severity error only.
     report: CheckReport
 
     def __init__(self, report: CheckReport) -> None:
@@ -82,7 +82,7 @@ class CheckError(Error):
 class CheckedLibrary:
     """A library without errors, ready to be run any number of times."""
 
-    #: What traces call the library.
+    #: The name of the library in traces.
     name: str
     #: The library in executable form, for `Interpreter` and `Interpreter.extend`.
     program: Program
@@ -97,21 +97,21 @@ class CheckedLibrary:
 
     @property
     def raps(self) -> tuple[str, ...]:
-        """The names of all RAPs, in the order of the text."""
+        """Return the names of all RAPs, in the order of the text."""
         return tuple(self.program.library.raps)
 
     @property
     def files(self) -> tuple[str, ...]:
-        """The names of all files, each after those that it requires."""
+        """Return the names of all files, each after the files that it requires."""
         return tuple(self.program.library.files)
 
     def extend(self, text: str) -> CheckedLibrary:
         """Return a library with the RAPs of `text` added, checked together.
 
-        `Interpreter.extend` takes its `program` up while a run goes on [T 4.10.1].
+        `Interpreter.extend` adds its `program` to a run in progress [T 4.10.1].
 
         Raises:
-            CheckError: if anything of severity error is found.
+            CheckError: for findings of severity error.
         """
         sources = [*self.program.library.files.values(), SourceFile(PLAN, _text(text))]
         return checked(loader.load_sources(sources), self.name)
@@ -144,29 +144,33 @@ class CheckedLibrary:
         comparators: Callables | None = None,
         listeners: Iterable[Listener] = (),
     ) -> Interpreter:
-        """Begin a run that is then stepped, asked, and given further tasks.
+        """Start a run for stepping, queries, and further tasks.
 
         Args:
-            world: the name of an installed world or `module:Class`, a class, or a world
-                freshly made.
+            world: the name of an installed world or `module:Class`, a class, or a new
+                instance.
             agenda: the name of an agenda of the library, whose tasks come first.
-            tasks: tasks to begin with, as text: `"(rap args) :priority 4"`.
-            facts: what is in memory at first, besides what the world says.
-            seed: the seed of all chance in the run, the world's too unless it is made.
-            options: values for options of the world, unless it is made.
+            tasks: initial tasks, as text: `"(rap args) :priority 4"`.
+            facts: initial facts, in addition to the facts of the world.
+            seed: the seed of all chance in the run, and of the world unless it is an
+                instance.
+            options: values for options of the world, unless it is an instance.
             settings: settings of the interpreter.
-            functions: functions and default functions besides those of the world.
-            solvers: problem solvers besides those of the world, by the name of a RAP.
-            comparators: comparators besides those of the world.
+            functions: functions and default functions, in addition to those of the
+                world.
+            solvers: problem solvers, in addition to those of the world, by the name of
+                a RAP.
+            comparators: comparators, in addition to those of the world.
             listeners: called with every event of the run.
 
         Raises:
-            WorldError: if there is no such world or option, or it cannot be made.
-            RefusedError: if the library or a task cannot be run in the world, or there
-                is no such agenda.
-            TextError: for a task or a fact that is none.
+            WorldError: if the world or an option is unknown, or the world cannot be
+                made.
+            RefusedError: if the library or a task cannot be run in the world, or the
+                agenda is unknown.
+            TextError: for an invalid task or fact.
             FactError: for a fact that the declarations do not allow.
-            PortError: if the world breaks.
+            PortError: if the world violates the port.
         """
         if agenda is not None and not isinstance(agenda, str):
             raise ArgumentError(f"`agenda` is {kind(agenda)}, no name")
@@ -199,25 +203,25 @@ class CheckedLibrary:
 
 
 class RunResult(msgspec.Struct, frozen=True):
-    """What came of a run."""
+    """The result of a run."""
 
-    #: Why the run is over: `done`, `until`, `world`, `stuck`, `runaway` or `cycles`.
+    #: Why the run ended: `done`, `until`, `world`, `stuck`, `runaway` or `cycles`.
     reason: str
     #: The time of the clock at the end.
     time: Time
-    #: What became of each task, in the order in which the tasks came.
+    #: The result of each task, in the order of arrival.
     tasks: tuple[TaskResult, ...]
-    #: The run itself, to ask for memory or the agenda.
+    #: The run itself, for queries of memory or the agenda.
     run: Interpreter
 
     @property
     def world(self) -> World:
-        """The world of the run: `result.world.figures()`, say, if it has figures."""
+        """Return the world of the run, for example for `result.world.figures()`."""
         return self.run.world
 
     @property
     def succeeded(self) -> bool:
-        """Whether every task that does not stand in the background succeeded."""
+        """Return whether every task that is not in the background succeeded."""
         given = [task for task in self.tasks if not task.background]
         return all(task.outcome == "succeeded" for task in given)
 
@@ -231,13 +235,13 @@ def load(*paths: Path | Iterable[Path], check: bool = True) -> CheckedLibrary:
 
     Args:
         paths: files, folders (all `.rap` below), or `-` for standard input.
-        check: whether the checker's passes run; see `linked`. A saved library was
-            checked when it was saved.
+        check: whether to run the checker; see `linked`. A saved library was checked
+            when it was saved.
 
     Raises:
-        LoadError: for what cannot be read.
+        LoadError: for a path that cannot be read.
         SavedError: for a saved library that this rapc cannot run.
-        CheckError: if anything of severity error is found.
+        CheckError: for findings of severity error.
         RefusedError: without `check`, for a library that cannot be run.
     """
     names = _paths(paths)
@@ -250,16 +254,16 @@ def load(*paths: Path | Iterable[Path], check: bool = True) -> CheckedLibrary:
 
 
 def loads(text: str, name: str = "<text>", *, check: bool = True) -> CheckedLibrary:
-    """Check a library given as text, as if it were a file of the working folder.
+    """Check a library in a text, like a file in the working directory.
 
     Args:
-        text: definitions and declarations; it may `require` others.
-        name: what findings and traces call it.
-        check: whether the checker's passes run; see `linked`.
+        text: definitions and declarations; it may `require` files.
+        name: the name in findings and traces.
+        check: whether to run the checker; see `linked`.
 
     Raises:
-        LoadError: for what it requires and cannot be read.
-        CheckError: if anything of severity error is found.
+        LoadError: for a required file that cannot be read.
+        CheckError: for findings of severity error.
         RefusedError: without `check`, for a library that cannot be run.
     """
     if not isinstance(name, str):
@@ -269,13 +273,13 @@ def loads(text: str, name: str = "<text>", *, check: bool = True) -> CheckedLibr
 
 
 def check(*paths: Path | Iterable[Path]) -> CheckReport:
-    """Load files and folders as one library and return all that is wrong with it.
+    """Load files and folders as one library and return a report of all findings.
 
     Args:
         paths: files, folders (all `.rap` below), or `-` for standard input.
 
     Raises:
-        LoadError: for what cannot be read. Findings never raise anything.
+        LoadError: for a path that cannot be read. Findings raise no error.
     """
     return check_files(_paths(paths))
 
@@ -290,20 +294,20 @@ def run(
     cycles: int | None = None,
     **more: Any,
 ) -> RunResult:
-    """Run tasks of a library in a world until they are done, and say what came of it.
+    """Run tasks of a library in a world until all end, and return the result.
 
     Args:
-        library: what `load` or `loads` returned.
+        library: the result of `load` or `loads`.
         world: see `CheckedLibrary.start`.
         tasks: the tasks, as text: `"(rap args) :priority 4"`.
         agenda: the name of an agenda of the library, whose tasks come first.
         until: the time at which to stop.
-        cycles: how many cycles to run at most.
-        more: what else `CheckedLibrary.start` takes: `seed`, `options`, ...
+        cycles: the highest number of cycles.
+        more: further arguments of `CheckedLibrary.start`: `seed`, `options`, ...
 
     Raises:
-        Error: as `CheckedLibrary.start`; whatever goes wrong in the run itself for the
-            robot is in the result.
+        Error: as `CheckedLibrary.start`; failures of the robot during the run are in
+            the result.
     """
     if not isinstance(library, CheckedLibrary):
         wanted = "`rapc.load(path)` or `rapc.loads(text)` returns one"
@@ -320,11 +324,11 @@ def run(
 def rap_text(run: Interpreter, name: str) -> str:
     """Return a RAP as text, with the methods that a solver has found in a run.
 
-    What was found can so be kept for other runs [S 3.2]: the text may stand in place of
-    the RAP. It is one line, which `rapc fmt` lays out.
+    A program can keep these methods for later runs [S 3.2]: the text may replace the
+    RAP. The text is one line, which `rapc fmt` formats.
 
     Raises:
-        RefusedError: if the library has no such RAP.
+        RefusedError: if the library does not have the RAP.
     """
     if not isinstance(run, Interpreter):
         raise ArgumentError(f"`run` is {kind(run)}, no run")
@@ -341,7 +345,7 @@ def methods(text: str) -> tuple[Method, ...]:
     """Return methods written as RAP text, for a problem solver to return.
 
     Args:
-        text: one or more `(method ...)`, as they would stand in the RAP.
+        text: one or more `(method ...)`, in the syntax of a RAP.
 
     Raises:
         TextError: if `text` is anything else.
@@ -356,10 +360,10 @@ def methods(text: str) -> tuple[Method, ...]:
 
 
 def checked(loaded: Loaded, name: str) -> CheckedLibrary:
-    """Check what was read; `name` is what traces call it.
+    """Check loaded sources; `name` is the name in traces.
 
     Raises:
-        CheckError: if anything of severity error is found.
+        CheckError: for findings of severity error.
     """
     report = check_library(loaded, errors())
     if report.findings:
@@ -368,11 +372,11 @@ def checked(loaded: Loaded, name: str) -> CheckedLibrary:
 
 
 def linked(loaded: Loaded, name: str) -> CheckedLibrary:
-    """Link what was read without the passes of the checker.
+    """Link loaded sources without the passes of the checker.
 
-    Errors of the text and of `require` are found, and names that the library does not
-    declare. Whatever else `checked` would find shows itself in a run: a variable
-    without a value, say, is a fault of its query.
+    Errors of the text and of `require`, and undeclared names are found. The other
+    findings of `checked` appear during a run: for example, a variable without a value
+    is a fault of its query.
 
     Raises:
         CheckError: for errors of reading and linking.
@@ -399,7 +403,7 @@ def linked(loaded: Loaded, name: str) -> CheckedLibrary:
 
 
 def _paths(paths: Sequence[Path | Iterable[Path]]) -> list[str]:
-    """Return all paths, also those in a list."""
+    """Return all paths, also the paths in a list."""
     found: list[str] = []
     for path in paths:
         inner = [path] if isinstance(path, str | os.PathLike) else path
@@ -421,7 +425,7 @@ def _text(text: object) -> str:
 
 
 def _listed(given: Any, what: str) -> list[Any]:
-    """Return several things as a list, and one thing as a list of one."""
+    """Return several values as a list, and one value as a list of one."""
     if isinstance(given, str | TaskRequest):
         return [given]
     if isinstance(given, bytes | Mapping) or not isinstance(given, Sequence | Iterable):
@@ -450,7 +454,7 @@ def _fact(fact: object) -> str:
 def _world(
     world: object, seed: int, options: Mapping[str, Atom | bool] | None
 ) -> tuple[World, Mapping[str, Atom | bool]]:
-    """Return the world, made if need be, with its options as traces have them."""
+    """Return the world, made if necessary, with its options in the form of traces."""
     if isinstance(world, World):
         if options:
             raise ArgumentError("options are given for a world that is made already")

@@ -1,8 +1,8 @@
-"""What a run is begun with, as plain data: one record for all that begin runs.
+"""Description of the start of a run as plain data, for all front ends.
 
 The command line, a Python program, a test, an experiment and a trace hold one `RunSpec`
-each. Python callables, listeners and a world that a host has made are handed in beside
-it. How a run is made of a spec is in `rapc.runtime.interpreter`.
+each. Python callables, listeners and a world instance of a host are separate arguments.
+`rapc.runtime.interpreter` makes a run from a spec.
 """
 
 from __future__ import annotations
@@ -16,18 +16,18 @@ Plain = bool | int | float | str
 
 
 class RunSpec(msgspec.Struct, frozen=True, kw_only=True, rename="kebab"):
-    """All that decides what a run does, but for Python code beside the world's.
+    """All data that determine a run, except Python code outside the world.
 
-    Values are text where the language has a form for them: tasks, facts and faults.
+    Values are text if the language has a syntax for them: tasks, facts and faults.
     """
 
-    #: The library as it was named, and the digest of its texts.
+    #: The library as the user named it, and the digest of its texts.
     library: str = ""
     digest: str = ""
-    #: The name of the world; `module:Class` besides if it was named so.
+    #: The name of the world; also `module:Class` if the user named it in this form.
     world: str = ""
     world_class: str = ""
-    #: Options of the world; those that are missing have their defaults.
+    #: Options of the world; missing options have their defaults.
     options: Mapping[str, Plain] = {}
     #: Settings of the interpreter, by the names of the command line.
     settings: Mapping[str, Plain] = {}
@@ -35,9 +35,9 @@ class RunSpec(msgspec.Struct, frozen=True, kw_only=True, rename="kebab"):
     #: An agenda of the library, whose tasks come first.
     agenda: str | None = None
     tasks: tuple[str, ...] = ()
-    #: Facts in memory besides those of the world.
+    #: Initial facts, in addition to the facts of the world.
     facts: tuple[str, ...] = ()
-    #: Faults put into the world.
+    #: Faults of the world.
     faults: tuple[str, ...] = ()
     #: The time at which the run is stopped.
     until: int | float | None = None
