@@ -1,8 +1,8 @@
-"""The interpreter: a run with its loop and with all that a host may do to it.
+"""The interpreter: a run with its loop and with the interface for a host.
 
-The loop takes in messages, tests monitors, chooses a task and processes it. Where
-nothing is eligible, the clock goes on to the next time at which something can happen; a
-run ends when there is none [T figure 3.3; L 4]. Not here: what a cycle does to its task
+The loop takes in messages, tests monitors, selects a task and processes it. If no task
+is eligible, the clock moves to the next time with an event. A run ends when there is no
+such time [T figure 3.3; L 4]. Not here: the cycle of a task
 (`rapc.runtime.tasks.cycle`).
 """
 
@@ -75,14 +75,14 @@ class Interpreter(Run):
 
     Args:
         library: the compiled library.
-        world: the world, freshly made.
-        seed: the run's seed; the interpreter's random stream is made from it.
+        world: the world, newly made.
+        seed: the seed of the run and of the interpreter's random stream.
         settings: see `Settings`.
-        functions: callables by registered name, besides those the world registers;
-            each gets a `MemoryView` and then its arguments, a default function the
+        functions: callables by registered name, besides those the world registers; each
+            gets a `MemoryView` and then its arguments, a default function the
             property's index as a tuple.
-        solvers: problem solvers by RAP name; each gets the goal and a `MemoryView`
-            and returns methods (T 7.4.1).
+        solvers: problem solvers by RAP name; each gets the goal and a `MemoryView` and
+            returns methods (T 7.4.1).
         comparators: comparators of descriptions by registered name (T A.5), besides
             those of the world: see `rapc.world.Kit`.
 
@@ -108,7 +108,7 @@ class Interpreter(Run):
         need_table(comparators, "`comparators`")
         settings = Settings() if settings is None else settings
         need_settings(settings)
-        #: What the run is begun with, for the trace, and the tasks and facts of that.
+        #: The specification of the run, for the trace, with its tasks and facts.
         self.spec = RunSpec(seed=seed)
         self.first_tasks: tuple[TaskRequest, ...] = ()
         self.first_facts: tuple[Fact, ...] = ()
@@ -125,7 +125,7 @@ class Interpreter(Run):
         except BaseException as error:
             port.blame(error)
         _refuse(found)
-        #: What the loop looks at in each turn; it stays the same for the run's life.
+        #: The objects that the loop reads in each turn, constant for the run's life.
         self._looked_at = (
             self.recorder,
             self.eligible,
@@ -148,24 +148,24 @@ class Interpreter(Run):
         solvers: Callables | None = None,
         comparators: Callables | None = None,
     ) -> Interpreter:
-        """Return a run that can begin: what cannot be run is refused by now.
+        """Return a run that can begin, after all checks of library, world and spec.
 
-        Who is to hear its first event listens then; `start` begins it.
+        Register listeners to the first event before `start`, which begins the run.
 
         Args:
             library: the library.
             world: the world, made with the seed, options and faults of the spec.
-            spec: what the run is begun with.
+            spec: the specification of the run.
             later: tasks that may be submitted later, checked with the others.
-            functions: Python code besides that of the world, as are the others.
+            functions: Python code besides that of the world, like the two following.
             solvers: see `functions`.
             comparators: see `functions`.
 
         Raises:
             TextError: for a task or a fact that cannot be read.
-            SettingError: for a setting that there is not, or a value it does not take.
-            RefusedError: if the library or a task cannot be run in the world, or there
-                is no such agenda.
+            SettingError: for an unknown setting, or an invalid value.
+            RefusedError: if the library or a task cannot be run in the world, or the
+                agenda is unknown.
             FactError: for a fact that the declarations do not allow.
         """
         agenda = () if spec.agenda is None else of_agenda(library.library, spec.agenda)
@@ -185,26 +185,26 @@ class Interpreter(Run):
         )
         return run
 
-    # --- before and while it runs -------------------------------------------------
+    # --- before and during a run -----------------------------------------------------
 
     @property
     def memory(self) -> MemoryView:
-        """Return what the robot believes, to be read."""
+        """Return the robot's beliefs, to be read."""
         return self.context.view
 
     @property
     def world(self) -> World:
-        """The world of the run: `run.world.figures()`, say, if it has figures."""
+        """Return the world of the run, as in `run.world.figures()`."""
         return self._world
 
     @property
     def machine(self) -> Interpreter:
-        """The run with its parts, for tools that look into it: they change nothing."""
+        """Return the run with its parts, for tools that read them."""
         return self
 
     @property
     def now(self) -> Time:
-        """Return the time of the world's clock, as last looked at."""
+        """Return the time of the world's clock, as last read."""
         return self.recorder.time
 
     @property
@@ -214,7 +214,7 @@ class Interpreter(Run):
 
     @property
     def reason(self) -> str | None:
-        """Return why the run is over, or None while it is not."""
+        """Return the reason why the run is over, or None before its end."""
         return self.state.reason
 
     def listen(self, listener: Listener, *kinds: type[Event]) -> None:
@@ -226,11 +226,11 @@ class Interpreter(Run):
         self.recorder.listen(listener, *kinds)
 
     def record(self) -> Recording:
-        """Keep every event from now on, to be read later."""
+        """Record every event from now on, to be read later."""
         return Recording(self.recorder)
 
     def watch_contexts(self, listener: ContextListener) -> None:
-        """Tell `listener` whenever the context of a method is asked, and the answer."""
+        """Call `listener` with each evaluated context of a method, and the result."""
         need_call(listener, "a listener")
         self.context_asked = listener
 
@@ -245,21 +245,21 @@ class Interpreter(Run):
             self.access.recognise()
 
     def check_fact(self, *fact: Atom) -> None:
-        """Look at a fact without asserting it. Raises FactError as `assert_fact`."""
+        """Validate a fact without asserting it. Raises FactError as `assert_fact`."""
         self.access.checked(fact)
 
     def erase(self, *prefix: Atom) -> None:
-        """Erase every fact that starts so, on behalf of the user.
+        """Erase every fact that starts with `prefix`, on behalf of the user.
 
         Raises:
-            FactError: if the prefix names nothing declared.
+            FactError: if the prefix has an undeclared name.
         """
         self.access.erase_for("user", prefix)
         if self.recognizer.unsettled:
             self.access.recognise()
 
     def move(self, item: str, place: Atom | None) -> None:
-        """Let an introduced item be at another place; None: it is lost.
+        """Move an introduced item to another place; None: the item is lost.
 
         Raises:
             FactError: for a name that no handler introduced.
@@ -274,17 +274,18 @@ class Interpreter(Run):
         """Send a signal `(:name arg...)` now.
 
         Raises:
-            FactError: if no event is called so, or it has other arguments.
+            FactError: for an undeclared event, or wrong arguments.
         """
         need_fact(content, "the signal")
         self.port.check_signal(content)
         signal(self, self.beliefs.canonical(content))
 
     def call_at(self, time: Time, action: Callable[[], None]) -> None:
-        """Do something at a time: first of all that falls on it.
+        """Call `action` at a time, before all other work due at that time.
 
-        In the course of an atomic primitive it is done when that ends, before its
-        result. The run goes on until it is done, or is ended for another reason.
+        If an atomic primitive is under way, the call comes at its end, before its
+        result. The run goes on until the call, or until the run ends for another
+        reason.
 
         Raises:
             ArgumentError: if `time` is no time, or `action` cannot be called.
@@ -295,25 +296,25 @@ class Interpreter(Run):
         heapq.heappush(self.host_timers, (time, self.state.requests, action))
 
     def call_at_end(self, action: Callable[[], None]) -> None:
-        """Do something when the run is over, before live tasks are removed."""
+        """Call `action` when the run is over, before live tasks are removed."""
         need_call(action, "`action`")
         self.at_end.append(action)
 
     def call_when_waiting(self, action: Callable[[], None]) -> None:
-        """Do something each time the run has nothing to do but to let time pass.
+        """Call `action` each time before the run waits for the next time.
 
-        All that has come by then is dealt with. It is for those who look on: what they
-        do changes nothing.
+        All work due by then is done. The action is for observers: it must not change
+        the run.
         """
         need_call(action, "`action`")
         self.when_waiting.append(action)
 
     def submit(self, task: TaskRequest | str) -> None:
-        """Give the robot a task, as text or as an object, now or for a later time.
+        """Submit a task, as text or as an object, now or for a later time.
 
         Raises:
             RefusedError: for an unknown RAP, or a wrong number of inputs.
-            TextError: for a text that is no task.
+            TextError: for an invalid text.
         """
         if isinstance(task, str):
             task = read_task_request(task)
@@ -333,18 +334,18 @@ class Interpreter(Run):
             create_top(self, task)
 
     def cancel(self, goal: Fact) -> int:
-        """Cancel every live top-level task that a goal matches; how many they were.
+        """Cancel every live top-level task that a goal matches; return their number.
 
-        Its variables (`?x`, `?`) match anything.
+        Variables of the goal (`?x`, `?`) match anything.
         """
         need_atoms(goal, "`goal`")
         return cancel_matching(self, goal)
 
     def task(self, number: int) -> Task:
-        """Return a live task by its number, for those who look on.
+        """Return a live task by its number, for observers.
 
         Raises:
-            ArgumentError: if there is none.
+            ArgumentError: for an unknown task.
         """
         for task in self.state.live_tasks():
             if task.number == number:
@@ -354,10 +355,10 @@ class Interpreter(Run):
         raise ArgumentError(f"there is no task [{number}]")
 
     def fail_task(self, number: int) -> None:
-        """Let a task fail as if a condition of it did not hold; its method ends first.
+        """Fail a task, like a task with a false condition; its method ends first.
 
         Raises:
-            ArgumentError: if there is no such task.
+            ArgumentError: for an unknown task.
         """
         task = self.task(number)
         if task.run is not None:
@@ -366,10 +367,10 @@ class Interpreter(Run):
         fail(self, task, INTERFERENCE)
 
     def retry_task(self, number: int) -> None:
-        """Let the method of a task end badly, so that the task chooses again.
+        """Fail the method of a task: the task chooses again.
 
         Raises:
-            ArgumentError: for a task that there is not, or that is at work on none.
+            ArgumentError: for an unknown task, or a task without a method under way.
         """
         task = self.task(number)
         if task.run is None:
@@ -377,7 +378,7 @@ class Interpreter(Run):
         end_method(self, task.run, INTERFERENCE, None, "cancelled")
 
     def check(self, tasks: Sequence[TaskRequest]) -> None:
-        """Look at tasks without running anything. Raises RefusedError as `submit`."""
+        """Validate tasks without running anything. Raises RefusedError as `submit`."""
         goals = []
         for task in tasks if isinstance(tasks, Iterable) else [tasks]:
             need_task(task)
@@ -385,12 +386,12 @@ class Interpreter(Run):
         refuse_tasks(self.library, goals)
 
     def extend(self, library: Program) -> None:
-        """Go on with more RAPs than before, made by `rapc.extend` (T 4.10.1).
+        """Continue with additional RAPs, made by `rapc.extend` (T 4.10.1).
 
-        Tasks under way keep the RAPs they began with.
+        Tasks under way keep the RAPs with which they began.
 
         Raises:
-            RefusedError: if the library is not the one that runs with some RAPs added.
+            RefusedError: if the library is not the present library with added RAPs.
         """
         need_program(library, "`library`")
         refuse_extension(self.library.library, library.library)
@@ -401,8 +402,8 @@ class Interpreter(Run):
     def run(self, until: Time | None = None, cycles: int | None = None) -> str:
         """Run until the run is over or the clock has passed `until`.
 
-        At most `cycles` further cycles are run. Returns the reason why the run is
-        over; it is over for good.
+        The interpreter runs at most `cycles` further cycles. Return the reason why the
+        run is over; a run that is over cannot continue.
 
         Raises:
             ArgumentError: if `until` is no time.
@@ -418,7 +419,7 @@ class Interpreter(Run):
             most = None if cycles is None else max(cycles, 0)
             try:
                 if until is not None and most != 0:
-                    self.set_clock(self.now)  # it may not go on
+                    self.set_clock(self.now)  # the clock may not move on
                 reason = self._turn(most, wait=True) or self._why_over()
             except BaseException as error:
                 self._break(error)
@@ -428,22 +429,22 @@ class Interpreter(Run):
     def step(self, wait: bool = True) -> bool:
         """Run one cycle, after its time has come; return False once the run is over.
 
-        Without `wait` also False, and nothing done, if no task can go on now. With it
-        the run is over after as many waits as `Settings.idle_waits` says: no step goes
-        on for ever because the world does.
+        Without `wait`, if no task can go on now, do nothing and return False. With
+        `wait` the run is over after the number of waits in `Settings.idle_waits`: no
+        step waits for ever for the world.
         """
         return self._go(1, wait) == 1
 
     def run_ready(self) -> int:
-        """Run cycles until no task can go on now; how many they were."""
+        """Run cycles until no task can go on now; return the number of cycles."""
         return self._go(None, wait=False)
 
     def come_to_choice(self) -> bool:
-        """Go on to the moment at which a task is about to be chosen, and stop there.
+        """Advance to the next choice of a task, and stop before the choice.
 
-        What comes before a choice is done: the clock moves on, messages are taken in,
-        monitors are tested. The next step makes the choice. Returns False, with the run
-        ended, if there is none to make.
+        The interpreter does all work before a choice: it moves the clock, takes in
+        messages and tests monitors. The next step makes the choice. If there is no
+        choice to make, the run ends and the method returns False.
         """
         self.start()
         if self.state.reason is None:
@@ -470,7 +471,7 @@ class Interpreter(Run):
         return recorder.cycle - before
 
     def _break(self, error: BaseException) -> NoReturn:
-        """Raise what broke the run off; what is a world's author's also ends it.
+        """Raise the error that aborted the run; end the run if an author caused it.
 
         Raises:
             PortError: see `HeldWorld.blame`.
@@ -485,7 +486,7 @@ class Interpreter(Run):
     def start(self) -> None:
         """Begin the run: emit `run-started`, assert first facts, submit first tasks.
 
-        The first task or step begins a run that was not begun before.
+        The first task or step also begins the run if necessary.
 
         Raises:
             PortError: if the world breaks.
@@ -515,10 +516,11 @@ class Interpreter(Run):
     # --- the loop -------------------------------------------------------------------
 
     def _turn(self, most: int | None, wait: bool, choose: bool = True) -> str | None:
-        """Turn until the run is over, and return why, or `most` cycles are done.
+        """Run the loop until the run is over; return the reason.
 
-        Without `wait` also until no task can go on now, without `choose` until one is
-        about to be chosen. Each of these returns None.
+        The loop also stops after `most` cycles, without `wait` if no task can go on
+        now, and without `choose` before the choice of a task. Then the method returns
+        None.
         """
         state, port, cost = self.state, self.port, self.settings.cycle_cost
         recorder, eligible, monitors, to_test, timers, unsettled, changed = (
@@ -527,10 +529,11 @@ class Interpreter(Run):
         gone, cycle = state.activations.off, recorder.cycle
         clock, receive = port.clock, port.receive
         patience = self.settings.idle_cycles
-        # A world that may end the run by itself is asked in each turn.
+        # In each turn, the loop queries a world that may end the run by itself.
         ended, may_end = port.ended, port.may_end
         last = -1 if most is None else cycle + most
-        # The last cycle that the clock may stand still; it moved `patience` before.
+        # The last cycle without a move of the clock: `patience` cycles after the last
+        # move.
         limit = cycle - state.idle + patience
         reason: str | None = None
         self.turning = True
@@ -579,7 +582,7 @@ class Interpreter(Run):
         return reason
 
     def _why_over(self) -> str | None:
-        """Return why the run is over, or None if it is not."""
+        """Return the reason why the run is over, or None if it is not."""
         state = self.state
         if state.past_until:
             return "until"
@@ -590,7 +593,7 @@ class Interpreter(Run):
         return "runaway" if state.idle > self.settings.idle_cycles else None
 
     def _wake(self) -> None:
-        """Start what has waited for this time, and test what has changed."""
+        """Start all work that is due, and test the changed monitors."""
         monitors, things = self.monitors, self.things
         look = monitors.next_look
         if look is not None and self.recorder.time >= look:
@@ -603,7 +606,7 @@ class Interpreter(Run):
             monitors.look_by(self.state.scheduled[0][0])
 
     def _start_due(self) -> None:
-        """Create the tasks, and start the steps, that have waited for this time."""
+        """Create the scheduled tasks, and start the steps, that are due."""
         scheduled = self.state.scheduled
         while scheduled and scheduled[0][0] <= self.recorder.time:
             submission = heapq.heappop(scheduled)[2]
@@ -613,15 +616,15 @@ class Interpreter(Run):
             release(self, task, again=True)
 
     def _spend(self, cost: Time) -> None:
-        """Let a cycle take its time."""
+        """Advance the clock by the cost of a cycle."""
         port = self.port
         port.advance(number(port.now() + cost))
         self.sync_clock()
 
     def _wait(self) -> str | None:
-        """Move time on to what comes next, as nothing is eligible, or say what ends.
+        """Advance to the next known time; return the reason if the run is over.
 
-        Where the clock does not move, the turn counts as idle.
+        If the clock does not move, the turn counts as idle.
         """
         until = self.state.until
         now = self.recorder.time
@@ -649,10 +652,10 @@ class Interpreter(Run):
         return None
 
     def _wait_is_over(self, end: Time) -> str | None:
-        """Take in what has come of a wait until `end` at most; `stuck` if nothing has.
+        """Take in the messages of a wait until `end`; return `stuck` without any.
 
         Raises:
-            PortError: for a world that has stopped before, and sent nothing.
+            PortError: for a world that has stopped before `end`, and sent nothing.
         """
         port = self.port
         self.sync_clock()
@@ -665,10 +668,10 @@ class Interpreter(Run):
         return None
 
     def _take_what_is_due(self, target: Time) -> None:
-        """Take in what the world has sent where waiting has not moved its clock.
+        """Take in the messages of a world whose clock has not moved.
 
         Raises:
-            PortError: for a world that should have moved it, or sent something.
+            PortError: for a world that should have moved its clock, or sent a message.
         """
         port = self.port
         messages = port.messages()
@@ -678,10 +681,10 @@ class Interpreter(Run):
             port.check_wait(self.recorder.time, target)
 
     def _coming_times(self) -> list[Time]:
-        """Return the times at which something is known to come.
+        """Return the known times of future events.
 
         Raises:
-            PortError: for a world whose next time is no time, or has been.
+            PortError: for a world whose next time is invalid, or past.
         """
         due = self.port.next_time(self.recorder.time)
         times = [self.monitors.next_time(), due]
@@ -694,23 +697,24 @@ class Interpreter(Run):
     # --- saving ---------------------------------------------------------------------
 
     def save(self) -> bytes:
-        """Return the whole run as bytes, its world among it; nothing changes by it.
+        """Return the state of the run and its world as bytes.
 
-        Listeners and registered callables are no part of a run.
+        The method does not change the run. Listeners and registered callables are not
+        saved.
 
         Raises:
-            StateError: in the middle of a cycle, if the world cannot be saved, or if
-                the host is to be called (`call_at`, `call_at_end`).
+            StateError: in the middle of a cycle, if the world cannot be saved, or with
+                registered calls of the host (`call_at`, `call_at_end`).
             PortError: if the world breaks while it is saved.
         """
         return save(self, self.seed)
 
     def restore(self, saved: bytes) -> None:
-        """Take up a run that `save` returned, in place of this one.
+        """Replace this run by a run that `save` returned.
 
-        Listeners stay, and hear of what happens from now on; so do what `memory` and
-        `question` have returned. It may have been saved by another process, and by
-        another run of the same library in a world made the same way.
+        Listeners stay registered, and receive the events from now on. The results of
+        `memory` and `question` stay valid. The saved run may be from another process,
+        and from another run of the same library in a world made with the same options.
 
         Raises:
             StateError: if `saved` is no such run; then nothing has changed.
@@ -721,13 +725,13 @@ class Interpreter(Run):
         self.seed = restore(self, saved)
 
     def fork(self, world: World | None = None) -> Interpreter:
-        """Return a second run that stands where this one stands.
+        """Return a second run with the state of this run.
 
-        Both go on by themselves. Nobody listens to the second one yet.
+        Both runs are independent. The second run has no listeners.
 
         Args:
-            world: a world for it, made as that of this run was; without one it gets a
-                copy of that of this run.
+            world: a world for the second run, made with the same options as this run's
+                world; by default a copy of this run's world.
 
         Raises:
             StateError: as `save`.
@@ -741,8 +745,8 @@ class Interpreter(Run):
     def remade(self, library: Program, settings: Settings) -> Interpreter:
         """Return a run of another library, or with other settings, in the same world.
 
-        Its listeners are those of this run. It stands nowhere until a state is restored
-        in it, and only one of the two may go on from then on.
+        The new run has the listeners of this run. The caller must restore a state in
+        the new run, and may continue only one of the two.
 
         Raises:
             RefusedError: if the library cannot be run in the world.
@@ -756,7 +760,7 @@ class Interpreter(Run):
     def _made_with(
         self, library: Program, settings: Settings, world: World
     ) -> Interpreter:
-        """Return a run that has not begun, with the callables of this one."""
+        """Return a run that has not begun, with the callables of this run."""
         functions, solvers, comparators = self._registered
         return Interpreter(
             library, world, self.seed, settings, functions, solvers, comparators
@@ -765,11 +769,11 @@ class Interpreter(Run):
     # --- the end ------------------------------------------------------------------
 
     def end(self, reason: str, because: str | None = None) -> None:
-        """End the run: every live task is removed, the results are told.
+        """End the run: remove every live task, report the results.
 
         Args:
-            reason: why it is over, in a word.
-            because: more of it, where somebody knows more.
+            reason: why the run is over, as one word.
+            because: an explanation, if any.
         """
         state = self.state
         if state.reason is not None:
@@ -801,25 +805,25 @@ class Interpreter(Run):
             )
 
     def results(self) -> tuple[TaskResult, ...]:
-        """Return what has become of each task given so far, in order of arrival."""
+        """Return the result of each task so far, in order of arrival."""
         return snapshot.results(self.state.top_level)
 
     def agenda(self) -> tuple[AgendaEntry, ...]:
-        """All live tasks as they stand now, by number, each with its slack."""
+        """Return all live tasks by number, each with its slack."""
         return snapshot.agenda(self)
 
     def goals(self) -> dict[int, Goal]:
-        """The goals of all live tasks by number, with the inputs that are known."""
+        """Return the goals of all live tasks by number, with the known inputs."""
         return snapshot.goals(self)
 
     def question(self, formula: Formula | str, *given: str) -> HostQuery:
-        """A formula, or its text, made ready to be asked of memory again and again.
+        """Return a formula, or its text, compiled for many evaluations over memory.
 
-        `given` are the variables whose values come with each asking, in that order.
+        `given` are the variables that get values in each evaluation, in that order.
 
         Raises:
-            TextError: for a text that is no formula, a name that the library does not
-                declare, a variable that the formula does not have.
+            TextError: for an invalid text, a name that the library does not declare, a
+                variable that is not in the formula.
         """
         if isinstance(formula, str):
             formula = parse_formula(formula)
@@ -831,12 +835,12 @@ class Interpreter(Run):
         return HostQuery(self, formula, given)
 
     def waiting(self) -> tuple[str, ...]:
-        """Each task that is not done, and what it waits for, for a person to read."""
+        """Return a line for people on each task under way and its wait."""
         return snapshot.waiting(self)
 
 
 def wire(run: Run) -> None:
-    """Let the handlers of a run ask memory, and hold them to their word if wanted."""
+    """Connect handlers with memory, and check them if the settings are strict."""
     run.recognizer.renamed = partial(rename, run)
     run.access.answers = HandlerQuestions(run).ask
     if run.settings.strict:
