@@ -1,13 +1,13 @@
-"""A world held to its word: what it answers and sends is what was offered and declared.
+"""Checks of a world: its replies and messages must match its offer and declarations.
 
-The interpreter calls the world through a `HeldWorld` and checks nothing itself. What
-does not keep to the port is told at once, as a `PortError` that names the world, the
-call and where its author wrote it; the run does not go on in silence.
+The interpreter calls the world through a `HeldWorld` and checks nothing itself. If the
+world violates the port, a `PortError` names the world, the call and the place in the
+author's code at once; the run does not go on.
 
 A world's methods, its handlers, and functions, solvers and comparators are code of
-their authors. What such code raises is a `PortError`, too, with file and line. What a
-listener raises is the host's own and goes through untouched; anything else is a fault
-of rapc.
+their authors. An exception in such code also becomes a `PortError`, with file and line.
+An exception in a listener belongs to the host and is not changed; any other exception
+is a fault of rapc.
 """
 
 from __future__ import annotations
@@ -47,13 +47,13 @@ from rapc.world import (
 )
 
 MOST_FACTS = 1_000_000
-"""How many first facts a world may have."""
+"""The highest number of first facts of a world."""
 
 LATEST = 10**15
-"""The latest time of a clock: up to it a `float` still has eighths of a time unit."""
+"""The latest time of a clock: up to here a `float` can represent eighths of a unit."""
 
 OF_THE_BYTES = (LookupError, TypeError, ValueError, AttributeError)
-"""What `restore` raises where the bytes hold what no world leaves."""
+"""The exceptions of `restore` for bytes that no world has saved."""
 
 _A_FACT = (
     "a tuple of a name and its arguments: symbols as programs write them, numbers, "
@@ -75,23 +75,23 @@ _WANTED = {
     "a message": f"a `Datum` or `Signal` that holds {_A_FACT}, or a `Finished`",
     "the end of a request": _A_REPLY,
 }
-"""What should have come, by the method of the world or, first, by what it is called."""
+"""The expected values in messages, by the name of the value or else of the method."""
 
 _MOST_SHOWN = 60
 
 
 class HeldWorld(Wrapper):
-    """Holds one world to what it offers and to what one library declares.
+    """A wrapper that checks a world against its offer and one library's declarations.
 
-    Three calls of each turn also go to the world directly, for speed: what `clock`,
-    `receive` and `ask` return goes through `time`, `listed` and `answer`, unless it is
-    the time that it was, no message, or `okay` without data.
+    For speed, each turn also makes three calls to the world directly. The results of
+    `clock`, `receive` and `ask` then go through `time`, `listed` and `answer`, except
+    an unchanged time, no messages, or `okay` without data.
 
     Args:
         world: the world.
-        program: the library that runs; without one the offer of the world counts.
+        program: the library of the run; without it the offer of the world counts.
         code: the Python code of authors; without it that of the world.
-        strict: whether data must be among those that `:tells` names.
+        strict: whether only data in `:tells` are allowed.
     """
 
     def __init__(
@@ -102,13 +102,13 @@ class HeldWorld(Wrapper):
         strict: bool = False,
     ) -> None:
         super().__init__(world)
-        #: The Python code of authors, by what messages call it, then by name.
+        #: The Python code of authors, by its kind in messages, then by name.
         self.code = code_of_authors(world.kit) if code is None else code
         offered = Signatures.offered(world.kit.offer)
         signatures = offered if program is None else program.signatures
         primitives = {} if program is None else program.library.primitives
         self._kinds = signatures.kinds
-        #: What the library declares counts; what it says nothing of, as offered.
+        #: The declarations of the library; for undeclared names, the offer.
         self._data = {**offered.data, **signatures.data}
         self._events = {**offered.events, **signatures.events}
         self._results = {
@@ -118,7 +118,7 @@ class HeldWorld(Wrapper):
         self._atomic = frozenset(
             name for name, form in primitives.items() if form.atomic
         )
-        #: The data that may come with a primitive; nothing where nothing is said.
+        #: The data that may come with a primitive; empty without a declaration.
         self._tells = {
             name: frozenset(form.tells)
             for name, form in primitives.items()
@@ -126,7 +126,7 @@ class HeldWorld(Wrapper):
         }
 
     def enclose(self, world: World) -> None:
-        """Put another world behind this one, of the same kit."""
+        """Replace the wrapped world by another world of the same kit."""
         super().enclose(world)
         self.clock, self.receive, self.ask = world.now, world.messages, world.perform
         #: Whether the world may end the run by itself.
@@ -135,17 +135,17 @@ class HeldWorld(Wrapper):
     # --- the clock ----------------------------------------------------------------
 
     def now(self) -> Time:
-        """Return the time of the clock. Raises PortError for what is no time."""
+        """Return the time of the clock. Raises PortError for an invalid time."""
         now = self.clock()
         if not is_time(now):
             raise self.wrong_type("now", "the time", now)
         return now
 
     def time(self, now: object, before: Time) -> Time:
-        """Return what `clock` has returned as the trace has it: whole ones as integers.
+        """Return the result of `clock` as in the trace: whole times as integers.
 
         Raises:
-            PortError: for what is no time, or before the time it was.
+            PortError: for an invalid time, or a time before the last time.
         """
         if type(now) is not int:
             if not (isinstance(now, float) and is_time(now)):
@@ -157,10 +157,10 @@ class HeldWorld(Wrapper):
         return now
 
     def next_time(self, now: Time = 0) -> Time | None:
-        """Return when the world will next send something; it is `now`.
+        """Return when the world will next send a message; `now` is the present time.
 
         Raises:
-            PortError: for what is no time, or a time gone.
+            PortError: for an invalid time, or a past time.
         """
         due = super().next_time()
         if due is None or due == NOT_KNOWN:
@@ -174,7 +174,7 @@ class HeldWorld(Wrapper):
         return due
 
     def check_stop(self, now: Time, target: Time) -> None:
-        """See that a world that has sent nothing let time pass until `target`.
+        """Check that a world that has sent nothing let time pass until `target`.
 
         Raises:
             PortError: if not.
@@ -185,14 +185,14 @@ class HeldWorld(Wrapper):
             raise self.breach("advance", said)
 
     def check_wait(self, now: Time, target: Time) -> None:
-        """See that a clock that stood still, with nothing sent, might do so.
+        """Check that a clock may stand still in a wait without messages.
 
         Args:
             now: the time.
-            target: the time that was waited for.
+            target: the time that the run waited for.
 
         Raises:
-            PortError: if the clock should have moved, or something have come.
+            PortError: if the clock should have moved, or a message have come.
         """
         due = super().next_time()
         announced = due is not None and due <= now
@@ -205,20 +205,20 @@ class HeldWorld(Wrapper):
         raise self.breach("advance", f"did not move its clock on to {at}")
 
     def ended(self) -> str | None:
-        """Return why the world has ended the run. Raises PortError for no text."""
+        """Return why the world has ended the run. Raises PortError for another type."""
         ended: object = self.behind.ended()
         if ended is None or isinstance(ended, str):
             return ended
         raise self.wrong_type("ended", "the end", ended)
 
-    # --- requests and what is sent --------------------------------------------------
+    # --- requests and messages ------------------------------------------------------
 
     def facts(self) -> list[Fact]:
-        """Return what a robot knows at first.
+        """Return the first facts of the world.
 
         Raises:
-            PortError: for what is no list of facts, and if `facts` breaks or has no
-                end.
+            PortError: for a result that is no list of facts, and if `facts` breaks or
+                has no end.
         """
         found: list[Fact] = []
         with self._laid("facts"):
@@ -239,10 +239,10 @@ class HeldWorld(Wrapper):
         return self.answer(request, self.ask(ticket, request))
 
     def answer(self, sent: Fact, answer: object) -> Reply | Refused | None:
-        """Return `answer`, once it is seen that the request `sent` may have it.
+        """Return `answer`, after validating it for the request `sent`.
 
         Raises:
-            PortError: if not.
+            PortError: for an invalid answer.
         """
         if is_refusal(answer):
             return answer
@@ -261,11 +261,11 @@ class HeldWorld(Wrapper):
     def check_end(
         self, ended: Finished, asked: Mapping[int, tuple[object, Fact]]
     ) -> None:
-        """See that a late end is one of a request under way, with a fitting reply.
+        """Check that a late end belongs to a request under way, with a valid reply.
 
         Args:
             ended: the message.
-            asked: what is under way, by ticket.
+            asked: the requests under way, by ticket.
 
         Raises:
             PortError: if not.
@@ -279,27 +279,27 @@ class HeldWorld(Wrapper):
         self._check_content("messages", asked[ticket][1], ended.reply)
 
     def messages(self) -> Sequence[Message]:
-        """Return what the world has sent. Raises PortError as `listed`."""
+        """Return the messages of the world. Raises PortError as `listed`."""
         return self.listed(self.receive())
 
     def listed(self, sent: object) -> Sequence[Message]:
         """Return `sent` if it is a list; its messages are for `check_message`.
 
         Raises:
-            PortError: if it is none.
+            PortError: for another type.
         """
         if not isinstance(sent, tuple | list):
             raise self.wrong_type("messages", "what `messages` returns", sent)
         return sent
 
     def check_message(self, message: object) -> None:
-        """Check a datum or a signal, just before it is handled.
+        """Check a datum or a signal, just before its handling.
 
-        Those before it in the same turn have been handled then. Ends of requests are
-        for `check_end`.
+        The preceding messages of the same turn have been handled by then. Ends of
+        requests are for `check_end`.
 
         Raises:
-            PortError: unless it has arguments as offered and declared.
+            PortError: if its arguments do not match the offer and the declaration.
         """
         if isinstance(message, Datum) and is_fact(message.content):
             self._check_datum(message.content, "messages")
@@ -309,10 +309,10 @@ class HeldWorld(Wrapper):
             raise self.wrong_type("messages", "a message", message)
 
     def result_told(self, asked: Fact, told: object, handler: ResultHandler) -> str:
-        """Return the result that a handler has put in place of the world's.
+        """Return the result that a handler has put in place of the world's result.
 
         Raises:
-            PortError: for what is no declared result of the primitive asked.
+            PortError: for a result that the primitive does not declare.
         """
         name = str(asked[0])
         known = self._results.get(name, frozenset())
@@ -322,10 +322,10 @@ class HeldWorld(Wrapper):
         raise PortError(f"the handler of `{name}`{place_of(handler)} returned {what}")
 
     def check_signal(self, content: Fact) -> None:
-        """See that a host may send the signal `content`.
+        """Check that a host may send the signal `content`.
 
         Raises:
-            FactError: if no event is called so, or it has other arguments.
+            FactError: for an undeclared event, or wrong arguments.
         """
         fault = self._fault(self._events, content)
         if fault is not None:
@@ -334,7 +334,7 @@ class HeldWorld(Wrapper):
             raise FactError(f"{format_list(content)}: {fault}")
 
     def _check_content(self, call: str, asked: Fact, reply: Reply) -> None:
-        """See that result and data of a reply are declared. Raises PortError."""
+        """Check that result and data of a reply are declared. Raises PortError."""
         known = self._results.get(str(asked[0]))
         if known is not None and reply.result not in known:
             told = self._undeclared(str(asked[0]), reply.result)
@@ -347,13 +347,13 @@ class HeldWorld(Wrapper):
                 raise self.breach(call, f"{told}, which `:tells` does not say")
 
     def _check_datum(self, content: Fact, call: str) -> None:
-        """See that a datum has a handler, and the arguments it is to have."""
+        """Check that a datum has a handler and declared arguments."""
         if content[0] not in self.kit.handlers.data:
             raise self.breach(call, f"has no handler for its datum {content[0]}")
         self._check_fact("datum", content, call)
 
     def _fault(self, table: Mapping[str, Signature], content: Fact) -> str | None:
-        """Return what is wrong with a datum or signal; nothing is said of no such."""
+        """Return the fault of a datum or signal, or None; empty if undeclared."""
         known = table.get(str(content[0]))
         if known is None:
             return ""
@@ -383,7 +383,7 @@ class HeldWorld(Wrapper):
     def _activate(
         self, ticket: int, skills: Sequence[Fact], events: Sequence[str]
     ) -> Refused | None:
-        """Switch skills on. Raises PortError for an answer of another type."""
+        """Switch skills on. Raises PortError for a result of another type."""
         answer: object = self.behind.activate(ticket, skills, events)
         if answer is None or is_refusal(answer):
             return answer
@@ -393,7 +393,7 @@ class HeldWorld(Wrapper):
         self.behind.deactivate(ticket)
 
     def _usual_time(self, request: Fact) -> Time:
-        """Return how long a request usually takes. Raises PortError for no time."""
+        """Return a request's usual duration. Raises PortError for an invalid time."""
         with self._laid("usual_time"):
             takes: Time = self.behind.usual_time(request)
         if not is_time(takes):
@@ -401,10 +401,10 @@ class HeldWorld(Wrapper):
         return takes
 
     def _picture(self) -> Picture:
-        """Return the picture of the world, with tuples in it.
+        """Return the picture of the world, with tuples in place of lists.
 
         Raises:
-            PortError: if `picture` breaks, or returns what cannot be drawn.
+            PortError: if `picture` breaks, or returns an invalid picture.
         """
         with self._laid("picture"):
             picture = self.behind.picture()
@@ -417,12 +417,12 @@ class HeldWorld(Wrapper):
                 raise self.breach("picture", said) from error
 
     def _figures(self) -> dict[str, Atom]:
-        """Return what was true so far. Raises PortError for what is no mapping."""
+        """Return the ground-truth figures. Raises PortError for another type."""
         with self._laid("figures"):
             return dict(msgspec.to_builtins(self.behind.figures()))
 
     def _save(self) -> bytes:
-        """Return the state. Raises PortError if `save` breaks, or for no bytes."""
+        """Return the state. Raises PortError if `save` breaks or returns no bytes."""
         with self._laid("save"):
             state = self.behind.save()
         if not isinstance(state, bytes):
@@ -430,37 +430,38 @@ class HeldWorld(Wrapper):
         return state
 
     def _restore(self, state: bytes) -> None:
-        """Go back to a saved state. Raises `OF_THE_BYTES`, or PortError."""
+        """Restore a saved state. Raises `OF_THE_BYTES`, or PortError."""
         with self._laid("restore", *OF_THE_BYTES):
             self.behind.restore(state)
 
     def _adjustable(self) -> dict[str, Atom | bool]:
-        """Return the options that can be changed. Raises PortError for no mapping."""
+        """Return the options that can be changed. Raises PortError for another type."""
         with self._laid("adjustable"):
             return dict(self.behind.adjustable())
 
     def _adjust(self, name: str, value: Atom | bool) -> None:
-        """Give an option another value. Raises ValueError, or PortError."""
+        """Set an option. Raises ValueError, or PortError."""
         with self._laid("adjust", ValueError):
             self.behind.adjust(name, value)
 
-    # --- whose fault it is ----------------------------------------------------------
+    # --- errors of authors' code
+    # --------------------------------------------------------
 
     def breach(self, call: str, said: str) -> PortError:
-        """Return what to raise for a world that does not keep to the port.
+        """Return the error for a world that violates the port.
 
         Args:
-            call: the method of the world that showed it.
-            said: says what the world did: `sent nothing`.
+            call: the method of the world that revealed the violation.
+            said: the behaviour of the world as text: `sent nothing`.
         """
         return PortError(f"the world `{self.name}` {said}; see {self._method(call)}")
 
     def wrong_type(self, call: str, what: str, value: object) -> PortError:
-        """Return what to raise for a `value` of the wrong type from an author's code.
+        """Return the error for a `value` of the wrong type from an author's code.
 
         Args:
-            call: the method of the world that returned it.
-            what: says what the value should have been: `the reply to (look)`.
+            call: the method of the world that returned the value.
+            what: the expected value as text: `the reply to (look)`.
             value: the value.
         """
         shown = ascii(value)
@@ -470,27 +471,27 @@ class HeldWorld(Wrapper):
         return PortError(f"{said}, not {wanted}; see {self._method(call)}")
 
     def _method(self, call: str) -> str:
-        """Return the method of a world, and where its author wrote it."""
+        """Return the method of a world with its place in the author's code, as text."""
         return f"`{call}`{place_of(getattr(innermost(self), call))}"
 
     @contextmanager
     def _laid(self, call: str, *allowed: type[Exception]) -> Iterator[None]:
-        """Raise what the block raises as a failure of a method of the world.
+        """Raise exceptions of the block as failures of a method of the world.
 
-        It is for blocks in which no code of others runs.
+        Use this context only for blocks without code of other authors.
 
         Args:
             call: the method.
-            allowed: what the method may raise.
+            allowed: the exceptions that pass unchanged.
 
         Raises:
-            PortError: for whatever else the block raises, Ctrl-C left out.
+            PortError: for any other exception but Ctrl-C.
         """
         try:
             yield
         except (KeyboardInterrupt, PortError):
             raise
-        except BaseException as error:  # whatever the world's code may raise
+        except BaseException as error:  # any exception of the world's code
             if isinstance(error, allowed):
                 raise
             place = place_of_error(error).strip(" ()")
@@ -499,10 +500,10 @@ class HeldWorld(Wrapper):
             raise PortError(said) from error
 
     def blame(self, error: BaseException) -> NoReturn:
-        """Raise what `error`, which came out of a run, is to a host.
+        """Raise `error`, which came out of a run, in its form for a host.
 
         Raises:
-            PortError: if an author's code raised `error`, though it be `SystemExit`.
+            PortError: if an author's code raised `error`, even `SystemExit`.
             BaseException: `error` itself if not.
         """
         if isinstance(error, KeyboardInterrupt | PortError):
@@ -532,7 +533,7 @@ def _package(frame: FrameType) -> str:
 
 
 def _is_of_world(frame: FrameType) -> bool:
-    """Whether a frame is that of a method of a world."""
+    """Return whether a frame is that of a method of a world."""
     first = frame.f_locals.get(next(iter(frame.f_code.co_varnames), ""))
     if isinstance(first, tuple) and first:  # of a method with `*args` alone
         first = first[0]
@@ -540,32 +541,32 @@ def _is_of_world(frame: FrameType) -> bool:
 
 
 def is_fact(value: object) -> bool:
-    """Whether `value` is a fact: a tuple of atoms, the first of them a name."""
+    """Return whether `value` is a fact: a tuple of atoms that starts with a name."""
     if type(value) is not tuple or not value or type(value[0]) is not str:
         return False
     return all(map(is_atom, value))
 
 
 def is_reply(value: object) -> TypeGuard[Reply]:
-    """Whether `value` is a reply with a result and data that are facts."""
+    """Return whether `value` is a reply with a result and data that are facts."""
     if type(value) is not Reply or type(value.result) is not str:
         return False
     return isinstance(value.data, tuple | list) and all(map(is_fact, value.data))
 
 
 def is_refusal(value: object) -> TypeGuard[Refused]:
-    """Whether `value` is a refusal that names requests by their tickets."""
+    """Return whether `value` is a refusal that names requests by their tickets."""
     if type(value) is not Refused or not isinstance(value.conflicts, tuple | list):
         return False
     return all(type(ticket) is int for ticket in value.conflicts)
 
 
 def is_signal(value: Signal) -> bool:
-    """Whether a signal is a fact with the tickets under which it arose."""
+    """Return whether a signal is a fact with the tickets under which it arose."""
     whole = is_fact(value.content) and isinstance(value.tickets, tuple | list)
     return whole and all(type(ticket) is int for ticket in value.tickets)
 
 
 def is_time(value: object) -> bool:
-    """Whether `value` is a time: a number from 0 to `LATEST`."""
+    """Return whether `value` is a time: a number from 0 to `LATEST`."""
     return type(value) in (int, float) and 0 <= value <= LATEST  # type: ignore[operator]
