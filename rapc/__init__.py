@@ -77,7 +77,7 @@ _NAMES = {
     "rapc.worlds.registry": "open_world",
     "rapc.testing.from_python": "test TestResult",
 }
-"""Every public name that is no module, by the module that has it."""
+"""The public names that are not modules, by the module that defines each."""
 
 _HOMES = {name: home for home, names in _NAMES.items() for name in names.split()}
 

@@ -124,7 +124,7 @@ class Cause(msgspec.Struct, frozen=True, omit_defaults=True):
 
 
 Write = Callable[[Any], Any]
-"""Returns the text that a trace has for a value."""
+"""A function that returns the text of a value in a trace."""
 
 
 def _facts(data: Iterable[Fact]) -> tuple[str, ...]:
@@ -147,9 +147,9 @@ _WRITES: Mapping[Any, Write] = {
     Atom: format_atom,
     ResourceChange: str,
 }
-"""How a trace writes values as text, by the types of fields of events.
+"""The writers of values in a trace, by the types of fields of events.
 
-Goals need no row: the encoder writes as text what it does not know.
+Goals need no row: the encoder writes values of unknown types as text.
 """
 
 
@@ -253,7 +253,7 @@ class TaskWoken(Event, frozen=True, kw_only=True, omit_defaults=True):
 
 
 class Deadlock(Event, frozen=True, kw_only=True):
-    """A deadlock: each of `tasks` waits for a thing that an ancestor of the next holds.
+    """A deadlock: each of `tasks` waits for a thing of the next task or its ancestor.
 
     The last task waits for the first, which is the task that has just been blocked.
     `waiting` has a line for each task.

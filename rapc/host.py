@@ -55,7 +55,7 @@ from rapc.worlds.registry import (
 )
 
 PLAN = "<plan>"
-"""The file name of what `CheckedLibrary.extend` adds, in findings and faults."""
+"""The file name of text for `CheckedLibrary.extend`, in findings and faults."""
 
 Path = str | os.PathLike[str]
 Task = str | TaskRequest

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 import msgspec
 
 Plain = bool | int | float | str
-"""The value of an option or a setting; that of an option of kind `text` is the text."""
+"""The value of an option or a setting; a `str` for an option of kind `text`."""
 
 
 class RunSpec(msgspec.Struct, frozen=True, kw_only=True, rename="kebab"):

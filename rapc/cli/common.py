@@ -42,7 +42,7 @@ _STYLES: Mapping[str, Mapping[str, Any]] = {
 """The styles of lines on standard output, by kind."""
 
 PIPED_WIDTH = 120
-"""How wide output is that goes to no terminal."""
+"""The width of output that does not go to a terminal, in columns."""
 
 
 def width_of(stream: TextIO) -> int:
@@ -146,13 +146,13 @@ def rewrite(name: str, read: str, text: str) -> bool:
 FORMATS = (
     *("full", "concise", "grouped", "json", "json-lines", "sarif", "github", "junit"),
 )
-"""How findings can be printed."""
+"""The formats of findings."""
 
 FOR_PEOPLE = ("full", "concise", "grouped")
-"""The formats behind which a summary is printed."""
+"""The formats that are followed by a summary."""
 
 STATISTICS = ("full", "json")
-"""The formats that statistics have."""
+"""The formats of statistics."""
 
 
 def print_findings(

@@ -34,7 +34,7 @@ Examples:
 _MOST_PROCESSES = 1000
 
 _MOST_FAULTS = 10
-"""How many runs without a result are told of."""
+"""The highest number of printed runs without a result."""
 
 
 @command(EXAMPLES)

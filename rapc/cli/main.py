@@ -37,10 +37,10 @@ COMMANDS = {
     "graph": "Print a graph of a library, to be drawn.",
     "worlds": "List worlds, or say what one offers.",
 }
-"""The commands with what the help says of them; `rapc.cli.NAME` holds each."""
+"""The commands with their line in the help; `rapc.cli.NAME` defines each."""
 
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
-"""What the system says when it cannot take what is written."""
+"""The errors of the system for output that cannot be written."""
 
 EXAMPLES = """\b
 Examples:

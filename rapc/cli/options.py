@@ -27,7 +27,7 @@ C = TypeVar("C", bound=click.Command)
 F = TypeVar("F", bound=Callable[..., Any])
 
 USAGE = 2
-"""The exit status of what could not be tried."""
+"""The exit status for an invalid command or input."""
 
 
 class WholeNumber(click.IntRange):
@@ -75,7 +75,7 @@ def settings() -> CliSettings:
 
 
 HELP: Mapping[str, Any] = {"help_option_names": ["-h", "--help"]}
-"""What all commands are told of themselves."""
+"""The click settings of all commands."""
 
 
 def command(examples: str) -> Callable[[Callable[..., None]], click.Command]:

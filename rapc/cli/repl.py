@@ -30,7 +30,7 @@ from rapc.worlds.registry import find_world
 from rapc.worlds.scripted import ScriptedWorld
 
 RECORDED = ".jsonl"
-"""What the names of recorded runs end with."""
+"""The suffix of the files of recorded runs."""
 
 EXAMPLES = """\b
 Examples:

@@ -14,16 +14,16 @@ from rapc.cli.options import say_error
 from rapc.errors import Error, LoadError
 
 _INTERVAL = 0.2
-"""Seconds between two looks at the files."""
+"""The interval between two checks of the files, in seconds."""
 
 _COARSE = 10_000_000
 """Nanoseconds by which the times of files may lag behind the clock."""
 
 Stamps = dict[str, tuple[int, int]]
-"""When files were last changed, in nanoseconds, and how long they are, by name."""
+"""The time of the last change, in nanoseconds, and the size of files, by name."""
 
 _UNKNOWN = (-1, -1)
-"""The stamp of a file of which nobody knows what it was like when it was read."""
+"""The stamp of a file whose state at the time of reading is unknown."""
 
 
 def watch(paths: Sequence[str], act: Callable[[], Iterable[str]]) -> None:

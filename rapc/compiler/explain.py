@@ -90,10 +90,10 @@ def _clause_plan(query: Query, known: Sequence[str]) -> ClausePlan:
 
 
 _RUNS = (AccessPath.ALL, AccessPath.INDEX, AccessPath.SMALLEST)
-"""The ways on which several facts may be met."""
+"""The access paths that may return several facts."""
 
 Spread = Callable[..., float]
-"""Of a name and places of arguments: how many facts share these, on average."""
+"""For a name and places of arguments: the average number of matching facts."""
 
 
 def describe(

@@ -31,7 +31,7 @@ class AlternativePlan:
 
 
 RulesPlan = tuple[tuple[AlternativePlan, ...], ...]
-"""The rules behind one pattern: each is its alternatives."""
+"""The rules of one pattern: each rule is a tuple of its alternatives."""
 
 
 def _rules(compiler: Compiler, rules: Iterable[nodes.Rule]) -> RulesPlan:

@@ -17,7 +17,7 @@ from rapc.library.signature import Signature
 from rapc.library.signatures import Signatures
 
 ANYTHING: tuple[str, ...] = ("*",)
-"""The key of watches that every change to memory concerns."""
+"""The key of watches that match every change of memory."""
 
 WordKey = tuple[Atom, ...]
 

@@ -33,7 +33,7 @@ _STYLES = {
 _MARGIN = "blue"
 _LEAST_ROOM = 20
 _MOST_LINES = 10
-"""How many lines of a fix are drawn on each side."""
+"""The highest number of lines of a fix on each side."""
 
 
 def write_lines(lines: Iterable[Text], stream: TextIO, *, color: bool) -> None:
@@ -229,7 +229,7 @@ class _Shown:
 # --- full: a fix as a diff -----------------------------------------------------------
 
 _Block = tuple[str, int, list[str], list[str]]
-"""A file, the row at which lines begin, the lines as they are, the lines mended."""
+"""A file, the first row of a block, the present lines, the fixed lines."""
 
 
 def _blocks(fix: Fix | None, files: Files) -> Iterator[_Block]:

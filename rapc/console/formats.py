@@ -327,4 +327,4 @@ WRITERS: Mapping[str, Callable[[CheckReport], str]] = {
     "github": github,
     "junit": junit,
 }
-"""What writes findings in each format but `full`."""
+"""The writers of findings in each format except `full`."""

@@ -146,7 +146,7 @@ def _told(head: str, targets: Iterable[str]) -> Iterator[str]:
 
 
 _WIDTH = 80
-"""How long the lines of a text are."""
+"""The length of the lines of a text."""
 
 
 def graph_json(graph: Graph, _style: Style) -> str:
@@ -173,7 +173,7 @@ WRITERS: Mapping[str, Callable[[Graph, Style], str]] = {
     "text": graph_text,
     "graphml": graphml,
 }
-"""What writes graphs in each format."""
+"""The writers of graphs in each format."""
 
 
 def _grouped(vertices: Iterable[Vertex]) -> Mapping[str, list[Vertex]]:

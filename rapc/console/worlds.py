@@ -12,7 +12,7 @@ from rapc.testing.contract.trials import SEEDS, Trial
 from rapc.world import Option, World
 
 _NARROW = 24
-"""With fewer columns than these left beside a name, its text goes below it."""
+"""The width below which a text goes below its name instead of beside it."""
 
 
 def list_worlds(worlds: Mapping[str, str], width: int) -> str:
@@ -115,4 +115,4 @@ def _told(trial: Trial, width: int) -> Iterator[str]:
 
 
 _LEFT = 10
-"""How far from the left the parts stand."""
+"""The indent of the parts, in columns."""

@@ -18,7 +18,7 @@ from rapc.errors import Error
 from rapc.experiments.run import Job, PointConfig, Result
 
 ATTEMPTS = 3
-"""How often a run is dispatched before it is given up."""
+"""The number of attempts at a run before it is reported as lost."""
 
 
 class WorkersLost(Error):

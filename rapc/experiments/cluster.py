@@ -14,16 +14,16 @@ from rapc.experiments.batch import WorkersLost
 from rapc.experiments.run import Job, Result, run_job
 
 _RUNS = 8
-"""How many runs make a job, at most: giving one out takes Dask some milliseconds."""
+"""The highest number of runs of a job: Dask needs some milliseconds for each job."""
 
 _LENGTH = 8
-"""How many bytes a length has on the wire."""
+"""The number of bytes of a length on the wire."""
 
 _MOST_TO_GREET = 1_000_000
-"""How many bytes of greeting are believed."""
+"""The highest accepted number of bytes of a greeting."""
 
 _PATIENCE = 10
-"""How many seconds a scheduler has to answer."""
+"""The time limit for the answer of a scheduler, in seconds."""
 
 
 class ClusterWorkers:

@@ -21,10 +21,10 @@ from rapc.errors import Error, LoadError
 from rapc.experiments.draws import Between, Draw, Value, names_in
 
 MOST_SEEDS = 100_000
-"""How many runs a point may get."""
+"""The highest number of runs of a point."""
 
 SUFFIX = ".toml"
-"""What the names of files of experiments end with."""
+"""The suffix of the files of experiments."""
 
 _Name = Annotated[str, Meta(pattern=r"^[a-z0-9][a-z0-9-]{0,30}\Z")]
 _Time = Annotated[int, Meta(gt=0, le=10**9)] | Annotated[float, Meta(gt=0, le=10**9)]

@@ -15,7 +15,7 @@ import msgspec
 from rapc.base.values import typed
 
 Value = bool | int | float | str
-"""A value of an option or setting as TOML has it."""
+"""A value of an option or setting, as in TOML."""
 
 _PLACE = re.compile(r"\{([a-z0-9][a-z0-9-]*)\}")
 
@@ -33,7 +33,7 @@ class Between(
 
 
 Draw = Between | tuple[Value, ...]
-"""What one value is drawn from: numbers in a row, or a list of values."""
+"""The source of a drawn value: a range of numbers, or a list of values."""
 
 Draws = Mapping[str, Draw]
 

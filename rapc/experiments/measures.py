@@ -27,11 +27,11 @@ LABELS: Mapping[str, str] = {
     "missed-deadlines": "missed deadlines",
     "query-faults": "query faults",
 }
-"""The measures by the names that files of experiments have for them, as printed.
+"""The printed labels of measures, by the names in files of experiments.
 
-`time-each` is the whole time divided by the tasks completed, as T 6.3.1 has it;
-`task-time` goes from when a task came to when it succeeded, on average;
-`percent-failed` are the primitives that failed, of all.
+`time-each` is the whole time divided by the number of completed tasks (T 6.3.1);
+`task-time` is the average time from the arrival of a task to its success;
+`percent-failed` is the share of failed primitives.
 """
 
 

@@ -33,7 +33,7 @@ from rapc.world import World
 from rapc.worlds import registry
 
 _CODE = (".py", ".lark")
-"""The endings of files that decide what a package does."""
+"""The suffixes of files that determine the behaviour of a package."""
 
 
 class PointConfig(msgspec.Struct, frozen=True):

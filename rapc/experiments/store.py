@@ -25,10 +25,10 @@ except ModuleNotFoundError:  # not a POSIX system
     fcntl = None  # type: ignore[assignment]
 
 FORMAT = 2
-"""The version of the tables; other ones are refused."""
+"""The version of the tables; different versions are refused."""
 
 _MEASURES = Measures.__struct_fields__
-"""The measures of a run, each a column of its name."""
+"""The measures of a run, each a column with its name."""
 
 _COLUMNS = ("config", "seed", *_MEASURES, "seconds")
 
@@ -42,13 +42,13 @@ create table result (
 """
 
 _PATIENCE = 60
-"""Seconds for which others may keep the file locked: a process may be stopped."""
+"""The time limit for locks of other processes, in seconds: a process may be stopped."""
 
 _IN_JSON = ("counts", "figures", "tasks")
-"""The measures that stand in one column as JSON."""
+"""The measures that are stored as JSON in one column."""
 
 _NO_LOCKS = (errno.EBADF, errno.ENOLCK, errno.EOPNOTSUPP, errno.EINVAL, errno.ENOSYS)
-"""What file systems say that cannot lock a folder."""
+"""The errors of file systems that cannot lock a folder."""
 
 _KEEP = f"insert or ignore into result values ({', '.join('?' * len(_COLUMNS))})"  # noqa: S608
 

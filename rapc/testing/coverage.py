@@ -110,7 +110,7 @@ class FileCoverage(msgspec.Struct):
 
 
 Asker = tuple[str, str, str]
-"""A RAP, a method (nothing for the RAP itself), and `context` or nothing."""
+"""A RAP, a method (no text for the RAP itself), and `context` or no text."""
 
 
 class _Key(NamedTuple):
@@ -288,7 +288,7 @@ def _is_monitor(event: events.TaskBlocked | events.TaskWoken) -> bool:
     return event.holder is None and not event.on.startswith("(:")
 
 
-# --- what stands in the files ---------------------------------------------------------
+# --- definitions in the files ---------------------------------------------------------
 
 _KINDS = (
     nodes.DefineRap,
@@ -296,7 +296,7 @@ _KINDS = (
     nodes.DefineAgenda,
     nodes.Alternative,
 )
-"""What is counted of a file, in the order of the fields of `FileCoverage`."""
+"""The counted things of a file, in the order of the fields of `FileCoverage`."""
 
 
 def _key(node: nodes.Node, name: str | int) -> _Key:
@@ -407,7 +407,7 @@ def _within(library: Library, formula: nodes.Formula) -> Iterable[str]:
     return seen
 
 
-# --- what it comes to -----------------------------------------------------------------
+# --- results --------------------------------------------------------------------------
 
 FORMAT = 1
 """The version of the JSON form."""
@@ -420,7 +420,7 @@ COLUMNS = {
     "monitors_woken": "woken",
     "raps_failed": "failed",
 }
-"""What is summed up, by its name in JSON, with its name in the table."""
+"""The main totals, by name in JSON, with the name in the table."""
 
 OTHERS = {
     "queries_asked": "queries asked",
@@ -429,10 +429,10 @@ OTHERS = {
     "waits_heard": "awaited signals heard",
     "rules_run": "rules run",
 }
-"""What is summed up besides, by its name in JSON, with its name below the table."""
+"""The other totals, by name in JSON, with the name below the table."""
 
 _NEED_NOT = ("methods_ended_badly", "raps_failed", "constraints_broken")
-"""What a test need not show, and `--coverage-min` does not count."""
+"""The totals that tests may omit; `--coverage-min` does not count them."""
 
 _NAME = 24
 

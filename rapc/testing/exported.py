@@ -25,7 +25,7 @@ from rapc.testing.run import LATEST
 from rapc.world import Time
 
 MOST_RUNS = 300
-"""How often a test is run at most to make it shorter."""
+"""The highest number of runs of a test while it is shortened."""
 
 _SIDE = (
     events.DataReceived,
@@ -35,20 +35,20 @@ _SIDE = (
     events.ItemLost,
     events.RuleRun,
 )
-"""What is told among the changes of memory that belong together."""
+"""The events among changes of memory that belong together."""
 
 
 _DONE = ("erases", "asserts", "moves", "loses")
-"""What can happen to memory, in the order in which a script does it."""
+"""The kinds of changes of memory, in the order in which a script makes them."""
 
 _OF_PLACES = ("moves", "loses")
-"""What can happen to items that have been introduced."""
+"""The kinds of changes of items that have been introduced."""
 
 _OVER = "run-over"
-"""Why a task is removed that the end of a run finds at work."""
+"""The reason of removal for tasks that are live at the end of a run."""
 
 _OF_ITEMS = ("class", "location")
-"""What a script cannot assert of an item that was introduced."""
+"""The facts that a script cannot assert of an introduced item."""
 
 
 class MemoryChange(NamedTuple):

@@ -18,7 +18,7 @@ from rapc.testing.discover import find
 from rapc.testing.run import Outcome, run_case
 
 TEXT = "<text>"
-"""The file name of tests that are given as a text."""
+"""The file name of tests in a text."""
 
 
 class TestResult(msgspec.Struct, frozen=True):

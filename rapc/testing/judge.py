@@ -20,7 +20,7 @@ from rapc.testing.patterns import atom, event_matches, flat
 from rapc.testing.record import Record, TaskStory
 
 _MANY = 8
-"""How many tasks, requests or facts are listed at most."""
+"""The highest number of listed tasks, requests or facts."""
 
 Happened = tuple[str, ...]
 

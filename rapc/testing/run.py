@@ -37,10 +37,10 @@ from rapc.world import Kit, World
 from rapc.worlds.scripted import ScriptedWorld, UnansweredRequest
 
 MOST_CYCLES = 100_000
-"""How many cycles a test may take that does not say how many."""
+"""The limit of cycles of a test without its own limit."""
 
 LATEST = 100_000
-"""The time by which a test is to be over that says neither time nor cycles."""
+"""The limit of time of a test with a limit of neither time nor cycles."""
 
 
 class Case(msgspec.Struct, frozen=True):
@@ -74,7 +74,7 @@ class Outcome(msgspec.Struct, frozen=True):
 
 
 Wrap = Callable[[World, int], World]
-"""Puts something between a test and its world; called with the world and the seed."""
+"""Wraps the world of a test; called with the world and the seed."""
 
 
 def run_case(

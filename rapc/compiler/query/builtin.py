@@ -33,7 +33,7 @@ class Unbound:
 UNBOUND = Unbound()
 
 MOST = 2**1000
-"""No result is larger; so whatever is computed with it is a number again."""
+"""The largest result of a computation, so that larger values do not arise."""
 
 
 def _numbers(args: Sequence[object]) -> list[Number]:

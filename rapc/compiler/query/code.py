@@ -22,7 +22,7 @@ from rapc.ir import nodes
 from rapc.library.signatures import Signatures
 
 SHAPES = 1024
-"""How many shapes of queries a process keeps compiled."""
+"""The number of query shapes in the cache of compiled code."""
 
 
 class ResultMode(Enum):
@@ -155,8 +155,11 @@ class CodeWriter:
 
 
 Maker = Callable[..., Callable[..., Any]]
-"""What `make` of generated code is: it takes a context, the constants, the aliases of
-items, and the function to be called in place of `query` while there are any."""
+"""The type of `make` in generated code.
+
+Its arguments are a context, the constants, the aliases of items, and the function that
+replaces `query` while there are aliases.
+"""
 
 
 class _Source:

@@ -11,11 +11,13 @@ from rapc.compiler.query.code import CodeWriter, ResultMode
 from rapc.ir import nodes
 
 MAX_LOOPS = 12
-"""Loops nested in one function; CPython allows 20 blocks."""
+"""The highest number of nested loops in a function; CPython allows 20 blocks."""
 
 FREE_SEARCHES = 2
-"""Searching parts that stand before a part whose steps back are not counted [L 2.70]:
-they alone come to the square of the facts that there are, at worst."""
+"""The number of preceding searching parts from which steps back count [L 2.70].
+
+Fewer parts visit at most the square of the number of facts.
+"""
 
 
 class FunctionWriter:
@@ -219,4 +221,4 @@ _NOTHING = {
     ResultMode.ANY: " False",
     ResultMode.ALL: " []",
 }
-"""What a question returns that has no answer."""
+"""The result of a query without a solution."""

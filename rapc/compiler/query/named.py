@@ -25,10 +25,10 @@ from rapc.library.signature import Signature
 from rapc.library.signatures import Signatures
 
 MOST_INLINE = 24
-"""The most parts that the formula of a query written where it is used may come to."""
+"""The highest number of parts of a query's formula that is written in place."""
 
 Write = Callable[[FunctionWriter, nodes.Formula], None]
-"""What writes a formula: `rapc.compiler.query.formulas.write`."""
+"""The type of `rapc.compiler.query.formulas.write`."""
 
 
 def query_of(signatures: Signatures, formula: nodes.Formula) -> Signature | None:

@@ -123,7 +123,7 @@ def bar(
 # 15       |----o---x---|     811
 
 _LEAST = 10
-"""How many columns a plot has at least."""
+"""The lowest number of columns of a plot."""
 
 
 def plot(summary: PartSummary, width: int) -> Iterator[Line]:

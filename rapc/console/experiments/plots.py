@@ -39,9 +39,9 @@ _MARKERS = "osD^"
 _ACTIONS = ("effector", "sensor", "failed")
 """The measures of the lowest panel."""
 _LINES: tuple[Any, ...] = ("-", "--", ":", "-.", (0, (1, 5)), (0, (5, 5)))
-"""How the lines of the lowest panel look."""
+"""The line styles of the lowest panel."""
 _CROSSES = {"effector": "x", "sensor": "+", "failed": "*"}
-"""The marks of others' figures in that panel."""
+"""The markers of reference figures in the lowest panel."""
 
 
 def draw_plot(drawn: Sequence[PartSummary], file: Path) -> tuple[Path, Path]:
@@ -196,7 +196,7 @@ def _whole() -> MaxNLocator:
 
 
 _LONG_LABEL = 33
-"""Labels of so many characters stand two in a row; three would leave the picture."""
+"""The length of labels from which labels stand in two columns; three do not fit."""
 
 
 def _frame(panels: Sequence[Axes], summary: PartSummary, called: str) -> None:

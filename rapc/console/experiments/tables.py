@@ -129,7 +129,7 @@ def _range(spread: Spread | None) -> str:
 
 
 _WHOLE = ("time", "time-each", "task-time", "effector", "sensor")
-"""Measures of which no decimals are told."""
+"""Measures without decimals."""
 
 
 def _cell(name: str, value: float | None) -> str:
@@ -204,15 +204,15 @@ _STOPPED = {
     "stuck": "stuck, for nothing could go on",
     "runaway": "called off, for the clock stood still",
 }
-"""What is said of runs that were over before their tasks were."""
+"""The texts for runs that ended before their tasks."""
 
 
 _NAMED = 5
-"""So many seeds of runs that ended alike are listed; the file of results has all."""
+"""The highest number of seeds in a list; the file of results has all seeds."""
 
 
 _REASONS = 3
-"""So many reasons why tasks failed are told of a point on a terminal."""
+"""The highest number of reasons of failure for a point on a terminal."""
 
 
 def remarks(summary: PartSummary, most: int | None = _REASONS) -> Iterator[str]:

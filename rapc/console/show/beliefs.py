@@ -14,7 +14,7 @@ from rapc.runtime.memory.gate import MemoryView
 from rapc.world import Picture, Thing
 
 Contents = Counter[tuple[str, str]]
-"""How many things there are of a class that look so (`red`, or nothing)."""
+"""The number of things of a class with a look (`red`, or no text)."""
 
 
 def true_contents(things: Iterable[Thing]) -> Contents:

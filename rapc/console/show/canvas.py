@@ -15,10 +15,10 @@ from rich.text import Text
 from rapc.console.lines import wrapped
 
 DOTS = (2, 4)
-"""How many dots a cell has across and down."""
+"""The number of dots of a cell, across and down."""
 
 _BLANK = 0x2800
-"""The Braille character without dots; a bit is added for each."""
+"""The Braille character without dots; each dot adds a bit."""
 _BITS = ((0x01, 0x08), (0x02, 0x10), (0x04, 0x20), (0x40, 0x80))
 """The bit of each dot of a cell, by row and column."""
 

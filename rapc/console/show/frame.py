@@ -30,7 +30,7 @@ _ARROWS = dict(zip(DIRECTIONS, "↑↗→↘↓↙←↖", strict=True))
 _ROAD, _PLACE, _HERE, _TRUE = "blue", "bold", "bold reverse", ""
 _RIGHT, _WRONG, _UNKNOWN = "green", "bold red", "yellow"
 _LEAST = 3
-"""Rows that a place takes at least: its name, what there is, what is believed."""
+"""The lowest number of rows of a place: name, truth, belief."""
 _LEAST_WIDE = 14
 
 

@@ -14,13 +14,13 @@ from typing import NamedTuple
 from rapc.console.show.canvas import fit
 
 LEAST = 4
-"""Cells of a name that is cut, at least."""
+"""The lowest number of cells of a name that is cut."""
 
 Cell = tuple[int, int]
 """Column and row."""
 
 Rows = Sequence[tuple[int, int, str]]
-"""Where rows of text begin, and the text: column, row, text."""
+"""The position of rows of text, and the text: column, row, text."""
 
 
 class Inside(NamedTuple):

@@ -32,10 +32,10 @@ from rapc.runtime.interpreter import Interpreter
 from rapc.world import Picture, Time
 
 PACE = 0.1
-"""Seconds from one frame to the next, on a terminal."""
+"""The interval between frames on a terminal, in seconds."""
 
 _REQUESTS = 2
-"""How many of the last requests are shown."""
+"""The number of latest requests in a frame."""
 
 
 class LiveView:

@@ -19,14 +19,14 @@ from rapc.console.show.labels import Inside, Taken, label, numbered
 from rapc.runtime.memory.gate import MemoryView
 
 _COARSEST = 0.9
-"""How many metres a dot may stand for at most: a doorway is one wide."""
+"""The largest size of a dot, in metres: a doorway is one metre wide."""
 
 _WALL, _BLOCK, _RAY, _NAME = "blue", "magenta", "yellow", "dim"
 _OTHER, _RIGHT, _WRONG = "bold cyan", "green", "bold red"
 _ROBOT, _BELIEVED = "bold reverse", "bold yellow"
 
 _HEADINGS = "→↗↑↖←↙↓↘"
-"""Where the robot points, by eighths of a turn from the x axis on."""
+"""The heading of the robot, by eighths of a turn from the x axis."""
 _HEADINGS_BELIEVED = "⇒⇗⇑⇖⇐⇙⇓⇘"
 
 _LEGEND = (

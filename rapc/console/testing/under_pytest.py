@@ -17,7 +17,7 @@ from rapc.testing import coverage, discover
 from rapc.testing.run import Case, Outcome, Status, run_case
 
 _COVERAGE = "rap_coverage"
-"""The name under which pytest knows what gathers coverage, if it is asked for."""
+"""The name of the coverage plug-in of a pytest session."""
 
 
 def gather_coverage(config: pytest.Config) -> None:

@@ -26,19 +26,19 @@ from rapc.worlds.skills.declarations import Parameter
 from rapc.worlds.skills.world import SkillWorld
 
 _STRANGER = "nobody"
-"""What requests are about as long as the world has told nothing."""
+"""The argument of requests while the world has sent no value."""
 
 _MOST_WAITS = 1000
-"""How often a world may send something else before a request ends."""
+"""The highest number of other messages before a request ends."""
 
 _UNFIT = 0.1
-"""How many of the arguments of skills are not as they are declared."""
+"""The share of arguments of skills that differ from the declaration."""
 
 _CANCELLED = 0.25
-"""How many of the requests that are not atomic are cancelled."""
+"""The share of non-atomic requests that are cancelled."""
 
 History = list[tuple[object, ...]]
-"""What came of each request: the request, what was answered or sent, the time."""
+"""The course of each request: the request, the replies and messages, the time."""
 
 
 class Driver:

@@ -13,13 +13,13 @@ from rapc.testing.contract.driver import Driver
 from rapc.world import Message, Savable, Skilled, Time
 
 ACTIVATIONS = 12
-"""How often skills are switched on under one seed."""
+"""The number of activations under one seed."""
 
 _SAVED = 3
-"""Every which of these times the world is saved."""
+"""The interval, in activations, at which the world is saved."""
 
 _STEPS = 5
-"""How many time units pass between two that are switched on or off."""
+"""The number of time units between two changes of activations."""
 
 
 def try_skills(driver: Driver, copy: HeldWorld) -> Iterator[str]:

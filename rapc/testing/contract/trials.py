@@ -23,13 +23,13 @@ from rapc.world import NOT_KNOWN, Drawable, Savable, Timed, World
 from rapc.worlds.registry import TYPES
 
 REQUESTS = 150
-"""How many requests a world is tried with under one seed, if nobody says."""
+"""The default number of requests of a world test under one seed."""
 
 SEEDS = (0, 1, 2)
-"""The seeds under which a world is tried."""
+"""The seeds of a world test."""
 
 Make = Callable[[int], World]
-"""Makes a new world from a seed, the same each time."""
+"""Returns a new world from a seed, equal for equal seeds."""
 
 
 class Trial(msgspec.Struct, frozen=True):
@@ -363,4 +363,4 @@ _NEEDS: Mapping[str, tuple[Callable[[_Tried, World], bool], str]] = {
         "they need a library that declares their words: `--test LIBRARY`",
     ),
 }
-"""What some parts need to be tried, and why they are left out without."""
+"""The requirements of some parts, and the reasons for leaving a part out."""
