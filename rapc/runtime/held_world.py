@@ -239,7 +239,7 @@ class HeldWorld(Wrapper):
         return self.answer(request, self.ask(ticket, request))
 
     def answer(self, sent: Fact, answer: object) -> Reply | Refused | None:
-        """Return `answer`, after validating it for the request `sent`.
+        """Validate an answer to the request `sent`; return `answer`.
 
         Raises:
             PortError: for an invalid answer.
@@ -283,7 +283,7 @@ class HeldWorld(Wrapper):
         return self.listed(self.receive())
 
     def listed(self, sent: object) -> Sequence[Message]:
-        """Return `sent` if it is a list; its messages are for `check_message`.
+        """Return `sent` if a list; `check_message` checks the messages.
 
         Raises:
             PortError: for another type.

@@ -245,7 +245,7 @@ class Interpreter(Run):
             self.access.recognise()
 
     def check_fact(self, *fact: Atom) -> None:
-        """Validate a fact without asserting it. Raises FactError as `assert_fact`."""
+        """Validate a fact without an assertion. Raises FactError as `assert_fact`."""
         self.access.checked(fact)
 
     def erase(self, *prefix: Atom) -> None:
@@ -582,7 +582,7 @@ class Interpreter(Run):
         return reason
 
     def _why_over(self) -> str | None:
-        """Return the reason why the run is over, or None if it is not."""
+        """Return the reason for the end of the run, or None before the end."""
         state = self.state
         if state.past_until:
             return "until"

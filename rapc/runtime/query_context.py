@@ -93,7 +93,7 @@ class QueryContext:
         return f"given up after {self.step_limit} steps back: see `rapc.query-steps`"
 
     def unfit(self, where: str, value: object, wanted: str) -> None:
-        """Trace that a value is not of the `wanted` kind, such as `a number`."""
+        """Trace a value that is not of the `wanted` kind, for example `a number`."""
         self.fault(where, f"`{format_atom(value)}` is not {wanted}")
 
     # --- explanations ---------------------------------------------------------------

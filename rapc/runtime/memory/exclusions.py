@@ -73,7 +73,7 @@ class Exclusions:
         facts: FactStore,
     ) -> None:
         self._facts = facts
-        #: The past assertions by item, then by what they exclude.
+        #: The past assertions by item, then by the excluded patterns.
         self._past: dict[str, dict[Excluded, Past]] = {}
         self._pairs: dict[Atom, list[tuple[_Side, _Side]]] = {}
         for declared in properties:

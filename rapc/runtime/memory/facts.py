@@ -78,7 +78,7 @@ class FactTable:
         return min(found, key=len)
 
     def add(self, fact: Fact, time: Time) -> Fact | None:
-        """Store or refresh a fact; remove and return the fact that it replaces."""
+        """Store or refresh a fact; remove and return the replaced fact."""
         stamps, replaced = self.stamps, None
         if fact in stamps:
             del stamps[fact]
@@ -169,7 +169,7 @@ class FactStore:
             self.table(name).load(facts)
 
     def table(self, name: Atom) -> FactTable:
-        """Return the facts of a name, now and later: each name has one table."""
+        """Return the table of a name, which stays the same object."""
         return self.tables[name]
 
     def stamp(self, fact: Fact) -> Time | None:
@@ -232,7 +232,7 @@ class Mentions:
         self._facts: dict[Atom, dict[Fact, None]] = {}
 
     def added(self, fact: Fact) -> None:
-        """Add an asserted fact as the youngest, even if it was in memory before."""
+        """Add an asserted fact as the youngest, also after a repeated assertion."""
         for part in filter(_is_item, fact[1:]):
             known = self._facts.setdefault(part, {})
             known.pop(fact, None)

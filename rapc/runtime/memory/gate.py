@@ -313,7 +313,7 @@ class Gate(MemoryView):
             memory.remove(fact, by)
 
     def check_owner(self, fact: Fact) -> None:
-        """Refuse a fact, or a prefix of one, that only this gate itself may set.
+        """Refuse a fact, or a prefix of a fact, that only this gate itself may set.
 
         Raises:
             FactError: for the place or the introducing class of an introduced item,
@@ -354,7 +354,7 @@ class Gate(MemoryView):
         return item.name
 
     def move(self, item: str, place: Atom) -> None:
-        """Put an accessible item at `place`; it stays accessible.
+        """Put an accessible item at `place`; the item stays accessible.
 
         Raises:
             FactError: for a name that no handler introduced.

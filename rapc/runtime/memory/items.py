@@ -79,7 +79,7 @@ class Items:
         return item, news
 
     def enter(self, item: Item) -> None:
-        """Add a new item, within reach if it is accessible."""
+        """Add a new item, within reach if accessible."""
         self.known[item.name] = item
         if item.accessible:
             self.by_sensor[item.sensor] = item
@@ -107,7 +107,7 @@ class Items:
         item.sensor = ""
 
     def merge(self, kept: Item, lost: Item) -> None:
-        """Merge `lost` into `kept`, which is within reach if one of them was."""
+        """Merge `lost` into `kept`, which is within reach if either was."""
         del self.known[lost.name]
         self.aliases[lost.name] = kept.name
         self.renamings += 1
@@ -158,6 +158,6 @@ class Items:
         return item.sensor if item.accessible else None
 
     def name_of(self, sensor: str) -> str:
-        """Return the memory name of `sensor`, or `sensor` itself if it is unknown."""
+        """Return the memory name of `sensor`, or `sensor` itself if unknown."""
         item = self.by_sensor.get(sensor)
         return item.name if item is not None else sensor

@@ -42,7 +42,7 @@ REMOVED: Final = "removed"
 
 
 class Observer(Protocol):
-    """An observer of all changes of memory; it must not change facts itself."""
+    """An observer of all changes of memory; must not change facts itself."""
 
     def fact_changed(self, fact: Fact, how: str) -> None:
         """Receive the change of `fact`: STORED, REPLACED or REMOVED."""

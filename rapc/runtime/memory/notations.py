@@ -50,7 +50,7 @@ class Notations:
         return notation
 
     def in_force(self, notation: Notation) -> Notation | None:
-        """Return the notation that replaces `notation` now; None if it has ended."""
+        """Return the notation that replaces `notation` now; None after its end."""
         while notation.joined is not None:
             notation = notation.joined
         return notation if self.by_fact.get(notation.fact) is notation else None

@@ -22,7 +22,7 @@ from rapc.world import Time
 
 
 class ItemState(msgspec.Struct, frozen=True, array_like=True):
-    """An introduced item, or a description of one."""
+    """An introduced item, or a description of an item."""
 
     #: The memory name; "" for an empty description.
     name: str

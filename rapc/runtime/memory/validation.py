@@ -165,7 +165,7 @@ def _values(state: MemoryState, stored: set[Fact], signatures: Signatures) -> No
 
 
 def _sets(gate: Gate, state: MemoryState) -> None:
-    """Check that each description is in the views of one set or has no known place."""
+    """Check that each description is in views of a single set or has no known place."""
     described = {i.number: i for i in (*state.items, *state.empty) if i.number}
     need(once((home.kind, home.place) for home in state.sets), "a set twice")
     serials = [serial for home in state.sets for serial, _ in home.layers]

@@ -142,14 +142,14 @@ class Monitors:
     # --- times -----------------------------------------------------------------
 
     def at(self, time: Time, task: Task) -> None:
-        """Look at a task again when the clock has reached `time`, not before."""
+        """Test or start a task when the clock has reached `time`, not before."""
         assert task.wait is not None
         task.wait.timer = time
         self.look_by(time)
         self._timers.add(time, task)
 
     def look_by(self, time: float) -> None:
-        """Schedule a look at due times for `time` at the latest."""
+        """Schedule a check of due times for `time` at the latest."""
         if self.next_look is None or time < self.next_look:
             self.next_look = time
 
@@ -286,7 +286,7 @@ class Monitors:
             self.block(task)
 
     def _test_way(self, task: Task) -> bool:
-        """Wake a task whose things are free; block a woken task whose things are not.
+        """Wake a task with free things; block a woken task without free things.
 
         Return whether the task was woken: then its monitors have been tested too.
         """

@@ -1,6 +1,6 @@
-"""Validate a restored run before it replaces another: its parts must agree.
+"""Validate a restored run before the replacement: its parts must agree.
 
-Codecs validate the form of each field and what it points at. This module compares
+Codecs validate the form and the references of each field. This module compares
 fields with each other, with the plans of the library and with its declarations: a
 restored run continues like a run that was never saved. Memory is validated in
 `rapc.runtime.memory.validation`.

@@ -93,7 +93,7 @@ def _put_back(machine: Run, before: MemoryState, noted: _Noted) -> None:
 
 
 def _noted(machine: Run) -> _Noted:
-    """Return the methods that note facts, with these facts."""
+    """Return the methods with notations, and the noted facts."""
     notations = machine.beliefs.notations
     return [
         (task.run, notations.facts(task.run.notations))

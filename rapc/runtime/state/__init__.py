@@ -1,1 +1,1 @@
-"""What a run is made of: plain records of tasks, methods and the agenda."""
+"""The state of a run: plain records of tasks, methods and the agenda."""

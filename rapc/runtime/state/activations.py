@@ -41,7 +41,7 @@ class Activation:
         self.skills = skills
         #: The number of the task whose method began the activation.
         self.owner = owner
-        #: The task whose rules hear the signals: the owner, or its nearest live
+        #: The task whose rules receive the signals: the owner, or its nearest live
         #: ancestor.
         self.task = task
         #: The method of the activation; None once the activation has ended.
@@ -96,10 +96,10 @@ class Activations:
         return activation
 
     def get(self, ticket: int) -> Activation | None:
-        """Return an activation that is on, or whose signals may still come."""
+        """Return an active activation, or an ended one with outstanding signals."""
         return self.on.get(ticket) or self.off.get(ticket)
 
     def forget(self, tickets: tuple[int, ...]) -> None:
-        """Drop ended activations whose signals have all been heard."""
+        """Drop ended activations without outstanding signals."""
         for ticket in tickets:
             self.off.pop(ticket, None)

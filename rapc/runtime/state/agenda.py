@@ -17,7 +17,7 @@ from rapc.runtime.fields import LEFT_OUT, Fields, Limit
 from rapc.runtime.state.task import Task
 
 _Entry = tuple[float, float, bool, int]
-"""What order looks at: priority, negated; latest start; failure; then the number."""
+"""The sort key of a task: priority, negated; latest start; failure; number."""
 
 
 class Agenda:

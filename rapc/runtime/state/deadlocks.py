@@ -1,4 +1,4 @@
-"""Deadlocks: circles of waiting tasks, each of which blocks another one.
+"""Deadlocks: circles of waiting tasks in which each task blocks the next.
 
 A method that holds a thing waits for the tasks below it. If one of these tasks waits
 for a thing, and so on back to the first task, no task of the circle can go on by itself
@@ -48,7 +48,7 @@ def in_words(circle: Circle) -> tuple[str, ...]:
 
 
 def held(hold: Hold) -> str:
-    """Return a thing and the task that holds it, in words."""
+    """Return a held thing and its holder, in words."""
     task = hold.run.task
     return f"{words(hold)}, held by {task.goal()} [{task.number}]"
 
@@ -150,7 +150,7 @@ class _Stuck:
         return found
 
     def one_in_a_circle(self) -> int:
-        """Return a task that waits for itself through others, the lowest first."""
+        """Return the lowest task of a circle of waits."""
         passed: dict[int, None] = {}
         number = min(self.waits)
         while number not in passed:

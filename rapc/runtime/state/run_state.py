@@ -75,7 +75,7 @@ class RunState:
         self.added_methods: dict[str, list[MethodPlan]] = {}
         #: How many tasks have been numbered, from 1.
         self.numbers = 0
-        #: How many requests have gone to the world, from 1.
+        #: How many requests the world has received, from 1.
         self.tickets = 0
         #: How many tasks of all levels have succeeded.
         self.succeeded = 0

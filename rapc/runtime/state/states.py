@@ -1,6 +1,6 @@
 """The states of a task, and the words for how methods and tasks fail.
 
-A task goes this way; beside each arrow stands the verb that takes it there:
+The life of a task; each arrow has the name of its verb:
 
     made --create--> waiting --release--> (untested) --test--> eligible
                         ^ for order, time or a signal             |

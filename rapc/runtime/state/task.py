@@ -120,7 +120,7 @@ class MethodRun:
 
 
 class Task:
-    """One goal under way."""
+    """A goal under way, or ended."""
 
     FIELDS: ClassVar[Fields] = {
         "plan": RapPlan,

@@ -143,7 +143,7 @@ class Things:
         return [h for h in found if h.ask.used and h.ask.priority < ask.priority]
 
     def obstacle(self, task: Task, asks: Iterable[Ask]) -> Hold | None:
-        """Return the first hold that blocks one of the `asks`, or None."""
+        """Return the first hold that blocks any of the `asks`, or None."""
         for ask in asks:
             found = self.in_the_way(task, ask)
             if found:

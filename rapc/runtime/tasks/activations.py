@@ -27,7 +27,7 @@ from rapc.world import Refused, Skilled
 def activate(
     machine: Run, run: MethodRun, plan: ActivationPlan, unfilled: bool = False
 ) -> str | Refused | None:
-    """Switch on all skills of the method `run` at once; none if they are `unfilled`.
+    """Switch on all skills of the method `run` at once; none if `unfilled`.
 
     Return `interference` if a skill cannot be filled in, the refusal of the world if it
     refuses, else None.
@@ -119,7 +119,7 @@ def activatable(machine: Run, task: Task, plan: ActivationPlan, env: Env) -> boo
 
 
 def deactivate(machine: Run, ticket: int) -> None:
-    """Switch off the skills that only the activation `ticket` uses, if it is active."""
+    """Switch off the skills that only the active activation `ticket` uses, if any."""
     if ticket not in machine.state.activations.on:
         return
     activation = machine.state.activations.end(ticket)

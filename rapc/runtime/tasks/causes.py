@@ -50,7 +50,7 @@ def _if_told(find: _Find[_Args]) -> _Find[_Args]:
     return found
 
 
-# --- steps 1 to 4: what keeps a task from trying --------------------------------
+# --- steps 1 to 4: inputs, resources and conditions -----------------------------
 
 
 @_if_told
@@ -429,7 +429,7 @@ class PartAsked(NamedTuple):
 def ask_in_parts(
     machine: Run, query: Query, asker: Task | None, env: Env, most: int
 ) -> Iterator[PartAsked]:
-    """Evaluate a query conjunct by conjunct, to the first one without a solution.
+    """Evaluate a query conjunct by conjunct, to the first without a solution.
 
     The evaluation does not change the run. `machine.noting.noted` explains the failure
     of a conjunct, if there is an explanation.

@@ -46,7 +46,7 @@ _Received = tuple[Env, Sequence[Change]]
 
 
 def succeed(machine: Run, task: Task, found: Env) -> None:
-    """Succeed a task outside the agenda, or fail it if its outputs do not fit.
+    """Succeed a task outside the agenda, or fail the task for unfit outputs.
 
     The method receives all outputs and effects of a step, or none. The end of the step
     carries out `until`s, then releases the steps that follow, or ends the method.

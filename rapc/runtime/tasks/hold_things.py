@@ -124,7 +124,7 @@ def give_way(machine: Run, task: Task, asks: Asks, said: str = "") -> None:
 
 
 def _suspend(machine: Run, run: MethodRun, on: str, by: int) -> None:
-    """Undo a method with a request under way, as if it had never been chosen."""
+    """Undo a method with a request under way, as if never chosen."""
     task = run.task
     asks = tuple([hold.ask for hold in machine.things.held[task.number]])
     call_off(machine, run)
@@ -137,7 +137,7 @@ def _suspend(machine: Run, run: MethodRun, on: str, by: int) -> None:
 
 
 def _undo(machine: Run, run: MethodRun) -> None:
-    """Undo a method without steps, as if it had never been chosen."""
+    """Undo a method without steps, as if never chosen."""
     task = run.task
     stop(machine, task)
     for notation in run.notations:
@@ -270,7 +270,7 @@ def _resume(machine: Run, run: MethodRun, wait: ThingWait) -> None:
 
 
 def _hold_again(machine: Run, run: MethodRun, asks: Asks, said: str) -> None:
-    """Let a method whose skills are all on hold the things that it waited for."""
+    """Hold the awaited things for a method with all skills on again."""
     things = machine.things
     things.stop_waiting(run.task)
     again = {ask.thing for ask in asks}

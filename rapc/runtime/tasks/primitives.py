@@ -212,7 +212,7 @@ def with_memory_names(machine: Run, content: Fact) -> Fact:
 
 
 def handle(machine: Run, content: Fact) -> Fact:
-    """Pass the datum `content` to its handler; return it in memory names."""
+    """Pass the datum `content` to its handler; return the datum in memory names."""
     fact = with_memory_names(machine, content)
     machine.handlers.data[str(content[0])](machine.access, fact)
     return fact

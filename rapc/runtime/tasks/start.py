@@ -143,7 +143,7 @@ def repeats_ancestor(machine: Run, task: Task) -> bool:
 
 
 def release(machine: Run, task: Task, again: bool = False) -> None:
-    """Release a task whose predecessors have ended: let it be selected.
+    """Release a task for selection, after the end of its predecessors.
 
     The release fixes the task's windows, and its `wait-for` starts to listen. A step
     that waits for a signal is held until the signal, and a step with a start time until
@@ -233,7 +233,7 @@ def _base(run: MethodRun, window: WindowPlan) -> float | None:
 
 
 def read_inputs(machine: Run, task: Task) -> None:
-    """Read a step's inputs from its method's environment, as far as they are bound."""
+    """Read a step's bound inputs from its method's environment."""
     step, run = task.step, task.within
     if step is None or run is None:
         return

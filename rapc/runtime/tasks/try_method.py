@@ -35,7 +35,7 @@ from rapc.world import OKAY, Refused
 
 
 def try_method(machine: Run, task: Task) -> None:
-    """Do steps 5 to 9: choose a method and start it, or fail."""
+    """Do steps 5 to 9: choose and start a method, or fail."""
     choice = choose(machine, task)
     if choice is None:
         fail(machine, task, NO_METHOD, causes.of_no_method(machine, task))
@@ -69,7 +69,7 @@ def try_method(machine: Run, task: Task) -> None:
 
 
 def _note_choice(machine: Run, task: Task, key: Key) -> bool:
-    """Record a choice after the first; return False if it is futile."""
+    """Record a choice after the first; return False for a futile choice."""
     settings = machine.settings
     if task.times_chosen(key, settings.max_choices) >= settings.futile_limit:
         return False

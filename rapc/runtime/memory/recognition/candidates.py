@@ -97,7 +97,7 @@ class SameKnown:
         return near + far
 
     def group(self, mask: int) -> Group:
-        """Return the group of this kind; the caller ensures that there is only one."""
+        """Return the group of this kind; the caller ensures a single group."""
         member = self.first(mask)
         assert member is not None
         return Group(self, member.number if member.accessible else 0)

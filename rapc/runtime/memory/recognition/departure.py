@@ -48,7 +48,7 @@ class Collection(msgspec.Struct, frozen=True):
 
 
 class _Candidate(msgspec.Struct, frozen=True):
-    """A description with bits for its groups and for the layers it would serve."""
+    """A description with bits for its groups and its layers to serve."""
 
     description: Description
     groups: int
@@ -266,7 +266,7 @@ def _cost(chosen: tuple[_Candidate, ...]) -> tuple[int, int, list[tuple[bool, in
 
 
 class _Greedy:
-    """A greedy choice of candidates: the next one hits most of the remaining groups.
+    """A greedy choice of candidates: the next hits most of the remaining groups.
 
     The number of groups that a candidate still hits only shrinks. Therefore a heap
     finds the best candidate without looking at all candidates again.

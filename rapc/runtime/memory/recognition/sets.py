@@ -43,7 +43,7 @@ class Description(Item):
         return not self.name
 
     def learn(self, index: Fact, value: Atom | None) -> None:
-        """Set the value of a property, or remove it."""
+        """Set or remove the value of a property."""
         if value is None:
             self.values.pop(index, None)
         else:
@@ -86,7 +86,7 @@ class View:
 
 
 class ExpectationSet:
-    """The items of one class that are expected at one place.
+    """The expected items of a class at a place.
 
     All layers hold equally many descriptions, and the local model at most as many.
     """
@@ -139,7 +139,7 @@ class ExpectationSet:
         return sorted(found, key=lambda d: d.number)
 
     def new_layer(self, serial: int) -> View:
-        """Add a layer in the order of the `serial` numbers; return it."""
+        """Add and return a layer, in the order of the `serial` numbers."""
         taken = sum(layer.bit for layer in self.layers) | 1
         bit = (taken + 1) & ~taken
         layer = View(bit, serial)
