@@ -1,1 +1,1 @@
-"""From text to IR: the data reader, one file per form, and back to text."""
+"""From text to IR and back: reader, parsers of forms, formatter."""

@@ -1,7 +1,7 @@
-"""What every reader of data works with: places, findings, the other readers.
+"""The context of all readers of data: spans, findings and the other readers.
 
-A reader takes a `Context` and a datum, reports what is wrong with it in the author's
-words, and returns the node, or None if nothing could be made of it.
+A reader takes a `Context` and a datum, reports faults in the author's words, and
+returns the node, or None if the datum has no valid meaning.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from rapc.parser.syntax import (
 )
 
 Read = Callable[["Context", Any], Any]
-"""Makes something of a datum, or of a list alone; None if it had to be left out."""
+"""A reader: returns the meaning of a datum, or of a list only; None if left out."""
 
 _KINDS = {
     Symbol: "a symbol",
@@ -45,61 +45,61 @@ _MISPLACED = {
     ("option of `task`", ":at"): "a task that begins later stands in an `at`: "
     "`(at 130 (task ...))`",
 }
-"""Help for a word that belongs elsewhere, by what it would be here and the word."""
+"""The help for a misplaced word, by its use at this position and the word."""
 
 
 class OptionReader(msgspec.Struct, frozen=True):
-    """What reads an option: a list that begins with its word."""
+    """A reader of an option, that is, of a list that begins with the option's word."""
 
-    #: How many values stand behind the word.
+    #: The number of values after the word.
     values: int
     read: Read
 
 
 class Readers(Protocol):
-    """Readers by the name of their rule in the grammar, and by the words of a group."""
+    """The readers by grammar rule, and by the first words of a group."""
 
     def __getitem__(self, rule: str, /) -> Read:
         """Return the reader of a rule."""
 
     @property
     def formulas(self) -> dict[str, Read]:
-        """Return the readers of formulas by the words that head them."""
+        """Return the readers of formulas by first word."""
 
     def group(self, rule: str) -> dict[str, Read]:
-        """Return the readers of the lists in a group by the words that head them."""
+        """Return the readers of the lists in a group by first word."""
 
     def option(self, rule: str) -> OptionReader:
-        """Return what reads an option, with the number of its values."""
+        """Return the reader of an option, with the number of its values."""
 
 
 class Details(TypedDict, total=False):
-    """What a finding may say besides its message."""
+    """The parts of a finding besides its message."""
 
-    #: Other data that the finding points at, each with what is said of it.
+    #: Further data of the finding, each with a message.
     labels: Iterable[tuple[Datum, str]]
-    #: What to do about it.
+    #: The help.
     help: str
-    #: The change of the text that would cure it.
+    #: The fix.
     fix: Fix | None
 
 
 class Context:
-    """The form in hand, its file, and what has been said about it."""
+    """The state of reading a form: its file and its findings."""
 
-    #: The name of the file, as spans carry it.
+    #: The name of the file in spans.
     file: str
-    #: How many findings are kept.
+    #: The maximal number of findings.
     room: int
-    #: Whether the reader had to guess at something: then only words that print has had
-    #: for others are told, for all other faults might be due to the guess.
+    #: Whether the reader guessed a part of the form. If so, only published slips are
+    #: reported, because the guess may cause all other faults.
     damaged: bool = False
-    #: Whether a parenthesis too many stands behind the form: then only slips whose
-    #: meaning is clear are told, for the first of the pair may have been lost.
+    #: Whether a surplus `)` follows the form. If so, only slips with a clear meaning
+    #: are reported, because the `(` of the pair may be missing.
     surplus: bool = False
-    #: What has been found in the form.
+    #: The findings in the form.
     diagnostics: list[Diagnostic]
-    #: Whether something of the form had to be left out.
+    #: Whether a part of the form was left out.
     incomplete: bool = False
 
     def __init__(self, source: SourceFile, room: int, readers: Readers) -> None:
@@ -111,17 +111,17 @@ class Context:
         self.diagnostics = []
 
     def span(self, datum: Datum) -> Span:
-        """The place of a datum."""
+        """Return the span of a datum."""
         return Span(self.file, datum.start, datum.end)
 
     def text(self, datum: Datum) -> str:
-        """A datum as it was written."""
+        """Return the source text of a datum."""
         return self.source.text[datum.start : datum.end]
 
     def report(
         self, rule: str, message: str, at: Datum, **more: Unpack[Details]
     ) -> None:
-        """Report a fault for which something of the form is left out."""
+        """Report a fault that leaves a part of the form out."""
         self.incomplete = True
         if not self.surplus:
             self.report_fixable(rule, message, at, **more)
@@ -129,7 +129,7 @@ class Context:
     def report_fixable(
         self, rule: str, message: str, at: Datum, **more: Unpack[Details]
     ) -> None:
-        """Report a fault whose meaning is clear, so that nothing is left out."""
+        """Report a fault with a clear meaning, which leaves nothing out."""
         if not self.damaged:
             self.certain(rule, message, at, **more)
 
@@ -143,7 +143,7 @@ class Context:
         help: str = "",
         fix: Fix | None = None,
     ) -> None:
-        """Report a fault that no parenthesis guessed at can have brought about."""
+        """Report a fault that cannot be due to a guessed parenthesis."""
         if len(self.diagnostics) < self.room:
             shown = tuple(Label(self.span(d), text) for d, text in labels)
             place = self.span(at)
@@ -164,17 +164,17 @@ class Context:
         self.report(said.breaks, message, datum, help=said.help)
 
     def replace(self, datum: Datum, content: str, *, sure: bool = True) -> Fix:
-        """The fix that writes `content` in place of a datum."""
+        """Return the fix that writes `content` in place of a datum."""
         edit = Edit(self.span(datum), content)
         return Fix.of(f"write `{content}`", edit, sure=sure)
 
     def insert(self, offset: int, content: str, *, sure: bool = True) -> Fix:
-        """The fix that inserts `content`."""
+        """Return the fix that inserts `content`."""
         edit = Edit(self.source.span(offset, offset), content)
         return Fix.of(f"insert `{content.strip()}`", edit, sure=sure)
 
     def wrap(self, first: Datum, last: Datum, left: str, *, sure: bool = True) -> Fix:
-        """The fix that puts `left` before some data and `)` behind them."""
+        """Return the fix that puts `left` before some data and `)` after the data."""
         before = Edit(self.source.span(first.start, first.start), left)
         after = Edit(self.source.span(last.end, last.end), ")")
         return Fix.of("put parentheses around it", before, after, sure=sure)
@@ -182,9 +182,9 @@ class Context:
     def unknown(
         self, rule: str, what: str, word: Symbol | Keyword, known: Iterable[str]
     ) -> str | None:
-        """Report a word that is not among the known ones; returns what was meant.
+        """Report a word that is not among the known words; return a similar word.
 
-        The answer is None where that can only be guessed.
+        The result is None if no known word is similar.
         """
         options = tuple(known)
         printed = SLIPS.get(word.name)
@@ -217,12 +217,12 @@ class Context:
 
 
 def kind_of(datum: Datum) -> str:
-    """Return what a datum is, with its article."""
+    """Return the kind of a datum in words, with its article."""
     return _KINDS[type(datum)]
 
 
 def head_of(datum: Datum) -> str | None:
-    """The name of the symbol that heads a list, or None."""
+    """Return the name of the symbol at the head of a list, or None."""
     if type(datum) is List and datum.items:
         first = datum.items[0]
         if type(first) is Symbol:

@@ -1,12 +1,13 @@
 """RAP text in its canonical layout: `rapc fmt`.
 
-The layout is that of `rapc.ir.layout`, which prints nodes as well, but works here on
-data, so that comments stay where they are and numbers and strings as they were written.
+The formatter uses `rapc.ir.layout`, which also prints nodes, on data. Comments keep
+their position, and numbers and strings keep their spelling.
 
-A comment on a line of its own keeps that line, in the column of what follows it. One
-behind an operand stays behind it; if nothing but parentheses follows in the list, it
-goes behind these. Between operands and between forms a blank line stays one; several
-become one. A definition of several lines has a blank line above and below.
+- A comment on its own line keeps its line, in the column of the following text.
+- A comment after an operand stays after the operand. If only parentheses follow in the
+  list, the comment moves after the parentheses.
+- Between operands and between forms, one or more blank lines become one blank line.
+- A definition of several lines has a blank line above and below.
 
 For example
 
@@ -34,11 +35,11 @@ _BLANK = Note("")
 
 
 class Formatted:
-    """A file in its canonical layout, or why there is none."""
+    """A file in its canonical layout, or the findings that prevent it."""
 
-    #: The text; that of the file if it cannot be read without guessing.
+    #: The formatted text; the text of the file if there are findings.
     text: str
-    #: What is wrong with the text.
+    #: The findings in the text.
     diagnostics: tuple[Diagnostic, ...]
 
     def __init__(self, text: str, diagnostics: tuple[Diagnostic, ...]) -> None:
@@ -51,7 +52,7 @@ def formatted(source: SourceFile, width: int = WIDTH) -> Formatted:
 
     Args:
         source: the file.
-        width: how many columns a line has, as far as atoms allow it.
+        width: the number of columns of a line, if the atoms allow it.
     """
     reading = read(source)
     if reading.diagnostics:
@@ -93,7 +94,7 @@ class _Pieces:
         ]
 
     def _tree(self, datum: Datum) -> Iterator[Noted]:
-        """Yield a datum, and the comments that leave it behind its last operand."""
+        """Yield a datum, then the comments moved out of its end."""
         if not isinstance(datum, List):
             yield self._atom(datum)
             return
@@ -112,13 +113,13 @@ class _Pieces:
     def _between(
         self, start: int, end: int, is_behind: bool, last: bool = False
     ) -> Iterator[Note]:
-        """Yield the comments and blank lines between two places.
+        """Yield the comments and blank lines between two positions.
 
         Args:
-            start: where what is before them ends.
-            end: where what is behind them begins.
-            is_behind: whether there is anything before them in their list.
-            last: whether nothing of their list is behind them.
+            start: the end of the preceding text.
+            end: the start of the following text.
+            is_behind: whether the list has a datum before `start`.
+            last: whether the list has no datum after `end`.
         """
         comments = self._comments
         while self._next < len(comments) and comments[self._next].span.start < end:
@@ -135,13 +136,13 @@ class _Pieces:
 
 
 def _is_resource(rows: Sequence[Noted]) -> bool:
-    """Whether the last row is the name of a resource's kind, as traces print it."""
+    """Return whether the last row is the kind of a resource in the form of a trace."""
     last = rows[-1] if rows else ""
     return isinstance(last, str) and last.startswith("#")
 
 
 def _ends_line(row: Noted) -> bool:
-    """Whether nothing can stand behind a row on its line."""
+    """Return whether a row extends to the end of its line."""
     return isinstance(row, Note) and row.text.startswith(";")
 
 
@@ -153,7 +154,7 @@ def _is_beside(row: Noted) -> bool:
 
 
 def _joined(rows: Sequence[Noted], width: int) -> str:
-    """Return forms and comments as text, definitions of several lines set apart."""
+    """Return forms and comments as text, with blank lines around long definitions."""
     parts: list[str] = []
     apart = False
     behind_form = False

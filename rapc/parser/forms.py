@@ -1,9 +1,9 @@
-"""Forms whose parts come in any order: clauses, options, and declarations.
+"""Readers of parts in any order: clauses, options and declarations.
 
-Clauses are lists that begin with their names, options stand in a row, `:word value...`.
-Each is read by the reader of its rule and fills the field of its name. Behind its name
-the parts of a declaration come in any order, too: operands, `:options` and a text. Of
-an operand that is missing something is assumed, which is reported.
+A clause is a list that begins with its name. An option is a word with values in a
+sequence, `:word value...`. The reader of its rule reads each clause or option, whose
+value fills the field of its name. After the name of a declaration, its operands,
+`:options` and text come in any order. A missing operand is reported and has a default.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from rapc.parser.syntax import Datum, Keyword, List, String, Symbol, Variable
 
 
 def arguments(ctx: Context, datum: Datum) -> tuple[nodes.Argument, ...]:
-    """`(?variable ...)`, each of them with its kind if wanted: `(?size number)`."""
+    """Read `(?variable ...)`; each variable may have its kind: `(?size number)`."""
     if not isinstance(datum, List):
         ctx.wrong("arguments", datum)
         return ()
@@ -34,7 +34,7 @@ def arguments(ctx: Context, datum: Datum) -> tuple[nodes.Argument, ...]:
 
 
 def valued(ctx: Context, datum: Datum) -> tuple[nodes.Argument, ...]:
-    """The arguments of a property, the last of which is its value."""
+    """Read the arguments of a property, whose last argument is its value."""
     made = arguments(ctx, datum)
     if isinstance(datum, List) and not datum.items:
         ctx.wrong("valued", datum)
@@ -44,7 +44,7 @@ def valued(ctx: Context, datum: Datum) -> tuple[nodes.Argument, ...]:
 def parameters(
     ctx: Context, data: Sequence[Datum], seen: dict[str, Datum]
 ) -> tuple[nodes.Argument, ...]:
-    """Variables in a row, with kinds or without, none of them among those `seen`."""
+    """Read variables, with or without kinds; report variables that are in `seen`."""
     if not data:
         return ()
     return tuple(filter(None, [_argument(ctx, one, seen) for one in data]))
@@ -64,7 +64,7 @@ def _argument(
 
 
 def parameter(ctx: Context, datum: Datum, seen: dict[str, Datum]) -> nodes.Var | None:
-    """A variable with a name that is not yet among those `seen`."""
+    """Read a variable with a name; report the variable if it is in `seen`."""
     if type(datum) is not Variable or datum.name == "?":
         named = _named(ctx, datum)
         if named is None:
@@ -82,7 +82,7 @@ def parameter(ctx: Context, datum: Datum, seen: dict[str, Datum]) -> nodes.Var |
 
 
 def _named(ctx: Context, datum: Datum) -> Variable | None:
-    """Return the variable that a symbol was meant for; report whatever it is."""
+    """Report a datum that is not a variable; return the variable for a symbol."""
     if isinstance(datum, Symbol):
         ctx.report_fixable(
             "malformed-form",
@@ -98,7 +98,7 @@ def _named(ctx: Context, datum: Datum) -> Variable | None:
 
 
 def symbol(ctx: Context, datum: Datum, what: str) -> str | None:
-    """A symbol's name; anything else is reported."""
+    """Read the name of a symbol; report any other datum."""
     if isinstance(datum, Symbol):
         return datum.name
     ctx.report("malformed-form", f"{what} is wanted here, not {kind_of(datum)}", datum)
@@ -108,7 +108,7 @@ def symbol(ctx: Context, datum: Datum, what: str) -> str | None:
 class Slots(msgspec.Struct, frozen=True):
     """The fields of a node that clauses and options fill."""
 
-    #: The fields in the order of the node, with their values where nothing is said.
+    #: The fields in the order of the node, with their default values.
     unsaid: Mapping[str, Any]
     #: The field of each word, and whether the field holds a tuple.
     fields: Mapping[str, tuple[str, bool]]
@@ -131,10 +131,10 @@ def slots(rule: str, kind: type[nodes.Node]) -> Slots:
 
 
 def filled(into: Slots, read: Mapping[str, Sequence[Any]]) -> dict[str, Any]:
-    """Return what the fields hold, of what was read of clauses or options by word.
+    """Return the values of the fields, from the values of clauses or options by word.
 
-    What could not be read is None. Of several things for a field that holds one the
-    first counts; rows are joined.
+    A value that could not be read is None. If a field with a single value has several,
+    the first is used; tuples are joined.
     """
     fields = dict(into.unsaid)
     for word, values in read.items():
@@ -149,7 +149,7 @@ def filled(into: Slots, read: Mapping[str, Sequence[Any]]) -> dict[str, Any]:
 
 
 def _row(value: Any, field: str) -> Iterable[Any]:
-    """A row as it is, that of a node which holds one of the same name, or one thing."""
+    """Return a value as a sequence: a tuple, a node's field of that name, or itself."""
     if isinstance(value, nodes.Node):
         held: Iterable[Any] = getattr(value, field, (value,))
         return held
@@ -159,7 +159,7 @@ def _row(value: Any, field: str) -> Iterable[Any]:
 def read_options(
     ctx: Context, data: Sequence[Datum], owner: str, group: str
 ) -> Mapping[str, list[Any]]:
-    """Return what was read of each option of a group by its word; none stands twice."""
+    """Return the values of the options of a group by word; report duplicates."""
     rules = rules_by_head(group)
     known = {word: ctx.readers.option(rule) for word, rule in rules.items()}
     found = options(ctx, data, owner, {w: one.values for w, one in known.items()})
@@ -169,10 +169,10 @@ def read_options(
 def options(
     ctx: Context, data: Sequence[Datum], owner: str, known: Mapping[str, int]
 ) -> Mapping[str, List]:
-    """Options by their words, each as a list of its word and its values.
+    """Return the options by word, each as a list of its word and its values.
 
-    `known` gives the number of values of each; no keyword is one. Reports what is no
-    option, and words that stand twice.
+    `known` has the number of values of each option; a keyword is not a value. Other
+    data and duplicate options are reported.
     """
     others, found = split(ctx, data, owner, known)
     for one in others:
@@ -190,10 +190,10 @@ def split(
     rule: str = "malformed-clause",
     keywords: bool = False,
 ) -> tuple[list[Datum], dict[str, list[List]]]:
-    """Whatever is no option, and the options by their words.
+    """Return the data that are not options, and the options by word.
 
-    Those in `many` may stand more than once. `rule` is broken by an option that lacks
-    its values; `keywords` says whether one that is no option may be a value.
+    Options in `many` may be repeated. An option with missing values violates `rule`.
+    With `keywords`, a keyword that is not an option may be a value.
     """
     others: list[Datum] = []
     found: dict[str, list[List]] = {}
@@ -229,9 +229,9 @@ def split(
 def clauses(
     ctx: Context, data: Sequence[Datum], owner: str, known: Sequence[str]
 ) -> Iterator[tuple[str, List]]:
-    """The clauses among some data with the names they are meant to have.
+    """Yield the clauses among some data with their corrected names.
 
-    Reports what is no clause, or a clause of something else.
+    Data that are not clauses, and clauses of other forms, are reported.
     """
     for datum in data:
         name = head_of(datum)
@@ -264,9 +264,9 @@ def single(
     found: Iterable[tuple[str, List]],
     many: Collection[str] = (),
 ) -> dict[str, list[List]]:
-    """Clauses by name; reports those that stand twice and may not.
+    """Return the clauses by name; report duplicates, except for names in `many`.
 
-    The first of two counts.
+    Of duplicate clauses the first is used.
     """
     kept: dict[str, list[List]] = {}
     for name, datum in found:
@@ -297,12 +297,12 @@ def read_clauses(
 
 
 _Operand = tuple[str, Shape, bool]
-"""The field of an operand, its shape, and whether one follows that must stand."""
+"""The field of an operand, its shape, and whether a required operand follows."""
 
 
 @cache
 def _operands(rule: str, kind: type[nodes.Node]) -> tuple[_Operand, ...]:
-    """The operands of a declaration behind its name, its text left out."""
+    """Return the operands of a declaration after its name, without its text."""
     known = schema.parts(rule, kind)
     names = schema.fields(kind, known)[1:]
     wanted = [p.shape for p in known if not p.field and not is_word(p.shape)][1:]
@@ -314,7 +314,7 @@ def _operands(rule: str, kind: type[nodes.Node]) -> tuple[_Operand, ...]:
 
 
 def declaration(rule: str, kind: Any) -> Read:
-    """Return what reads the declarations of a rule to nodes of a kind."""
+    """Return the reader of the declarations of a rule to nodes of a kind."""
     colon = RULES[rule][2] in ("SKILL", "SIGNAL")
 
     def read(ctx: Context, form: List) -> Any:
@@ -344,7 +344,7 @@ def declaration(rule: str, kind: Any) -> Read:
 
 
 def name_of(ctx: Context, form: List, *, colon: bool) -> str | None:
-    """The name in a declaration; `colon` says that it begins with one."""
+    """Read the name of a declaration; with `colon`, the name begins with a colon."""
     place = form.items[1] if len(form.items) > 1 else form
     if isinstance(place, Keyword) and colon:
         return place.name
@@ -366,7 +366,7 @@ def name_of(ctx: Context, form: List, *, colon: bool) -> str | None:
 def explained(
     ctx: Context, form: List, data: Iterable[Datum]
 ) -> tuple[str, list[Datum]]:
-    """The text that explains a declaration, and the data in it that are no texts."""
+    """Return the text that explains a declaration, and the data without texts."""
     operands: list[Datum] = []
     docs: list[String] = []
     for one in data:
@@ -380,7 +380,7 @@ def explained(
 
 
 def _surplus(ctx: Context, form: List, data: Iterable[Datum]) -> None:
-    """Report what a declaration has no place for."""
+    """Report the surplus data of a declaration."""
     for extra in data:
         message = f"{kind_of(extra)} too many for `{head_of(form)}`"
         ctx.report("malformed-form", message, extra)
@@ -394,7 +394,7 @@ def _add_operands(
     wanted: Sequence[_Operand],
     given: dict[str, Any],
 ) -> None:
-    """Put the operands into `given` by their fields; reports the first missing."""
+    """Put the operands into `given` by field; report the first missing operand."""
     last, missed = form.items[1], False
     for field, shape, aside in wanted:
         leaf, optional = next(leaves(shape)), shape[0] == "?"
@@ -417,7 +417,7 @@ _ASSUMED: Mapping[str, Any] = {
     "results": ("okay",),
     "DEFAULT": "unknown",
 }
-"""What is assumed of the operands of declarations that may not be left out."""
+"""The default values of missing required operands."""
 
 
 def _missing(ctx: Context, place: Datum, name: str, leaf: str, last: Datum) -> None:

@@ -1,16 +1,14 @@
-"""Data to nodes by the grammar: readers of lists, made of its rules when first needed.
+"""Readers made from the grammar: data to nodes, each reader made at its first use.
 
-A reader takes a datum, reports what is wrong with it in the author's words, and returns
-the node, or None if something had to be left out. For most rules the shape in
-`rapc.language.grammar` says all there is to know: which words head the list, how many
-operands of which kinds follow. What a shape leaves open is said in `MAKERS` of
-`rapc.parser.special.table` (which node comes of the operands, where it is not the one
-of the same name) and beside the rule in the grammar (what a finding says). Rules that
-need a hand have readers of their own in `rapc.parser.special` and its neighbours; those
-are asked first.
+A reader takes a datum, reports faults in the author's words, and returns the node, or
+None if a part was left out. For most rules the shape in `rapc.language.grammar` is
+sufficient: the first words of the list, the number and the kinds of operands. `MAKERS`
+of `rapc.parser.special.table` makes the nodes that have names different from their
+rules. The grammar has the messages of findings. Special readers in
+`rapc.parser.special` and other modules take precedence.
 
 A list whose operands do not fit its shape is reported once, as a whole; operands that
-are lists themselves report what is wrong in them.
+are lists report their own faults.
 """
 
 from __future__ import annotations
@@ -35,25 +33,25 @@ from rapc.parser.terms import NAMED, REFUSED, term, with_arguments
 
 
 def _breaks(rule: str) -> str:
-    """The rule of the checker that a fault in data of a rule or terminal breaks."""
+    """Return the checker's rule for a fault in data of a grammar rule or terminal."""
     return GRAMMAR[rule].breaks if rule in GRAMMAR else "malformed-clause"
 
 
 Fits = Callable[[Datum], bool]
-"""Whether a datum is of the kind wanted, by its type and first word alone."""
+"""A predicate: whether a datum is of an expected kind, by its type and first word."""
 
 
 class OperandWanted(msgspec.Struct, frozen=True):
-    """What a single operand must be."""
+    """The requirements of a single operand."""
 
     fits: Fits
     read: Read
-    #: Whether `read` is for data that fit only; lists tell by themselves what is wrong.
+    #: Whether `read` is only for data that fit; readers of lists report faults.
     strict: bool
 
 
 def one_word(word: str) -> Fits:
-    """Return what tells the symbol or keyword `word` from all other data."""
+    """Return the predicate that is true only for the symbol or keyword `word`."""
 
     def fits(datum: Datum) -> bool:
         return isinstance(datum, Symbol | Keyword) and datum.name == word
@@ -66,12 +64,12 @@ def _is_name(datum: Datum) -> bool:
 
 
 def is_string(datum: Datum) -> bool:
-    """Whether a datum is a string."""
+    """Return whether a datum is a string."""
     return type(datum) is String
 
 
 def terminal(name: str) -> OperandWanted:
-    """Return what reads a terminal: constants, variables to nodes, names to strings."""
+    """Return the reader of a terminal: to nodes for constants and variables, or str."""
     if name in _NODES:
         return OperandWanted(_NODES[name], term, True)
     if name in _NUMBERS:
@@ -102,7 +100,7 @@ def _names_file(datum: Datum) -> bool:
 
 
 def _file(ctx: Context, datum: Datum) -> str:
-    """The name of a file; a symbol is read as one that lacks its quotes."""
+    """Read the name of a file; a symbol is read as a string without quotes."""
     if isinstance(datum, String):
         return datum.value
     assert isinstance(datum, Symbol)
@@ -128,7 +126,7 @@ _NUMBERS: Mapping[str, Callable[[Number], bool]] = {
     "TIME": lambda value: value >= 0,
     "PERIOD": lambda value: value > 0,
 }
-"""For each terminal of numbers which of them it is."""
+"""The predicate of each terminal of numbers."""
 
 
 def _number(name: str) -> Read:
@@ -142,7 +140,7 @@ def _number(name: str) -> Read:
 
 
 class Operand(msgspec.Struct, frozen=True):
-    """Operands of one kind in a row; `most` is None for any number."""
+    """A sequence of operands of the same kind; `most` is None for any number."""
 
     least: int
     most: int | None
@@ -150,23 +148,22 @@ class Operand(msgspec.Struct, frozen=True):
 
 
 Maker = Callable[[Any, Sequence[Any], Span], Any]
-"""Makes the node of a list: of its head, its operands and its place."""
+"""A function that returns the node of a list, from its head, operands and span."""
 
 
 Mend = Callable[[Context, List], List | None]
-"""Returns a list as it was meant, and reports the slip; None if it cannot be read."""
+"""A function that reports a slip and returns the corrected list, or None."""
 
 
 class GrammarReaders(dict[str, Read]):
-    """Readers by the name of their rule; most are made of the grammar when needed.
+    """The readers by the name of their rule; most are made from the grammar.
 
     Args:
-        special: the readers that are written by hand.
-        makers: what makes a node of the operands of a rule; without one it is the node
-            of the same name, its fields filled with the operands in order, or, if there
-            is no such node, the first operand.
-        mends: what is looked at first in the lists of a rule that print has had
-            otherwise.
+        special: the special readers.
+        makers: the functions that make nodes from the operands of a rule. Without a
+            function, the result is the node of the same name, with the operands as
+            fields, or the first operand if there is no node of that name.
+        mends: the corrections of lists with published variants in their spelling.
     """
 
     def __init__(
@@ -189,7 +186,7 @@ class GrammarReaders(dict[str, Read]):
         return made
 
     def _plain(self, rule: str) -> Read:
-        """Return what reads a rule as the grammar has it, without any hand."""
+        """Return the reader of a rule made only from the grammar."""
         shape = RULES.get(rule, rule)
         if is_terminal(shape):
             return _wanted(rule, shape, terminal(rule))
@@ -203,11 +200,11 @@ class GrammarReaders(dict[str, Read]):
 
     @cached_property
     def formulas(self) -> dict[str, Read]:
-        """Return the readers of formulas by the words that head them."""
+        """Return the readers of formulas by first word."""
         return self.group("formula")
 
     def group(self, rule: str) -> dict[str, Read]:
-        """Return the readers of the lists in a group by the words that head them."""
+        """Return the readers of the lists in a group by first word."""
         found = self._groups.get(rule)
         if found is None:
             heads = rules_by_head(rule).items()
@@ -216,7 +213,7 @@ class GrammarReaders(dict[str, Read]):
         return found
 
     def part(self, shape: Shape) -> OperandWanted:
-        """Return what reads a single operand of a shape."""
+        """Return the reader of a single operand of a shape."""
         if isinstance(shape, str):
             if is_word(shape):
                 word = shape[1:-1]
@@ -253,19 +250,19 @@ class GrammarReaders(dict[str, Read]):
         return OperandWanted(lambda d: type(d) is List, read, False)
 
     def option(self, rule: str) -> OptionReader:
-        """Return what reads an option, with the number of its values."""
+        """Return the reader of an option, with the number of its values."""
         shape = RULES[rule]
         if is_word(shape):
             return OptionReader(0, lambda ctx, datum: True)
         return OptionReader(len(shape) - 2, self[rule])
 
     def _option(self, rule: str, shape: Shape) -> Read:
-        """The reader of an option with one value."""
+        """Return the reader of an option with one value."""
         read = self._value(rule, shape[2])
         return lambda ctx, datum: read(ctx, datum.items[1])
 
     def _value(self, rule: str, shape: Shape) -> Read:
-        """The reader of whatever stands where a value of a shape is wanted."""
+        """Return the reader of data at the position of a value of a shape."""
         if shape[0] == "list":
             return self._inner(rule, shape)
         if words_of_shape(shape) == _TRUTHS:
@@ -273,7 +270,7 @@ class GrammarReaders(dict[str, Read]):
         return _wanted(rule, shape, self.part(shape))
 
     def _inner(self, rule: str, shape: Shape) -> Read:
-        """The reader of a list without a head that holds any number of one kind."""
+        """Return the reader of a list of items of the same kind, without a head."""
         inner = shape[1][1]
         part = self.part(inner)
         one = _wanted(rule, inner, part)
@@ -297,7 +294,7 @@ class GrammarReaders(dict[str, Read]):
         return read
 
     def _choice(self, rule: str) -> Read:
-        """The reader of a group of lists, told apart by their heads."""
+        """Return the reader of a group of lists, selected by first word."""
         readers = self.group(rule)
         what = GRAMMAR[rule].wanted
 
@@ -319,14 +316,14 @@ class GrammarReaders(dict[str, Read]):
         return read
 
     def _named(self, shape: Shape) -> Read | None:
-        """The reader of a name with its arguments, for a rule that is just that."""
+        """Return the reader of a name with arguments, or None for other rules."""
         name, args = (shape[1], shape[2]) if len(shape) == 3 else ("", "")
         if name in NAMED and args[0] == "*" and args[1] in REFUSED:
             return with_arguments(str(name), str(args[1]))
         return None
 
     def _list(self, rule: str, shape: Shape) -> Read:
-        """The reader of a list with a head, with several to choose from, or none."""
+        """Return the reader of a list with a head, a choice of heads, or none."""
         told, inner = bool(GRAMMAR[rule].whole), shape[1 + bool(heads(rule)) :]
         if inner[-1][0] == "*" and str(inner[-1][1]).startswith("_"):
             return self._with_parts(rule, inner[:-1], str(inner[-1][1]))
@@ -334,9 +331,9 @@ class GrammarReaders(dict[str, Read]):
         return _varied(rule, operands, self.makers.get(rule) or _named_like(rule))
 
     def _with_parts(self, rule: str, operands: Sequence[Shape], group: str) -> Read:
-        """The reader of a list with some operands, then options or lists of a group.
+        """Return the reader of a list with operands, then options or lists of a group.
 
-        Options fill the fields of their names, lists the field behind the operands.
+        Options fill the fields of their names, lists the field after the operands.
         """
         kind: Any = schema.kind_of_rule(rule)
         reads = [self.part(one).read for one in operands]
@@ -365,23 +362,23 @@ class GrammarReaders(dict[str, Read]):
         return read
 
     def _operand(self, shape: Shape, told: bool) -> Operand:
-        """Return what reads some operands; `told` if their list tells of them."""
+        """Return the reader of operands; `told` if their list reports their faults."""
         least, most = _COUNTS.get(str(shape[0]), (1, 1))
         part = self.part(shape if least == most else shape[1])
         return Operand(least, most, replace(part, strict=part.strict or told))
 
 
 _PLAIN = [rule for rule in RULES if all(map(is_terminal, leaves(RULES[rule])))]
-"""Rules of terminals alone, which may stand for one."""
+"""The rules with only terminals, which are used like a terminal."""
 
 _COUNTS = {"?": (0, 1), "*": (0, None), "+": (1, None)}
 
 
 def _named_like(rule: str) -> Maker:
-    """Return what makes the node of a rule, operands in the order of fields.
+    """Return the function that makes the node of a rule, with operands as fields.
 
-    The head is the first of these if it tells such nodes apart. Where there is no such
-    node, what the list holds stands for it.
+    The head is the first field if it distinguishes nodes of the kind. If the rule has
+    no node, the result is the first operand.
     """
     kind: Any = schema.kind_of_rule(rule)
     if kind is None:
@@ -394,18 +391,18 @@ def _named_like(rule: str) -> Maker:
 
 
 def _alone(make: Maker) -> Read:
-    """The reader of a word that is a whole by itself."""
+    """Return the reader of a word that is a complete form."""
     return lambda ctx, datum: make(ctx.text(datum).lower(), (), ctx.span(datum))
 
 
 def _own_word(rule: str) -> str:
-    """The word that heads a rule, whatever is written for it; empty of several."""
+    """Return the first word of a rule, independent of the text; empty if several."""
     known = heads(rule)
     return known[0] if len(known) == 1 else ""
 
 
 def _mended(mend: Mend, read: Read) -> Read:
-    """The reader of a list that is mended before it is read."""
+    """Return the reader of a list that is corrected before it is read."""
 
     def mended(ctx: Context, datum: List) -> Any:
         meant = mend(ctx, datum)
@@ -415,7 +412,7 @@ def _mended(mend: Mend, read: Read) -> Read:
 
 
 def _varied(rule: str, operands: Sequence[Operand], make: Maker) -> Read:
-    """The reader of a list with operands, some of which may be missing or repeated."""
+    """Return the reader of a list with optional and repeated operands."""
     own, headed = _own_word(rule), bool(heads(rule))
 
     def read(ctx: Context, datum: Datum) -> Any:
@@ -442,9 +439,9 @@ def _varied(rule: str, operands: Sequence[Operand], make: Maker) -> Read:
 def _shared_out(
     items: Sequence[Datum], operands: Sequence[Operand]
 ) -> list[Sequence[Datum]] | None:
-    """The items of a list for each of its operands; None if they do not fit.
+    """Return the items of a list for each of its operands; None if items do not fit.
 
-    Each operand takes as many as fit it, but leaves as many as the rest needs.
+    Each operand takes all fitting items, except the items that later operands need.
     """
     rows: list[Sequence[Datum]] = []
     at, needed = 0, sum(one.least for one in operands)
@@ -462,7 +459,7 @@ def _shared_out(
 
 
 def _truth(rule: str) -> Read:
-    """The reader of `true` or `false`."""
+    """Return the reader of `true` or `false`."""
 
     def read(ctx: Context, datum: Datum) -> bool | None:
         if isinstance(datum, Symbol) and datum.name in _TRUTHS:
@@ -477,7 +474,7 @@ _TRUTHS = ("true", "false")
 
 
 def _wanted(rule: str, shape: Shape, part: OperandWanted) -> Read:
-    """Return what reads a datum as a part, and reports what cannot be one."""
+    """Return the reader of a datum as an operand; it reports data that do not fit."""
     if not part.strict:
         return part.read
     leaf = next(leaves(shape))

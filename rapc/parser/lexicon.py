@@ -1,7 +1,7 @@
-"""Tokens: one regular expression made of the grammar's terminals, and its atoms.
+"""Tokens: the regular expression from the grammar's terminals, and atoms.
 
-`ReadLog` turns atoms into data and keeps comments, findings and
-the places that make a form damaged. Lists are built by `rapc.parser.reader`.
+`ReadLog` turns atoms into data and collects comments, findings and the positions that
+make a form damaged. Not here: lists (`rapc.parser.reader`).
 """
 
 from __future__ import annotations
@@ -35,9 +35,9 @@ from rapc.parser.syntax import (
 
 OPEN, CLOSE, QUOTE, ATOM, STRING, COMMENT, BLOCK, OTHER = range(1, 9)
 CUT, UNCLOSED = 9, 10
-"""The kinds of tokens: the groups of `Lexicon.loose`, and what does not close.
+"""The kinds of tokens: the groups of `Lexicon.loose`, and unclosed tokens.
 
-OTHER is a character that begins nothing, CUT a string, UNCLOSED a comment.
+OTHER is an invalid character, CUT an unclosed string, UNCLOSED an unclosed comment.
 """
 
 FORM = (
@@ -45,10 +45,10 @@ FORM = (
     r"|(?:def|dec)[a-z]{0,6}-(?:rap|test|mem|event|class|indi|prim|sens|skill))"
 )
 FORM_LINE = re.compile(f"^{FORM}", re.I | re.M)
-"""What looks like the beginning of a form in column one."""
+"""The likely beginning of a form in column 1."""
 
 Token = tuple[int, int, int]
-"""A token's kind and the offsets of its text."""
+"""The kind of a token and the offsets of its text."""
 
 _ESCAPE = re.compile(r"\\(.)", re.S)
 _NUMBER_LIKE = re.compile(r"[+-]?(?=\.?[0-9])[0-9]*\.?[0-9]*(?:e[+-]?[0-9]+)?", re.I)
@@ -59,7 +59,7 @@ MAKERS: Mapping[str, _Make] = {
     "KEYWORD": Keyword,
     "WORD": Symbol,
 }
-"""What makes a datum of the value and place of an atom; `=>` is an `Arrow`."""
+"""The classes of data by the kind of an atom; `=>` is an `Arrow`."""
 
 _MEANT = str.maketrans(
     {
@@ -75,12 +75,12 @@ _QUOTES = frozenset("#'`,")
 class Lexicon:
     """The compiled terminals of the grammar.
 
-    Any atom is a `_NAME`, only a colon by itself is none; `atom` tells the kinds of
-    atoms apart. For `loose`, which finds one token and the space before it, a string
-    is its opening quote alone.
+    An atom is a `_NAME`, but not a single colon; `atom` matches the kinds of atoms.
+    `loose` matches a token and the space before it; of a string it matches only the
+    opening quote.
 
     Args:
-        terminals: regular expressions without groups of their own, by terminal name.
+        terminals: regular expressions without groups, by terminal name.
     """
 
     def __init__(self, terminals: Mapping[str, str]) -> None:
@@ -99,21 +99,21 @@ class Lexicon:
 
 @cache
 def lexicon() -> Lexicon:
-    """The terminals of `rap.lark`, compiled once."""
+    """Return the terminals of `rap.lark`, compiled once."""
     return Lexicon(TERMINALS)
 
 
 def tokens(
     text: str, at: int, string: re.Pattern[str], closers: Mapping[int, int]
 ) -> Iterator[Token]:
-    """Yield the tokens of a text behind a place, comments among them.
+    """Yield the tokens of a text after an offset, with comments.
 
     Args:
         text: the text.
-        at: the place.
-        string: what a string is; one that does not close is a `CUT`, which ends with
-            its line, the parentheses at the end of the line left out.
-        closers: where each comment in `#| |#` ends; one that does not close is an
+        at: the offset.
+        string: the expression for strings. An unclosed string is a `CUT`, which ends
+            with its line, before the parentheses at the end of the line.
+        closers: the end of each comment in `#| |#`. An unclosed comment is an
             `UNCLOSED`, which ends before the next form.
     """
     find = lexicon().loose
@@ -145,7 +145,7 @@ def tokens(
 
 
 def atom_value(kind: str, raw: str) -> Number | str | None:
-    """The value of an atom of this kind, or None if something is wrong with it."""
+    """Return the value of an atom of a kind, or None if the atom is invalid."""
     if kind == "NUMBER":
         if len(raw) > MAX_NUMBER:
             return None
@@ -158,11 +158,11 @@ def atom_value(kind: str, raw: str) -> Number | str | None:
 
 
 class ReadLog:
-    """Comments and findings collected while a file is read, and what is damaged."""
+    """The comments, findings and damaged positions collected while a file is read."""
 
-    #: The offsets at which something had to be guessed at.
+    #: The offsets of guessed parts.
     damage: list[int]
-    #: The offsets of forms that a `)` too many stands behind.
+    #: The offsets of forms followed by a surplus `)`.
     surplus: list[int]
 
     def __init__(self, source: SourceFile) -> None:
@@ -176,21 +176,21 @@ class ReadLog:
 
     @property
     def full(self) -> bool:
-        """Whether there is no room for further findings."""
+        """Whether the limit of findings is reached."""
         return len(self.diagnostics) + len(self._illegal) >= MAX_FINDINGS
 
     def report(self, found: Diagnostic) -> None:
-        """Keep a finding, if there is room for it."""
+        """Add a finding, unless the limit is reached."""
         if not self.full:
             self.diagnostics.append(found)
 
     def comment(self, start: int, end: int) -> None:
-        """Keep a comment."""
+        """Add a comment."""
         text = self.source.text[start:end]
         self.comments.append(Comment(text, self.source.span(start, end)))
 
     def atom(self, raw: str, start: int, end: int) -> Datum:
-        """The datum of an atom, whatever is wrong with it."""
+        """Return the datum of an atom; report an invalid atom."""
         known = self._known.get(raw)
         if known is not None:
             return known[0](known[1], start, end)
@@ -210,19 +210,19 @@ class ReadLog:
         return MAKERS[kind](raw[:MAX_NAME].lower(), start, end)
 
     def string(self, start: int, end: int) -> String:
-        """The datum of a string with its quotes."""
+        """Return the datum of a string with its quotes."""
         value = self.source.text[start + 1 : end - 1]
         return String(_ESCAPE.sub(r"\1", value), start, end)
 
     def illegal(self, start: int, end: int) -> None:
-        """Keep characters that begin nothing; neighbours make one finding."""
+        """Add invalid characters; adjacent characters make one finding."""
         if self._illegal and self._illegal[-1][1] == start:
             start = self._illegal.pop()[0]
         if not self.full and (start or self.source.text[0] != "\ufeff"):
             self._illegal.append((start, end))
 
     def finish(self, forms: Iterable[Datum]) -> Reading:
-        """Return the reading of a file with these data at its top level."""
+        """Return the reading of a file with `forms` at its top level."""
         for start, end in self._illegal:
             self._report_illegal(start, end)
         found = sorted(self.diagnostics, key=lambda d: d.span.start)

@@ -1,6 +1,6 @@
-"""Text to IR: the reader, then the form functions; and small texts by themselves.
+"""Parsing of files and of small texts to IR: the reader, then the form functions.
 
-Linking what several files define is for `rapc.library.library`.
+Not here: linking the definitions of several files (`rapc.library.library`).
 """
 
 from __future__ import annotations
@@ -38,11 +38,11 @@ __all__ = (
 )
 
 GOAL_OPTIONS = (":priority", ":deadline", ":at", ":background")
-"""What may be said about a top-level task behind its goal."""
+"""The options of a top-level task after its goal."""
 
 
 def parse(source: SourceFile) -> SourceUnit:
-    """Read a file and make IR of it; never raises."""
+    """Return the IR of a file with its findings; never raises."""
     reading = reader.read(source)
     known = readers()
     known_forms = known.group("_form")
@@ -118,10 +118,10 @@ def _misplaced_defaults(ctx: Context, datum: Datum) -> None:
 
 
 def parse_fact(text: str) -> Fact:
-    """A ground proposition, as in `(location box-1 depot)`.
+    """Return the fact in a text, for example `(location box-1 depot)`.
 
     Raises:
-        TextError: if the text is anything else.
+        TextError: if the text is not a ground proposition.
     """
     return _ground(parse_pattern(text), "a fact", text)
 
@@ -137,28 +137,28 @@ def _ground(made: nodes.Pattern, called: str, text: str) -> Fact:
 
 
 def parse_pattern(text: str) -> nodes.Proposition:
-    """A proposition that may hold variables, as in `(location ?x depot)`.
+    """Return the proposition in a text, for example `(location ?x depot)`.
 
     Raises:
-        TextError: if the text is anything else.
+        TextError: if the text is not a proposition.
     """
     return cast(nodes.Proposition, _only(text, proposition, "proposition"))
 
 
 def parse_signal(text: str) -> Fact:
-    """A signal with values, as in `(:door-open hall)`.
+    """Return the signal with values in a text, for example `(:door-open hall)`.
 
     Raises:
-        TextError: if the text is anything else.
+        TextError: if the text is not a signal with values.
     """
     return _ground(_only(text, signal, "signal"), "a signal", text)
 
 
 def parse_formula(text: str) -> nodes.Formula:
-    """A formula, as in `(and (location ?x depot) (size ?x ?k) (> ?k 3))`.
+    """Return the formula in a text, for example `(and (location ?x depot) (red ?x))`.
 
     Raises:
-        TextError: if the text is anything else.
+        TextError: if the text is not a formula, or has `otherwise`.
     """
     made: nodes.Formula = _only(text, formula, "formula")
     if any(isinstance(part, nodes.Otherwise) for part in subformulas(made)):
@@ -167,7 +167,7 @@ def parse_formula(text: str) -> nodes.Formula:
 
 
 def _only(text: str, read: Read, what: str) -> Any:
-    """Return what is read of a text that holds one datum."""
+    """Return the value of a text with exactly one datum; raise TextError otherwise."""
     ctx, data = _small(text)
     made = read(ctx, data[0])
     _complain(ctx)
@@ -177,13 +177,13 @@ def _only(text: str, read: Read, what: str) -> Any:
 
 
 def parse_goal_options(text: str) -> tuple[nodes.Goal, Mapping[str, Atom]]:
-    """A goal with options, as in `(fetch box) :priority 4 :at 120`.
+    """Return a goal and its options, for example `(fetch box) :priority 4 :at 120`.
 
-    The options come by name without the colon: `priority` (an integer), `deadline`
+    The options are by name without the colon: `priority` (an integer), `deadline`
     and `at` (absolute times), `background` (`true` or `false`).
 
     Raises:
-        TextError: if the text is anything else.
+        TextError: if the text is not a goal with valid options.
     """
     ctx, data = _small(text)
     made = goal(ctx, data[0])
@@ -219,7 +219,7 @@ def _option(name: str, value: Datum | None) -> Atom:
 
 
 def _small(text: str) -> tuple[Context, tuple[Datum, ...]]:
-    """The data of a small text, at least one. Raises TextError."""
+    """Return the data of a small text, at least one; raise TextError otherwise."""
     source = SourceFile("", text)
     reading = reader.read(source)
     for found in reading.diagnostics:

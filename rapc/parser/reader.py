@@ -1,9 +1,10 @@
-"""Text to data: lists are built of tokens with a stack, so no text exhausts Python's.
+"""The reader: text to data, in linear time.
 
-A text that does not close is cut where a form begins in column one, so that a fault
-stays in its form. Parentheses within such a segment are put right by
-`rapc.parser.repair`; strings and comments that do not close are cut off here.
-Everything takes linear time. What the data mean is not asked here.
+Lists are built with an explicit stack, because deep texts would exhaust Python's stack.
+An unbalanced text is cut into segments where a form begins in column 1: a fault stays
+in its form. `rapc.parser.repair` repairs the parentheses within a segment. This module
+cuts off unclosed strings and comments.
+Not here: the meaning of data (`rapc.parser.special`).
 """
 
 from __future__ import annotations
@@ -47,16 +48,16 @@ _COMMENTS = (COMMENT, BLOCK, UNCLOSED)
 
 @cache
 def _compiled(pattern: str) -> re.Pattern[str]:
-    """Return an expression, compiled when the first text has to be put right."""
+    """Return a compiled expression; compiled at the first text that needs a repair."""
     return re.compile(pattern, re.I | re.M)
 
 
 class Segment(msgspec.Struct):
-    """The tokens of a stretch of text up to where the next form begins (`end`).
+    """The tokens of a part of the text up to the next form (`end`).
 
-    `deep` is the place of a list nested too deeply, `string` of a string that does not
-    close, `comment` of such a comment. Where text is lost in one of these ways,
-    parentheses are put right without a word.
+    `deep` is the offset of a list nested too deeply, `string` an unclosed string,
+    `comment` an unclosed comment. If a segment has any of the three, its parentheses
+    are repaired without findings.
     """
 
     start: int
@@ -68,7 +69,7 @@ class Segment(msgspec.Struct):
 
 
 def read(source: SourceFile) -> Reading:
-    """Read a file: return its data, and the findings about its text."""
+    """Return the data of a file and the findings about its text."""
     log = ReadLog(source)
     text = source.text
     closers = _comment_ends(text) if "#|" in text else {}
@@ -81,9 +82,9 @@ def read(source: SourceFile) -> Reading:
 
 
 def _is_sound(text: str, found: Sequence[Token]) -> bool:
-    """Whether all closes that opens, and no list holds what looks like a form.
+    """Return whether the parentheses balance, and no list contains a likely form.
 
-    A `)` missing before a form and a surplus one further on balance each other.
+    A likely form inside a list shows a missing `)` that a later surplus `)` balances.
     """
     depth = 0
     for kind, start, _ in found:
@@ -103,7 +104,7 @@ def _is_sound(text: str, found: Sequence[Token]) -> bool:
 
 
 def _recover(log: ReadLog, closers: Mapping[int, int]) -> list[Datum]:
-    """The data of any text at all; what is wrong with it goes into the log."""
+    """Return the data of an invalid text; add the findings to the log."""
     text = log.source.text
     forms: list[Datum] = []
     at = 0
@@ -117,7 +118,7 @@ def _recover(log: ReadLog, closers: Mapping[int, int]) -> list[Datum]:
 
 
 def _comment_ends(text: str) -> dict[int, int]:
-    """Return where each `#|` that is closed has its end."""
+    """Return the end of each closed `#|` comment by its start."""
     ends: dict[int, int] = {}
     stack: list[int] = []
     for mark in BLOCK_MARK.finditer(text):
@@ -129,9 +130,9 @@ def _comment_ends(text: str) -> dict[int, int]:
 
 
 class _Cutter:
-    """Cuts one segment off a text.
+    """A function object that cuts a segment off a text.
 
-    With `lines`, no string goes beyond its line.
+    With `lines`, each string ends on its line.
     """
 
     def __init__(
@@ -151,7 +152,7 @@ class _Cutter:
         self.in_test = self.text[start : start + 12].lower() == "(define-test"
 
     def cut(self) -> Segment:
-        """The segment; given up where a string that might have lines is not closed."""
+        """Return the segment; without `lines`, stop at an unclosed string."""
         segment = self.segment
         string = _compiled(_LINE_STRING if self.lines else _STRING)
         for token in tokens(self.text, segment.start, string, self.closers):
@@ -172,7 +173,7 @@ class _Cutter:
         return segment
 
     def _begins_form(self, kind: int, at: int) -> bool:
-        """Whether the next segment begins here."""
+        """Return whether the next segment begins at a token."""
         if at == self.segment.start or self.text[at - 1] != "\n":
             return False
         if kind == ATOM:
@@ -202,7 +203,7 @@ class _Cutter:
 
 
 def _data(log: ReadLog, segment: Segment) -> list[Datum]:
-    """The data of a segment; all of them count as damaged if anything was amiss."""
+    """Return the data of a segment; mark all data as damaged after a repair."""
     lost = _lost_text(log.source, segment)
     code = [t for t in segment.tokens if t[0] not in _COMMENTS]
     repair = balance(log.source, code)
@@ -223,7 +224,7 @@ def _data(log: ReadLog, segment: Segment) -> list[Datum]:
 
 
 def _is_harmless(code: Sequence[Token], repair: Repair, forms: Sequence[Datum]) -> bool:
-    """Whether the repair only takes out what stands behind the one form there is."""
+    """Return whether the repair only removes a `)` after the only form."""
     if repair.edits != len(repair.drops):
         return False
     starts = [code[index][1] for index, _ in repair.drops]
@@ -231,7 +232,7 @@ def _is_harmless(code: Sequence[Token], repair: Repair, forms: Sequence[Datum]) 
 
 
 def _lost_text(source: SourceFile, segment: Segment) -> Diagnostic | None:
-    """Report the first fault in nesting, strings and comments."""
+    """Return the finding for the first fault in nesting, strings or comments."""
     if segment.deep is not None:
         return Diagnostic(
             "nested-too-deeply",
@@ -259,7 +260,11 @@ def _unclosed(
     closer: str,
     noticed: int,
 ) -> Diagnostic:
-    """A string or comment that should end at `end` and was missed at `noticed`."""
+    """Return the finding for an unclosed string or comment.
+
+    The closing mark is most likely missing at `end`; the reader noticed the fault at
+    `noticed`.
+    """
     mark = closer.strip()
     last = "noticed here" if noticed < len(source.text) else "the file ends here"
     return Diagnostic(
@@ -275,7 +280,7 @@ def _unclosed(
 
 
 def _build(log: ReadLog, tokens: Sequence[Token], repair: Repair) -> list[Datum]:
-    """The data of repaired tokens; comments go into the log."""
+    """Return the data of repaired tokens; add the comments to the log."""
     closes = Counter(at for at, _ in repair.closes)
     opens = frozenset(repair.opens)
     drops = {*repair.extra, *(at for at, _ in repair.drops)}
@@ -308,7 +313,7 @@ def _build(log: ReadLog, tokens: Sequence[Token], repair: Repair) -> list[Datum]
 def _close(
     stack: list[tuple[list[Datum], int]], items: list[Datum], end: int
 ) -> list[Datum]:
-    """Close the innermost list; the items of the list around it."""
+    """Close the innermost list, and return the items of the list around it."""
     outer, start = stack.pop()
     outer.append(List(tuple(items), start, end))
     return outer

@@ -1,11 +1,14 @@
-"""Parentheses that do not match: which are missing or too many, and where most likely.
+"""Repair of unbalanced parentheses: the most likely missing and surplus ones.
 
-The fewest repairs are those that close what is open at the end and drop what closes
-nothing. Indentation tells where the author meant them: a line that begins at or left
-of a list still open was meant to stand behind that list, and one that begins right of
-a list just closed was meant to stand inside. Words tell it, too: how deep a line
-stands that begins a clause, and that a form or clause begins with one parenthesis.
-What they tell is believed if it needs no more repairs than the fewest.
+The smallest repair closes the open lists at the end, and removes each `)` that closes
+no list. The intended repair follows from indentation and words:
+
+- A line that begins at the column of an open list, or left of it, belongs after it.
+- A line that begins right of a closed list belongs inside it.
+- The first word of a clause determines the depth of its line.
+- A form or a clause begins with one parenthesis.
+
+The intended repair is used if it needs no more edits than the smallest repair.
 """
 
 from __future__ import annotations
@@ -25,11 +28,12 @@ from rapc.parser.syntax import Datum, List, Symbol
 
 
 class Repair(msgspec.Struct, frozen=True):
-    """What makes some tokens balance; all numbers are positions among them.
+    """The edits that make tokens balance; all numbers are indexes of tokens.
 
-    `closes` holds where a `)` belongs (before that token) and which list it closes;
-    `drops` which `)` goes, and the list it would close too early, if any; `opens`
-    before which tokens a `(` belongs; `extra` which `(` goes.
+    - `closes`: the token after a missing `)`, and the list that the `)` closes;
+    - `drops`: a surplus `)`, and the list that it would close too early, if any;
+    - `opens`: the tokens after a missing `(`;
+    - `extra`: a surplus `(`.
     """
 
     closes: tuple[tuple[int, int], ...] = ()
@@ -39,12 +43,12 @@ class Repair(msgspec.Struct, frozen=True):
 
     @property
     def edits(self) -> int:
-        """Return how many parentheses are put in or taken out."""
+        """The number of inserted and removed parentheses."""
         return sum(map(len, (self.closes, self.drops, self.opens, self.extra)))
 
 
 def balance(source: SourceFile, tokens: Sequence[Token]) -> Repair:
-    """The likeliest way to make tokens balance."""
+    """Return the most likely repair of tokens."""
     fewest = plain_repair(tokens)
     if not fewest.edits:
         return fewest
@@ -56,7 +60,7 @@ def balance(source: SourceFile, tokens: Sequence[Token]) -> Repair:
 
 
 def plain_repair(tokens: Sequence[Token]) -> Repair:
-    """The repair that looks at nothing but the parentheses."""
+    """Return the smallest repair, from the parentheses alone."""
     stack: list[int] = []
     drops: list[tuple[int, int | None]] = []
     for index, (kind, _, _) in enumerate(tokens):
@@ -73,10 +77,11 @@ def plain_repair(tokens: Sequence[Token]) -> Repair:
 def _with_stray_clauses(
     source: SourceFile, tokens: Sequence[Token], repair: Repair
 ) -> Repair:
-    """Return a repair that keeps the clauses behind a RAP in the RAP.
+    """Return a repair that moves the clauses after a RAP into the RAP.
 
-    If a `)` closes nothing behind these clauses, it closes the RAP, and the `)` before
-    the clauses goes. Otherwise `rejoin` would put a `)` where this one is taken out.
+    If a `)` after these clauses closes no list, it closes the RAP, and the `)` before
+    the clauses is removed. Otherwise `rejoin` would insert a `)` where the repair
+    removes one.
     """
     drops = dict(repair.drops)
     closes = Counter(at for at, _ in repair.closes)
@@ -106,7 +111,7 @@ def _with_stray_clauses(
 
 
 def _word(source: SourceFile, tokens: Sequence[Token], index: int) -> str:
-    """Return the word at a token, behind its parenthesis if it is one."""
+    """Return the word of a token; for a `(`, the word after it."""
     kind, start, end = tokens[index]
     if kind == OPEN and index + 1 < len(tokens):
         _, start, end = tokens[index + 1]
@@ -114,14 +119,14 @@ def _word(source: SourceFile, tokens: Sequence[Token], index: int) -> str:
 
 
 class _Guided:
-    """The repair that indentation and words suggest.
+    """The repair that follows from indentation and words.
 
-    `above` says in how many lists the text stands of which these tokens are a part: a
-    method alone, say, as books print one.
-    `open` holds the lists open (a list without its parenthesis by its first token),
-    `closed` those closed since the last line began, each with its closing parenthesis;
-    `places` the row and column of every token. `strays` is true once a clause would
-    stand outside of its form: putting it back would cost two more repairs.
+    - `above`: the number of lists around the text, for example around a single method
+      in a book;
+    - `open`: the open lists (a list without its parenthesis by its first token);
+    - `closed`: the lists closed since the start of the line, each with its `)`;
+    - `places`: the row and column of every token;
+    - `strays`: whether a clause is outside of its form, which costs two more edits.
     """
 
     def __init__(self, source: SourceFile, tokens: Sequence[Token]) -> None:
@@ -141,7 +146,7 @@ class _Guided:
         self.indented = 2 * len(left) <= len(firsts)
 
     def repair(self) -> Repair | None:
-        """The repair; None if it nests too deeply."""
+        """Return the repair; None if the lists are nested too deeply."""
         for index, (kind, _, _) in enumerate(self.tokens):
             if kind != CLOSE and self._begins_line(index):
                 self._line(index, kind)
@@ -167,7 +172,7 @@ class _Guided:
         return index == 0 or self.places[index - 1].row < self.places[index].row
 
     def _line(self, index: int, kind: int) -> None:
-        """Bring what is open into line with where a line begins."""
+        """Adjust the open lists to the start of a line."""
         depth = self._depth(index)
         self.strays = self.strays or len(self.open) < (depth or 0)
         self._reopen(index, depth)
@@ -178,9 +183,9 @@ class _Guided:
             self.open.append(index)
 
     def _reopen(self, index: int, depth: int | None) -> None:
-        """Take back what the line before has closed but this line stands inside of.
+        """Reopen the lists that the line before closed, if this line is inside of them.
 
-        A clause that stands where its word has it is left there, however indented.
+        A clause at the depth of its word stays, for any indentation.
         """
         if depth is not None and len(self.open) >= depth and self._is_sure(index):
             return
@@ -197,7 +202,7 @@ class _Guided:
             self.open.append(opener)
 
     def _close(self, index: int, depth: int | None) -> None:
-        """Close what this line does not stand inside of, the whole form excepted."""
+        """Close the lists, except the whole form, that do not contain this line."""
         column = self.places[index].column
         while len(self.open) > 1:
             behind = self.places[self.open[-1]].column >= column
@@ -212,12 +217,12 @@ class _Guided:
         return self._depth_of(self._word(0)) or 0
 
     def _is_sure(self, index: int) -> bool:
-        """Whether the word of a line tells of one place alone where it may stand."""
+        """Return whether the first word of a line determines its depth."""
         word = self._word(index)
         return not (word in RAP_CLAUSES and word in METHOD_CLAUSES)
 
     def _depth(self, index: int) -> int | None:
-        """In how many of these lists a form or clause stands that begins a line."""
+        """Return the depth of a form or clause at the start of a line, or None."""
         depth = self._depth_of(self._word(index))
         return None if depth is None else max(0, depth - self.above)
 
@@ -233,7 +238,7 @@ class _Guided:
         return 0 if word in FORMS and word != "require" else None
 
     def _doubled(self, index: int) -> bool:
-        """Whether a parenthesis stands before the one that begins a form or clause."""
+        """Return whether a surplus `(` precedes the `(` of a form or clause."""
         following = self.tokens[index + 1 : index + 2]
         if not following or following[0][0] != OPEN:
             return False
@@ -246,7 +251,7 @@ class _Guided:
 def repair_findings(
     source: SourceFile, tokens: Sequence[Token], repair: Repair, end: int
 ) -> Iterator[Diagnostic]:
-    """Return the message on a repair; the next form begins at the offset `end`."""
+    """Yield the findings for a repair; the next form begins at the offset `end`."""
     if repair.closes:
         yield _unclosed(source, tokens, repair, end)
     if repair.drops:
@@ -326,7 +331,7 @@ def _surplus(source: SourceFile, tokens: Sequence[Token], repair: Repair) -> Dia
 
 
 def _form_before(tokens: Sequence[Token], at: int) -> int | None:
-    """The last list at the top level that begins before a token."""
+    """Return the last list at the top level that begins before a token."""
     depth, found = 0, None
     for index, (kind, _, _) in enumerate(tokens[:at]):
         if kind == OPEN:
@@ -338,7 +343,7 @@ def _form_before(tokens: Sequence[Token], at: int) -> int | None:
 
 
 def _words(source: SourceFile, tokens: Sequence[Token], opener: int) -> str:
-    """A list by its first word."""
+    """Return the description of a list by its first word."""
     first = opener + 1 if tokens[opener][0] == OPEN else opener
     if first < len(tokens) and tokens[first][0] not in (OPEN, CLOSE):
         _, start, end = tokens[first]
@@ -350,10 +355,10 @@ def _words(source: SourceFile, tokens: Sequence[Token], opener: int) -> str:
 
 
 def rejoin(log: ReadLog, forms: Iterable[Datum]) -> list[Datum]:
-    """Return the top level with stray clauses put back; their RAPs count as damaged.
+    """Return the top level with stray clauses in their RAPs, which count as damaged.
 
-    A text whose clauses a parenthesis too many leaves outside balances, but a clause
-    at the top level belongs to the RAP before it.
+    A text with a surplus `)` before clauses may balance. A clause at the top level
+    belongs to the RAP before it.
     """
     kept: list[Datum] = []
     strays: list[List] = []

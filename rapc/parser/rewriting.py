@@ -1,4 +1,4 @@
-"""Write a RAP file back after its text was changed: `rapc fmt` and `check --fix`."""
+"""Writing of changed RAP files: `rapc fmt` and `check --fix`."""
 
 from __future__ import annotations
 
@@ -15,19 +15,20 @@ _LINE_END = re.compile(r"\r\n|\r|\n")
 
 
 def write_back(file: Path, read: str, text: str) -> None:
-    """Replace the text of a file, unless another program has changed it meanwhile.
+    """Replace the text of a file, unless a different program has changed it meanwhile.
 
-    A byte order mark stays, and so do line ends: those in strings, and all others if
-    they are of one kind.
+    A byte order mark stays. Line ends in strings stay, and all other line ends stay if
+    they are of the same kind.
 
     Args:
         file: the file.
-        read: its text, as `rapc.base.files.read_text` returned it.
-        text: its new text.
+        read: the old text, the result of `rapc.base.files.read_text`.
+        text: the new text.
 
     Raises:
         LoadError: if the file is missing.
-        WriteError: if the file does not hold `read`, or cannot be written.
+        WriteError: if the text of the file is not `read`, or the file cannot be
+            written.
     """
     before = read_bytes(file)
     if decoded(str(file), before) != read:
@@ -38,7 +39,7 @@ def write_back(file: Path, read: str, text: str) -> None:
 
 
 def _with_line_ends(before: str, text: str) -> str:
-    """Return a text with the line ends of the text that it is made of."""
+    """Return a text with the line ends of its old text."""
     if "\r" not in before:
         return text
     ends: list[str] = _LINE_END.findall(before)
@@ -57,7 +58,7 @@ def _with_line_ends(before: str, text: str) -> str:
 
 
 def _strings(text: str) -> list[tuple[str, slice]]:
-    """Return the strings in a text, each with the numbers of the line ends in it."""
+    """Return the strings in a text, each with the numbers of its line ends."""
     source = SourceFile("", text)
     return [
         (text[start:end], slice(source.row(start) - 1, source.row(end) - 1))

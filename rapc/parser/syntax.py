@@ -1,8 +1,8 @@
-"""Data: what a RAP file is made of before anybody asks what it means.
+"""Data: the syntax of a RAP file before its interpretation.
 
-Every datum knows its place by two offsets into its file, in code points; which file
-that is, the `Reading` knows. Names are folded to lower case, strings are not. What
-data mean is for `rapc.parser.special`.
+Every datum has its start and end as offsets in code points; its `Reading` has the file.
+Names are folded to lower case, strings are not.
+Not here: the meaning of data (`rapc.parser.special`).
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class Keyword(msgspec.Struct, frozen=True, gc=False):
 
 
 class Numeral(msgspec.Struct, frozen=True, gc=False):
-    """A number; a whole one is an `int` however it was written."""
+    """A number; a whole number is an `int` for every spelling."""
 
     value: Number
     start: int
@@ -77,9 +77,9 @@ class TopLevel(msgspec.Struct, frozen=True, gc=False):
     """A datum at the top level."""
 
     datum: Datum
-    #: Whether the reader had to guess at something in it.
+    #: Whether the reader guessed a part of the datum.
     damaged: bool
-    #: Whether there is a `)` too many behind it; one before it may have been lost.
+    #: Whether a surplus `)` follows the datum; a `(` before it may be missing.
     surplus: bool = False
 
 
@@ -91,7 +91,7 @@ class Comment(msgspec.Struct, frozen=True, gc=False):
 
 
 class Reading(msgspec.Struct, frozen=True):
-    """What the reader made of a file, and what it has to say about it."""
+    """The result of reading a file: data, comments and findings."""
 
     source: SourceFile
     forms: tuple[TopLevel, ...]

@@ -1,4 +1,4 @@
-"""Data to terms, propositions and goals: whatever has arguments [L 2.37]."""
+"""Readers of terms, propositions and goals: data with arguments [L 2.37]."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ _LEAST = {
 _REPEATS = frozenset(
     word for word, rule in _CALLS.items() if RULES[rule][-1][0] in ("*", "+")
 )
-"""Calls whose last argument may be repeated; `_LEAST` says how many there must be."""
+"""Calls with a repeatable last argument; `_LEAST` has the least number."""
 
 
 def term(ctx: Context, datum: Datum) -> nodes.Term | None:
-    """A constant, a variable or a computed term."""
+    """Read a constant, a variable or a computed term."""
     if type(datum) is Variable:
         return nodes.Var(datum.name, span=Span(ctx.file, datum.start, datum.end))
     if type(datum) is List:
@@ -52,7 +52,7 @@ def term(ctx: Context, datum: Datum) -> nodes.Term | None:
 
 
 def constant(datum: Datum) -> Atom | None:
-    """Return what a constant stands for; None for what is none."""
+    """Return the value of a constant; None for any other datum."""
     match datum:
         case Symbol(name) | Keyword(name):
             return name
@@ -74,7 +74,7 @@ def _stray_arrow(ctx: Context, datum: Datum) -> None:
 
 
 def terms(ctx: Context, data: Sequence[Datum]) -> tuple[nodes.Term, ...]:
-    """Terms in a row; what is none has been reported and is left out."""
+    """Read a sequence of terms; invalid data are reported and left out."""
     return tuple(filter(None, [term(ctx, datum) for datum in data]))
 
 
@@ -111,7 +111,7 @@ S = TypeVar("S", nodes.Signal, nodes.Skill)
 
 
 def pattern(ctx: Context, datum: Datum, kind: type[P]) -> P | None:
-    """A plain proposition: a name and its arguments."""
+    """Read a plain proposition: a name and its arguments."""
     name = head_of(datum)
     if name is None or type(datum) is not List:
         ctx.wrong("proposition", datum)
@@ -132,12 +132,12 @@ _NO_PROPOSITIONS = frozenset((*QUERIES, *CALLS))
 
 
 def proposition(ctx: Context, datum: Datum) -> nodes.Proposition | None:
-    """A proposition of any kind of terms."""
+    """Read a proposition with any kinds of terms."""
     return pattern(ctx, datum, nodes.Proposition)
 
 
 def thing(ctx: Context, datum: Datum) -> nodes.Thing | None:
-    """Return what is used or claimed: a symbol, or a name with its arguments."""
+    """Read a thing: a symbol, or a name with its arguments."""
     if type(datum) is Symbol:
         return nodes.Thing(datum.name, (), span=ctx.span(datum))
     name = head_of(datum)
@@ -148,12 +148,12 @@ def thing(ctx: Context, datum: Datum) -> nodes.Thing | None:
 
 
 def signal(ctx: Context, datum: Datum) -> nodes.Signal | None:
-    """An event or signal with its arguments: `(:name args...)`."""
+    """Read an event or signal with its arguments: `(:name args...)`."""
     return colon(ctx, datum, nodes.Signal)
 
 
 def colon(ctx: Context, datum: Datum, kind: type[S]) -> S | None:
-    """A skill, event or signal with its arguments: `(:name args...)`."""
+    """Read a skill, event or signal with its arguments: `(:name args...)`."""
     if isinstance(datum, List) and datum.items:
         first = datum.items[0]
         if isinstance(first, Symbol):
@@ -171,7 +171,7 @@ def colon(ctx: Context, datum: Datum, kind: type[S]) -> S | None:
 
 
 def goal(ctx: Context, datum: Datum) -> nodes.Goal | None:
-    """Return what a step or a task asks for: `(rap args... [=> outs...])`."""
+    """Read a goal: `(rap args... [=> outs...])`."""
     name = head_of(datum)
     if name is None or type(datum) is not List:
         ctx.wrong("goal", datum)
@@ -187,7 +187,7 @@ def goal(ctx: Context, datum: Datum) -> nodes.Goal | None:
 def split_arrow(
     ctx: Context, datum: List
 ) -> tuple[tuple[Datum, ...], tuple[Datum, ...]]:
-    """Return what stands before and after the `=>` of an index or a goal."""
+    """Return the data before and after the `=>` of an index or a goal."""
     items = datum.items[1:]
     if Arrow not in map(type, items):
         return items, ()
@@ -212,7 +212,7 @@ def _plain(ctx: Context, out: nodes.Term, datum: Datum) -> bool:
 
 
 def _asked(ctx: Context, datum: Datum) -> nodes.Goal | None:
-    """A goal without outputs."""
+    """Read a goal without outputs."""
     found = goal(ctx, datum)
     if found is None or not isinstance(datum, List):
         return None
@@ -232,18 +232,18 @@ NAMED: Mapping[str, Read] = {
     "SKILL": lambda ctx, datum: colon(ctx, datum, nodes.Skill),
     "RAP": _asked,
 }
-"""What reads a name with its arguments, by the kind of name."""
+"""The readers of a name with its arguments, by the kind of name."""
 
 REFUSED: Mapping[str, Mapping[type[nodes.Term], str]] = {
     "term": {},
     "plain": {nodes.Call: "a computed term"},
     "value": {nodes.Call: "a computed term", nodes.Var: "a variable"},
 }
-"""What cannot stand among arguments of a kind: some are compared with values."""
+"""The invalid terms in arguments of a kind: some arguments are compared with values."""
 
 
 def with_arguments(name: str, args: str) -> Read:
-    """Return what reads a name of a kind with arguments of a kind, as one node."""
+    """Return the reader of a name of a kind with arguments of a kind, as one node."""
     read, refused = NAMED[name], REFUSED[args]
     if not refused:
         return read

@@ -1,4 +1,4 @@
-"""The one record of a file on its way from text to a library."""
+"""The record of a file between text and library."""
 
 from __future__ import annotations
 
@@ -12,36 +12,37 @@ from rapc.parser.syntax import Comment, Datum
 
 
 class PartialForm(msgspec.Struct, frozen=True):
-    """A form or test from which something had to be left out."""
+    """A form or test with a part left out."""
 
     form: nodes.TopForm | DefineTest
-    #: Whether the reader had to guess at its parentheses.
+    #: Whether the reader guessed its parentheses.
     guessed: bool
 
 
 class SourceUnit(msgspec.Struct, frozen=True):
-    """A file with all that reading and parsing made of it."""
+    """A file with the results of reading and parsing."""
 
     #: The name of the file and its text.
     file: SourceFile
-    #: Every definition and declaration that could be made, in the order of the text.
+    #: The valid definitions and declarations, in the order of the text.
     forms: tuple[nodes.TopForm, ...] = ()
-    #: The tests of the file, kept apart: they are no part of a library.
+    #: The tests of the file, which are not part of a library.
     tests: tuple[DefineTest, ...] = ()
-    #: What the reader made of the text: one datum for each top-level form.
+    #: The data of the text, one for each top-level form.
     data: tuple[Datum, ...] = ()
     #: The comments, in the order of the text.
     comments: tuple[Comment, ...] = ()
-    #: What is wrong with the text, in its order.
+    #: The findings in the text, in its order.
     diagnostics: tuple[Diagnostic, ...] = ()
-    #: The forms and tests that were not read whole.
+    #: The forms and tests with a part left out.
     partial: tuple[PartialForm, ...] = ()
 
 
 def with_defaults(test: DefineTest, given: DefineTest) -> DefineTest:
-    """Return a test with what its file says of all tests.
+    """Return a test with the test defaults of its file.
 
-    What may stand once is the test's own if it says it; all else comes before.
+    A single value of the test overrides the default; lists of defaults are put before
+    the lists of the test.
     """
     merged = {
         name: getattr(given, name) + getattr(test, name)

@@ -1,1 +1,1 @@
-"""The rules that the front end can find broken, each with its manual page."""
+"""The rules that the front end reports, each with its manual page."""

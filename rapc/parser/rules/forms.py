@@ -1,4 +1,4 @@
-"""What is wrong with the shape of forms, clauses, formulas, terms and steps."""
+"""Rules about the shape of forms, clauses, formulas, terms and steps."""
 
 from __future__ import annotations
 

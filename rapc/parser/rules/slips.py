@@ -1,4 +1,4 @@
-"""Slips that have been printed: what is meant is clear, and yet it is not accepted."""
+"""Rules about published slips: invalid notations with a clear meaning."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The rules of the front end: everything the reader and the form functions find."""
+"""The rules of the front end, reported by the reader and the form functions."""
 
 from __future__ import annotations
 
@@ -8,4 +8,4 @@ from rapc.parser.rules.slips import SLIP_RULES
 from rapc.parser.rules.text import TEXT_RULES
 
 RULES: tuple[Rule, ...] = (*TEXT_RULES, *FORM_RULES, *SLIP_RULES)
-"""All of them, each with its manual page."""
+"""All rules of the front end, each with its manual page."""

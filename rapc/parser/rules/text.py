@@ -1,4 +1,4 @@
-"""What the reader finds in a text, whatever the text means."""
+"""Rules of the reader about the text, independent of its meaning."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""One file per top-level form: data to IR, one function per clause."""
+"""Special readers, data to IR: a module for each form, a function for each clause."""

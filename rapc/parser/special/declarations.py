@@ -1,4 +1,4 @@
-"""What declarations hold that needs a hand: results, effects, comparators, queries."""
+"""Special readers of declarations: results, effects, comparators, queries."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rapc.parser.terms import constant, proposition
 
 
 def results(ctx: Context, datum: Datum) -> tuple[str, ...] | None:
-    """The results of a primitive, `okay` among them."""
+    """Read the results of a primitive, which include `okay`."""
     if not isinstance(datum, List):
         ctx.wrong("results", datum)
         return ()
@@ -33,7 +33,7 @@ def results(ctx: Context, datum: Datum) -> tuple[str, ...] | None:
 
 
 def excludes(ctx: Context, option: List) -> nodes.Exclusion | None:
-    """`:excludes value (pattern)` (docs/memory.md)."""
+    """Read `:excludes value (pattern)` (docs/memory.md)."""
     _, first, second = option.items
     value = constant(first)
     if value is None:
@@ -46,7 +46,7 @@ def excludes(ctx: Context, option: List) -> nodes.Exclusion | None:
 
 
 def kind_values(ctx: Context, datum: Datum) -> tuple[Atom, ...] | None:
-    """The values that a closed kind lists."""
+    """Read the values of a closed kind."""
     if not isinstance(datum, List):
         ctx.wrong("kind_values", datum)
         return None
@@ -67,7 +67,7 @@ def kind_values(ctx: Context, datum: Datum) -> tuple[Atom, ...] | None:
 def effects(
     ctx: Context, data: Iterable[Datum], wrappers: Sequence[str] = ("not", "may")
 ) -> tuple[nodes.DeclaredEffect, ...]:
-    """Facts, each by itself, taken away by `not`, or possible by `may`."""
+    """Read declared effects: facts, erased facts (`not`), possible facts (`may`)."""
     return tuple([one for datum in data for one in _effect(ctx, datum, wrappers)])
 
 
@@ -92,7 +92,7 @@ def _effect(
 
 
 def _no_contrary(ctx: Context, datum: List) -> None:
-    """Report `not` in a `may`, which means both that a fact may come and may go."""
+    """Report `not` in a `may`: a possible effect may assert or erase a fact."""
     inner = datum.items[1:]
     written = ctx.text(inner[0]) if len(inner) == 1 else "(fact)"
     ctx.report(
@@ -106,7 +106,7 @@ def _no_contrary(ctx: Context, datum: List) -> None:
 def datum_effects(
     ctx: Context, option: List
 ) -> tuple[nodes.DeclaredEffect, ...] | None:
-    """`:on (effect...)`: what a sensor datum does to memory."""
+    """Read `:on (effect...)`: the declared effects of a sensor datum."""
     given = option.items[1]
     if isinstance(given, List):
         return effects(ctx, given.items)
@@ -115,7 +115,7 @@ def datum_effects(
 
 
 def result_effects(ctx: Context, option: List) -> nodes.ResultEffects | None:
-    """`:on (result effect...)` of a primitive."""
+    """Read `:on (result effect...)` of a primitive."""
     datum = option.items[1]
     first = datum.items[0] if isinstance(datum, List) and datum.items else None
     if not isinstance(first, Symbol) or not isinstance(datum, List):
@@ -129,7 +129,7 @@ def result_effects(ctx: Context, option: List) -> nodes.ResultEffects | None:
 
 
 def comparator(ctx: Context, form: List) -> nodes.DeclareComparator | None:
-    """`(declare-class-comparator class [place] comparator-name | row...)`.
+    """Read `(declare-class-comparator class [place] comparator-name | row...)`.
 
     A row is `(veto property)`, `(ignore property)` or `(score property weight)`.
     """
@@ -169,7 +169,7 @@ def _row(ctx: Context, form: List) -> nodes.ComparatorRow | None:
 
 
 def query(ctx: Context, form: List) -> nodes.DefineQuery | None:
-    """`(define-query (name arg...) formula ["doc"])`."""
+    """Read `(define-query (name arg...) formula ["doc"])`."""
     head = form.items[1] if len(form.items) > 1 else None
     name = head.items[0] if isinstance(head, List) and head.items else None
     if not isinstance(head, List) or not isinstance(name, Symbol):

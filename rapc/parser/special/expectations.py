@@ -1,4 +1,4 @@
-"""The expectations of a test that need a hand, and event patterns."""
+"""Special readers of the expectations of a test, and of event patterns."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from rapc.parser.terms import term
 
 
 def memory(ctx: Context, datum: Datum) -> nodes.MemoryHolds | None:
-    """`(memory formula)`."""
+    """Read `(memory formula)`."""
     asked = lone_formula(ctx, datum)
     return nodes.MemoryHolds(asked, span=ctx.span(datum)) if asked else None
 
 
 def method_chosen(ctx: Context, datum: List) -> nodes.MethodChosen | None:
-    """`(method rap name)`, `(method rap name n)` or `(method rap name n times)`."""
+    """Read `(method rap name)`, `(method rap name n)`, `(method rap name n times)`."""
     operands = list(datum.items[1:])
     last = operands[-1] if len(operands) == 4 else None
     if isinstance(last, Symbol) and last.name in ("times", "time"):
@@ -41,7 +41,7 @@ def method_chosen(ctx: Context, datum: List) -> nodes.MethodChosen | None:
 
 
 def event_pattern(ctx: Context, datum: Datum) -> nodes.EventPattern | None:
-    """`(event-name :key value...)`."""
+    """Read `(event-name :key value...)`."""
     name = head_of(datum)
     if name is None or not isinstance(datum, List):
         ctx.wrong("event_pattern", datum)
@@ -55,7 +55,7 @@ def event_pattern(ctx: Context, datum: Datum) -> nodes.EventPattern | None:
 
 
 def _value(ctx: Context, datum: Datum) -> nodes.TracePattern | None:
-    """A term of the trace, as it is written there; None for what is none."""
+    """Read a term in the form of the trace; return None for invalid data."""
     if isinstance(datum, List):
         items = [_item(ctx, item) for item in _joined(ctx, datum.items)]
         return nodes.ListPattern(made(items), span=ctx.span(datum))
@@ -65,14 +65,14 @@ def _value(ctx: Context, datum: Datum) -> nodes.TracePattern | None:
 
 
 def _item(ctx: Context, datum: Datum) -> nodes.TracePattern | None:
-    """A term in a list: a goal has the mark before its outputs among its terms."""
+    """Read a term in a list; a list for a goal may have the mark before its outputs."""
     if isinstance(datum, Arrow):
         return nodes.Const(ARROW, span=ctx.span(datum))
     return _value(ctx, datum)
 
 
 def _joined(ctx: Context, data: Sequence[Datum]) -> list[Datum]:
-    """Data in a row; `#counter(3)`, which the reader takes for two, is one symbol."""
+    """Return data with `#counter(3)`, two data for the reader, joined to a symbol."""
     found: list[Datum] = []
     for datum in data:
         last = found[-1] if found else None

@@ -1,7 +1,7 @@
-"""Formulas that need a hand: everything that can be asked of memory [T 4.1].
+"""Special readers of formulas, the queries over memory [T 4.1].
 
-A list whose first word is none of the language is a proposition; the checker knows
-whether it is declared.
+A list with a first word outside the language is a proposition. The checker checks its
+declaration.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from rapc.parser.terms import constant, terms
 
 
 def formula(ctx: Context, datum: Datum) -> nodes.Formula | None:
-    """A formula of at most `MAX_LEAVES` leaves."""
+    """Read a formula of at most `MAX_LEAVES` leaves."""
     if datum.end - datum.start > 2 * MAX_LEAVES and _leaves(datum) > MAX_LEAVES:
         ctx.report(
             "formula-too-large",
@@ -59,17 +59,17 @@ def _formula(ctx: Context, datum: Datum) -> nodes.Formula | None:
 
 
 def truth(ctx: Context, datum: Datum) -> nodes.Truth:
-    """`t`, `true`, `nil` or `false`."""
+    """Read `t`, `true`, `nil` or `false`."""
     assert type(datum) is Symbol
     return nodes.Truth(TRUTHS[datum.name], span=ctx.span(datum))
 
 
 _NO_PROPOSITIONS = frozenset((*CALLS, *ALONE))
-"""Words that head lists which are no formulas; formulas have readers."""
+"""The first words of lists that are not formulas; formulas have readers."""
 
 
 def _no_formula(ctx: Context, datum: Datum) -> None:
-    """Report a datum that is no formula."""
+    """Report a datum that is not a formula."""
     name = head_of(datum)
     fix = None
     if name in CALLS:
@@ -97,9 +97,9 @@ def _parts(ctx: Context, datum: Datum) -> tuple[nodes.Formula, ...]:
 
 
 def joined(kind: type[nodes.And | nodes.Or]) -> Read:
-    """Return what reads `and` or `or`.
+    """Return the reader of `and` or `or`.
 
-    What could not be read is left out of an `and`; of an `or` nothing is made then.
+    An `and` leaves out its invalid parts; an `or` with an invalid part is left out.
     """
 
     def read(ctx: Context, datum: List) -> nodes.Formula | None:
@@ -112,7 +112,7 @@ def joined(kind: type[nodes.And | nodes.Or]) -> Read:
 
 
 def negation(ctx: Context, datum: Datum) -> nodes.Formula | None:
-    """`(not formula)`; with several it denies them together."""
+    """Read `(not formula)`; several formulas are negated together."""
     assert type(datum) is List
     if len(datum.items) == 1:
         ctx.report("malformed-formula", "`not` has nothing to deny", datum)
@@ -134,7 +134,7 @@ def negation(ctx: Context, datum: Datum) -> nodes.Formula | None:
 
 
 def dated(ctx: Context, datum: List) -> List | None:
-    """Return a `believe` that says how fresh the belief has to be."""
+    """Return a `believe` with an age; report a missing age and return None."""
     if len(datum.items) != 2 or not isinstance(datum.items[1], List):
         return datum
     ctx.report(
@@ -149,7 +149,7 @@ def dated(ctx: Context, datum: List) -> List | None:
 
 
 def in_sight(ctx: Context, datum: List) -> List | None:
-    """Return a `know-sensor-name` that is `true` or `false` of its item."""
+    """Return a `know-sensor-name` with a valid value; report an invalid value."""
     said = constant(datum.items[2]) if len(datum.items) == 3 else None
     if said is None or said in ("true", "false"):
         return datum
@@ -159,7 +159,7 @@ def in_sight(ctx: Context, datum: List) -> List | None:
 
 
 def lone_formula(ctx: Context, datum: Datum) -> nodes.Formula | None:
-    """The formula of a clause that holds just one."""
+    """Read the formula of a clause with a single formula."""
     assert type(datum) is List
     if len(datum.items) == 2:
         return formula(ctx, datum.items[1])

@@ -1,4 +1,4 @@
-"""Rules that keep memory up to date, `define-memory-rule` and `define-event-rule`."""
+"""Readers of rules over memory, `define-memory-rule` and `define-event-rule`."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _ACTIONS = heads("action")
 
 
 def memory_rule(ctx: Context, form: List) -> nodes.MemoryRule | None:
-    """`(define-memory-rule index :finish|:event (match-result case...))` (S 4.2)."""
+    """Read `(define-memory-rule index when (match-result case...))` (S 4.2)."""
     operands = form.items[1:]
     index = goal(ctx, operands[0]) if operands else None
     when = operands[1] if len(operands) > 1 else None
@@ -36,7 +36,7 @@ def memory_rule(ctx: Context, form: List) -> nodes.MemoryRule | None:
 
 
 def _case(ctx: Context, datum: Datum) -> nodes.ResultCase | None:
-    """`(pattern (rule ...)...)`."""
+    """Read `(pattern (rule ...)...)`."""
     if not isinstance(datum, List) or not datum.items:
         ctx.wrong("case", datum)
         return None
@@ -56,7 +56,7 @@ def _case(ctx: Context, datum: Datum) -> nodes.ResultCase | None:
 
 
 def _awaited(ctx: Context, datum: List) -> nodes.Signal | None:
-    """A signal; S 4.2 prints it here without the colon it has elsewhere."""
+    """Read a signal, with or without its colon: S 4.2 has no colon here."""
     first = datum.items[0]
     if isinstance(first, Symbol):
         args = terms(ctx, datum.items[1:])
@@ -65,7 +65,7 @@ def _awaited(ctx: Context, datum: List) -> nodes.Signal | None:
 
 
 def event_rule(ctx: Context, form: List) -> nodes.EventRule | None:
-    """`(define-event-rule (:signal args...) (rule ...)...)` (S 4.3)."""
+    """Read `(define-event-rule (:signal args...) (rule ...)...)` (S 4.3)."""
     operands = form.items[1:]
     if not operands:
         ctx.report("malformed-rule", "an event rule names a signal", form)
@@ -85,7 +85,7 @@ def event_rule(ctx: Context, form: List) -> nodes.EventRule | None:
 
 
 def _headed(ctx: Context, rule: str, data: Sequence[Datum]) -> tuple[Any, ...]:
-    """What is read of data that must be lists of a rule; others are reported."""
+    """Read data that must be lists of a rule; report other data."""
     words, read = heads(rule), ctx.readers[rule]
     for one in data:
         if head_of(one) not in words:
@@ -94,7 +94,7 @@ def _headed(ctx: Context, rule: str, data: Sequence[Datum]) -> tuple[Any, ...]:
 
 
 def whole_rule(ctx: Context, datum: List) -> List:
-    """Return `(rule (query action...)...)` with its parentheses."""
+    """Return `(rule (query action...)...)` with parentheses around its alternative."""
     operands = datum.items[1:]
     if not any(head_of(one) in _ACTIONS for one in operands):
         return datum
@@ -109,7 +109,7 @@ def whole_rule(ctx: Context, datum: List) -> List:
 
 
 def alternative(ctx: Context, datum: Datum) -> nodes.Alternative | None:
-    """`(query action...)`, or actions alone, which run always."""
+    """Read `(query action...)`, or only actions, which always run."""
     named = head_of(datum) not in (None, *ALONE)
     if not isinstance(datum, List) or not datum.items or named:
         ctx.wrong("alternative", datum)

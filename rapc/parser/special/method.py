@@ -1,4 +1,4 @@
-"""A method: its name, its clauses, and what it does (T 4.5, 4.9; S 3.2)."""
+"""Readers of a method: its name, its clauses and its body (T 4.5, 4.9; S 3.2)."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rapc.parser.terms import pattern
 
 
 def method(ctx: Context, datum: List, position: int) -> nodes.Method:
-    """`(method [name] clause...)` with a `task-net` or a `primitive` among them.
+    """Read `(method [name] clause...)`, with a `task-net` or `primitive` clause.
 
     `position` counts the methods of a RAP from 1. A method without a body gets an
     empty task-net, and a finding.
@@ -76,11 +76,11 @@ def _check_body(ctx: Context, datum: List, found: Mapping[str, Sequence[List]]) 
 
 
 _WITH_STEPS = heads("_once_net_clause")
-"""The clauses that are about the tasks below."""
+"""The clauses about the tasks of a `task-net`."""
 
 
 def primitive(ctx: Context, clause: Datum) -> nodes.Primitive | nodes.Skills | None:
-    """`(primitive (request...))`, or what is done to skills."""
+    """Read `(primitive (request...))` or a primitive of skills."""
     assert type(clause) is List
     operands = clause.items[1:]
     if any(head_of(d) in _SKILL_PARTS for d in operands):
@@ -97,11 +97,11 @@ def primitive(ctx: Context, clause: Datum) -> nodes.Primitive | nodes.Skills | N
 
 
 _SKILL_PARTS = {"enable": "enable", "wait-for": "await", "disable": "disable"}
-"""What a primitive of skills holds, by the word that heads it."""
+"""The rules of the parts of a primitive of skills, by first word."""
 
 
 def _skills(ctx: Context, clause: List, operands: Sequence[Datum]) -> nodes.Skills:
-    """`(primitive (enable (:skill args...)...) (wait-for ...)... (disable ...))`."""
+    """Read the parts `(enable (:skill args...)...) (wait-for ...)... (disable ...)`."""
     found: dict[str, list[Any]] = {word: [] for word in _SKILL_PARTS}
     for datum in operands:
         name = head_of(datum)

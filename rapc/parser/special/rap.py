@@ -1,6 +1,6 @@
-"""`define-rap` and its clauses, in both spellings (T chapter 4, S 3).
+"""Readers of `define-rap` and its clauses, in both spellings (T chapter 4, S 3).
 
-Methods are read by `rapc.parser.special.method`.
+Not here: methods (`rapc.parser.special.method`).
 """
 
 from __future__ import annotations
@@ -28,7 +28,10 @@ from rapc.parser.terms import split_arrow, term
 
 
 def define_rap(ctx: Context, datum: Datum) -> nodes.DefineRap | None:
-    """`(define-rap (index (name in... => out...)) clause...)`, or without `index`."""
+    """Read `(define-rap (index (name in... => out...)) clause...)`.
+
+    The word `index` and its parentheses may be left out.
+    """
     assert isinstance(datum, List)
     items = datum.items[1:]
     index: Datum | None = None
@@ -52,7 +55,7 @@ def define_rap(ctx: Context, datum: Datum) -> nodes.DefineRap | None:
 
 
 def _is_index(datum: Datum) -> bool:
-    """Whether a first operand is the index itself (S 3), not a clause."""
+    """Return whether a first operand is the index itself (S 3), not a clause."""
     name = head_of(datum)
     if name is None or not isinstance(datum, List):
         return isinstance(datum, Symbol | List)
@@ -64,12 +67,12 @@ def _is_index(datum: Datum) -> bool:
 
 
 def _has_kind(datum: List) -> bool:
-    """Whether a list in a first operand can only be an input with its kind."""
+    """Return whether a list in a first operand is an input with its kind."""
     return [type(item) for item in datum.items] == [Variable, Symbol]
 
 
 def _index(ctx: Context, clause: List) -> Datum | None:
-    """Return what an `index` clause holds."""
+    """Return the index in an `index` clause; None if the clause is empty."""
     operands = clause.items[1:]
     if operands and isinstance(operands[0], Symbol):
         ctx.report_fixable(
@@ -93,7 +96,7 @@ def _index(ctx: Context, clause: List) -> Datum | None:
 
 
 def _name(ctx: Context, datum: List, index: Datum | None) -> Symbol | None:
-    """The name in an index, if there is one."""
+    """Return the name in an index; report a missing name and return None."""
     if type(index) is Symbol:
         ctx.report(
             "malformed-goal",
@@ -147,7 +150,7 @@ def _rap(
 
 
 def _kinds(given: Iterable[nodes.Argument]) -> tuple[nodes.VariableKind, ...]:
-    """The kinds of those inputs and outputs of which one is told."""
+    """Return the declared kinds of inputs and outputs."""
     return tuple(
         [
             nodes.VariableKind(one.variable.name, one.kind, span=one.span)
@@ -183,7 +186,7 @@ def bare_times(ctx: Context, clause: List) -> List:
 
 
 def resources(ctx: Context, clause: Datum) -> tuple[nodes.Resource, ...]:
-    """`(resources resource...)`, each with a name of its own."""
+    """Read `(resources resource...)`; duplicate names are reported."""
     assert isinstance(clause, List)
     seen: dict[str, Datum] = {}
     return made(_resource(ctx, row, seen) for row in clause.items[1:])
@@ -192,7 +195,7 @@ def resources(ctx: Context, clause: Datum) -> tuple[nodes.Resource, ...]:
 def _resource(
     ctx: Context, datum: Datum, seen: dict[str, Datum]
 ) -> nodes.Resource | None:
-    """`(set ?name [set])` or `(counter ?name [number-or-counter])` (T 4.8.1)."""
+    """Read `(set ?name [set])` or `(counter ?name [number-or-counter])` (T 4.8.1)."""
     kind = head_of(datum)
     operands = datum.items[1:] if isinstance(datum, List) else ()
     if kind not in ("set", "counter") or not 1 <= len(operands) <= 2:
@@ -230,9 +233,9 @@ def _check_method_names(
 def _renumbered(
     ctx: Context, method: nodes.Method, name: Datum, taken: Container[str | int | None]
 ) -> Fix | None:
-    """Return the fix that gives a method whose name is a number the number it has.
+    """Return the fix that replaces the number in a method's name by its position.
 
-    Which of two methods is asked for elsewhere by that number nobody knows.
+    The fix is unsafe: other uses of the duplicate number may mean either method.
     """
     number = method.position
     if not isinstance(method.name, int) or number in taken:

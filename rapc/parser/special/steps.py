@@ -1,4 +1,4 @@
-"""Task-nets: steps with their goals and annotations (T 4.5.2, 4.8; S 3)."""
+"""Readers of task-nets: steps with goals and annotations (T 4.5.2, 4.8; S 3)."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ ELSEWHERE = {
     "timeout": "a time to end at is a second step, `(window now 30 30)`, and "
     "`until-end`",
 }
-"""What is said by other words than those that some expect here."""
+"""The help for words of other languages in the position of an annotation."""
 
 
 def task_net(ctx: Context, datum: Datum) -> nodes.TaskNet:
-    """`(task-net step...)`."""
+    """Read `(task-net step...)`."""
     assert type(datum) is List
     rows = datum.items[1:]
     if rows and type(rows[0]) is Symbol and rows[0].name in GROUPS:
@@ -46,9 +46,9 @@ def _grouped(ctx: Context, word: Datum) -> None:
 
 
 def _holds_steps(items: Sequence[Datum]) -> bool:
-    """Whether a word like `sequence` stands before steps or goals, and is no tag.
+    """Return whether a word such as `sequence` groups steps or goals and is not a tag.
 
-    A tag stands before one goal, and annotations follow the goal.
+    A single goal follows a tag, and annotations follow the goal.
     """
     first = items[0] if items else None
     if not isinstance(first, List):
@@ -60,7 +60,7 @@ def _holds_steps(items: Sequence[Datum]) -> bool:
 
 
 def _is_goal(datum: Datum) -> bool:
-    """Whether a list can be a goal, and can hardly be an annotation."""
+    """Return whether a list may be a goal and is unlikely to be an annotation."""
     name = head_of(datum)
     if name is None or name in ELSEWHERE or _is_like_annotation(name):
         return False
@@ -76,7 +76,7 @@ def _is_like_annotation(name: str) -> bool:
 
 
 def _step(ctx: Context, datum: Datum) -> nodes.Step | None:
-    """`(tag [priority] goal annotation...)`."""
+    """Read `(tag [priority] goal annotation...)`."""
     tag = head_of(datum)
     if tag is None or type(datum) is not List:
         ctx.wrong("step", datum)
@@ -126,7 +126,7 @@ def _annotations(ctx: Context, data: Sequence[Datum]) -> tuple[nodes.Annotation,
 def _bare_for(
     ctx: Context, data: Sequence[Datum], at: int
 ) -> tuple[nodes.Annotation | None, int] | None:
-    """`for tag`, alone or behind a formula, without the parentheses it needs."""
+    """Read `for tag`, alone or after a formula, without the required parentheses."""
     formed = type(data[at]) is List and head_of(data[at]) not in ANNOTATIONS
     start = at + 1 if formed else at
     if len(data) < start + 2 or not _is_for(data[start]):
@@ -167,7 +167,7 @@ def _annotation(ctx: Context, datum: Datum) -> nodes.Annotation | None:
 
 
 def _formula_for(ctx: Context, datum: List) -> nodes.For | None:
-    """`(formula for tag)`."""
+    """Read `(formula for tag)`."""
     tag = datum.items[2] if len(datum.items) == 3 else None
     asked = formula(ctx, datum.items[0])
     if not isinstance(tag, Symbol):

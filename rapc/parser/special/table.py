@@ -1,4 +1,4 @@
-"""The readers written by hand, and what makes nodes that are called otherwise."""
+"""The tables of special readers, of makers of nodes and of corrections."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ SPECIAL: Mapping[str, Read] = {
     "method_chosen": expectations.method_chosen,
     "event_pattern": expectations.event_pattern,
 }
-"""Readers by rule; all other rules are read as the grammar has them."""
+"""The special readers by rule; other rules have readers made from the grammar."""
 
 MAKERS: Mapping[str, Maker] = {
     **dict.fromkeys(
@@ -87,7 +87,7 @@ MAKERS: Mapping[str, Maker] = {
         values[0], values[1].value, span=span
     ),
 }
-"""What makes the nodes of rules whose nodes are called otherwise, or are none."""
+"""The makers of nodes for rules without a node of the same name."""
 
 
 MENDS: Mapping[str, Mend] = {
@@ -96,7 +96,7 @@ MENDS: Mapping[str, Mend] = {
     "believe": formulas.dated,
     "sensor_name": formulas.in_sight,
 }
-"""What is looked at first in lists that print has had otherwise."""
+"""The corrections of lists with published variants in their spelling."""
 
 
 @cache

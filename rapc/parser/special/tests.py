@@ -1,7 +1,7 @@
-"""`define-test` and `define-agenda`: what is given, the script, what is done at a time.
+"""Readers of `define-test` and `define-agenda`, with scripts and timed actions.
 
-Expectations are read by `rapc.parser.special.expectations`. What a test means is in
-docs/testing.md.
+Not here: expectations (`rapc.parser.special.expectations`), and the meaning of a test
+(docs/testing.md).
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from rapc.parser.syntax import Datum, List, String, Symbol
 
 
 def define_test(ctx: Context, form: List) -> nodes.DefineTest | None:
-    """`(define-test name ["doc"] clause...)`."""
+    """Read `(define-test name ["doc"] clause...)`."""
     name = name_of(ctx, form, colon=False)
     if name is None:
         return None
@@ -38,14 +38,14 @@ def define_test(ctx: Context, form: List) -> nodes.DefineTest | None:
 
 
 def define_test_defaults(ctx: Context, form: List) -> nodes.DefineTest:
-    """`(define-test-defaults clause...)`: what is said of all tests, as one of them."""
+    """Read `(define-test-defaults clause...)`, the test defaults, as a test."""
     return _test(ctx, form, None, "", form.items[1:])
 
 
 def _test(
     ctx: Context, form: List, name: str | None, doc: str, data: Sequence[Datum]
 ) -> nodes.DefineTest:
-    """A test, or what is said of all of a file, of the data behind its name."""
+    """Return a test, or the test defaults of a file, from the data after the name."""
     owner = head_of(form) or ""
     found = clauses(ctx, data, owner, TEST_CLAUSES)
     kept = single(ctx, found, often("define_test"))
@@ -67,7 +67,7 @@ def _test(
 
 
 def _until(found: Sequence[nodes.Until]) -> nodes.Until | None:
-    """`(until t)`, `(until (cycles n))` and `cycles` as a clause of its own, as one."""
+    """Join `(until t)`, `(until (cycles n))` and the clause `(cycles n)` to a node."""
     if not found:
         return None
     times = [one.time for one in found if one.time is not None]
@@ -76,11 +76,11 @@ def _until(found: Sequence[nodes.Until]) -> nodes.Until | None:
     return nodes.Until(time, count, span=found[-1].span)
 
 
-# --- what is given ------------------------------------------------------------------
+# --- agendas ------------------------------------------------------------------------
 
 
 def define_agenda(ctx: Context, form: List) -> nodes.DefineAgenda | None:
-    """`(define-agenda name (require "name")... task...)`."""
+    """Read `(define-agenda name (require "name")... task...)`."""
     name = name_of(ctx, form, colon=False)
     if name is None:
         return None
@@ -97,7 +97,7 @@ def define_agenda(ctx: Context, form: List) -> nodes.DefineAgenda | None:
 
 
 def row(ctx: Context, datum: Datum) -> nodes.ScriptRow | None:
-    """`((request) [result] option...)`."""
+    """Read `((request) [result] option...)`."""
     if not isinstance(datum, List) or not datum.items:
         ctx.wrong("script_row", datum)
         return None
@@ -119,13 +119,13 @@ def row(ctx: Context, datum: Datum) -> nodes.ScriptRow | None:
 
 
 _ASKED = {"enable": "enabled", "disable": "disabled"}
-"""The rules of what a row may answer besides a request, by their words."""
+"""The rules of the events besides requests that a row may answer, by first word."""
 
 
 def _with_pauses(
     told: Sequence[nodes.Signal | Number],
 ) -> tuple[tuple[nodes.Signal, ...], tuple[Number, ...]]:
-    """Return the signals of a row, and how long each waits for the one before it."""
+    """Return the signals of a row, and the pause before each signal."""
     found: list[nodes.Signal] = []
     pauses: list[Number] = []
     pause: Number = 0
