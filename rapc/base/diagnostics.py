@@ -42,7 +42,7 @@ class Edit(msgspec.Struct, frozen=True):
 
 
 class Applicability(enum.Enum):
-    """The safety of a fix: it keeps the meaning (safe) or may change it (unsafe)."""
+    """The safety of a fix: safe, or unsafe if the fix may change the meaning."""
 
     SAFE = "safe"
     UNSAFE = "unsafe"

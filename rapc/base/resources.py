@@ -25,7 +25,7 @@ class Counter:
         self.value = number(self.value + amount)
 
     def frozen(self) -> tuple[str, Number]:
-        """The value, hashable, distinct from any plain number."""
+        """Return the value, hashable and distinct from any plain number."""
         return ("#counter", self.value)
 
     def __str__(self) -> str:
@@ -49,7 +49,7 @@ class SetResource:
         self.members.pop(member, None)
 
     def frozen(self) -> tuple[str, frozenset[Atom]]:
-        """The value, hashable, independent of order."""
+        """Return the value, hashable and independent of order."""
         return ("#set", frozenset(self.members))
 
     def __str__(self) -> str:

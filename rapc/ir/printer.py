@@ -224,7 +224,7 @@ def _if_any(shape: Shape) -> Write:
 
 
 def _in_row(shape: Shape) -> Write:
-    """Return the writer for a value with the words before it, not after it."""
+    """Return the writer for a value and the words before the value."""
     *words, last = [part for part in shape[1:] if part[0] != "?"]
     said, write = [_word(word) for word in words], _of_shape(last)
     return lambda value, bindings: [*said, *write(value, bindings)]
@@ -232,7 +232,7 @@ def _in_row(shape: Shape) -> Write:
 
 @cache
 def _listed(rule: str) -> Write:
-    """Return the writer for a list of values, with its first word if it has one."""
+    """Return the writer for a list of values, with the first word of its rule."""
     shape = RULES[rule]
     word = [_word(shape[1])] if shape[0] == "list" and is_word(shape[1]) else []
 
