@@ -69,6 +69,7 @@ def _fitting() -> dict[str, Any]:
         **{"text": "(define-rap (x))", "name": "p", "paths": "x.rap", "time": 5},
         **{"formula": "(p ?x ?y)", "action": len, "listener": len, "saved": b"x"},
         **{"seed": 0, "reason": "done", "settings": rapc.Settings()},
+        **{"spec": rapc.RunSpec(), "number": 1},
     }
 
 

@@ -13,6 +13,7 @@ from rapc.errors import ArgumentError, SettingError, WorldError
 from rapc.language.atoms import kind, need_fact
 from rapc.runtime.settings import Settings
 from rapc.runtime.task_request import TaskRequest
+from rapc.spec import RunSpec
 from rapc.world import Kit, World
 
 
@@ -83,6 +84,16 @@ def need_world(value: object) -> None:
         if not isinstance(getattr(value, part, None), of):
             said = f"the world of class `{type(value).__qualname__}` does not define"
             raise WorldError(f"{said} {part}", kit_help(value))
+
+
+def need_spec(value: object) -> None:
+    """Raise ArgumentError unless `value` is a `RunSpec` with fields of its types."""
+    if not isinstance(value, RunSpec):
+        raise ArgumentError(f"`spec` is {kind(value)}, not `rapc.RunSpec`")
+    try:
+        msgspec.convert(msgspec.to_builtins(value), RunSpec)
+    except (msgspec.ValidationError, TypeError) as error:
+        raise ArgumentError(f"`spec` is invalid: {error}") from None
 
 
 def need_settings(settings: object) -> None:

@@ -38,6 +38,7 @@ from rapc.runtime.arguments import (
     need_program,
     need_seed,
     need_settings,
+    need_spec,
     need_table,
     need_task,
     need_time,
@@ -162,12 +163,15 @@ class Interpreter(Run):
             comparators: see `functions`.
 
         Raises:
+            ArgumentError: for an argument of the wrong type.
             TextError: for a task or a fact that cannot be read.
             SettingError: for an unknown setting, or an invalid value.
             RefusedError: if the library or a task cannot be run in the world, or the
                 agenda is unknown.
             FactError: for a fact that the declarations do not allow.
         """
+        need_program(library, "`library`")
+        need_spec(spec)
         agenda = () if spec.agenda is None else of_agenda(library.library, spec.agenda)
         tasks = (*agenda, *map(read_task_request, spec.tasks))
         facts = tuple([parse_fact(text) for text in spec.facts])
@@ -347,6 +351,7 @@ class Interpreter(Run):
         Raises:
             ArgumentError: for an unknown task.
         """
+        need_count(number, "the number of a task")
         for task in self.state.live_tasks():
             if task.number == number:
                 return task
