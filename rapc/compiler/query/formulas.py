@@ -3,8 +3,8 @@
 The form of the code is described in the head of `rapc.compiler.query.query`. A writer
 appends to a `FunctionWriter` the code that finds the solutions of its formula; code
 that is appended later runs once for each solution. `watches` returns the changes that a
-monitor of a formula listens to. To add a kind of formula, add its rule to the grammar,
-its row to the words, its node to `ir/nodes.py`, and a row here.
+monitor of a formula listens to. To add a kind of formula, add its rule and its words to
+the grammar, its node to `ir/nodes.py`, and a row to `_KINDS`.
 
 Not here: facts and properties (`facts`), terms (`term_code`).
 """
