@@ -117,7 +117,7 @@ def _fact(text: str) -> Fact:
     try:
         return parse_fact(text)
     except TextError:
-        return _words(text)
+        return _words(text) or ("",)
 
 
 def _facts(texts: tuple[str, ...]) -> tuple[Fact, ...]:

@@ -36,9 +36,9 @@ def capture(machine: Run, seed: int, world: bytes) -> RunRecord:
     records = tuple([_written(writer, task, tasks) for task in tasks])  # `tasks` grows
     notations = machine.beliefs.notations
     noted = [
-        (task.number, tuple(notations.facts(task.run.notations)))
+        (task.number, tuple(facts))
         for task in tasks
-        if task.run is not None and task.run.notations
+        if task.run is not None and (facts := notations.facts(task.run.notations))
     ]
     return RunRecord(
         library=digest(machine.library.library),
