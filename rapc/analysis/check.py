@@ -68,7 +68,7 @@ def never(place: Span) -> bool:
 
 
 class Pass:
-    """One pass over a library: the input of checks, and the facts computed so far.
+    """A pass over a library: the input of checks and the computed facts.
 
     Args:
         library: the library.

@@ -76,7 +76,7 @@ def _judged(report: CheckReport, given: Sequence[str]) -> CheckReport:
 
 
 def _is_given(file: str, given: Sequence[str]) -> bool:
-    """Return whether a file is one of the paths, or below one of the paths."""
+    """Return whether a file is among the paths or below a path."""
     return file == loader.STANDARD_INPUT or any(lies_in(file, path) for path in given)
 
 

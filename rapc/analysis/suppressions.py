@@ -85,7 +85,7 @@ def _form() -> re.Pattern[str]:
 
 
 class Suppression(msgspec.Struct, frozen=True):
-    """One rule name in one comment.
+    """A rule name in a suppression comment.
 
     `rule` is the name of the rule; `comment` is the span of the comment; `covers` is
     the span of silenced findings; `alone` is true if the comment names no other rule.

@@ -153,7 +153,7 @@ def _escape_unprintable() -> None:
 
 
 def _message(error: click.ClickException) -> str:
-    """Return a usage error as one line, with at most one suggestion."""
+    """Return a usage error as a line with at most a single suggestion."""
     if isinstance(error, click.exceptions.NoSuchCommand):
         name = error.command_name
         return f"there is no command `{name}`{hint(name, COMMANDS)}"

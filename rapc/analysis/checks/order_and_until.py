@@ -350,7 +350,7 @@ def _of_net(
     marks: Sequence[_Mark],
     never_done: Mapping[str, Span],
 ) -> Iterator[Diagnostic]:
-    """Yield the faults of the `until` of one task-net, at most one for each."""
+    """Yield at most one fault for each `until` of a task-net."""
     starts = {(m.at, m.by): m for m in marks if isinstance(m.note, nodes.UntilStart)}
     for mark in marks:
         one, by = every[mark.at], every[mark.by]

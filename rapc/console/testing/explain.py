@@ -72,7 +72,7 @@ def _happened(failure: Unmet, wrong: bool) -> Iterator[Line]:
 
 
 def _excerpt(source: SourceFile | None, span: Span) -> Iterator[Line]:
-    """Yield the source at a position, marked if it is in one row."""
+    """Yield the source at a position, marked if it lies in a single row."""
     if source is None:
         return
     first, last = source.position(span.start), source.position(span.end)
