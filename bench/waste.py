@@ -59,16 +59,14 @@ def rule(name: str) -> Iterator[None]:
         yield
 
 
-def _hand_up(
-    machine: Run, task: Task, reason: str, because: Cause | None = None
-) -> None:
+def _hand_up(run: Run, task: Task, reason: str, because: Cause | None = None) -> None:
     """Fail a task; after a futile loop its parent has made its choice for good."""
     parent = task.within.task if task.within is not None else None
     if parent is not None and reason == FUTILE_LOOP and parent.choice is not None:
         history = parent.history
         last = history.last_choice if history and history.choices else parent.choice
         parent.note_choice(last)
-    finish.fail(machine, task, reason, because)
+    finish.fail(run, task, reason, because)
 
 
 class _Family:
@@ -78,24 +76,24 @@ class _Family:
         self.failed: Counter[tuple[int, str]] = Counter()
 
     def fail(
-        self, machine: Run, task: Task, reason: str, because: Cause | None = None
+        self, run: Run, task: Task, reason: str, because: Cause | None = None
     ) -> None:
         """Fail a task, and count that if it asks the world."""
         if _asks_world(task):
             self.failed[_key(task)] += 1
-        finish.fail(machine, task, reason, because)
+        finish.fail(run, task, reason, because)
 
-    def succeed(self, machine: Run, task: Task, found: Env) -> None:
+    def succeed(self, run: Run, task: Task, found: Env) -> None:
         """End a task well: its failures are forgotten."""
         self.failed.pop(_key(task), None)
-        finish.succeed(machine, task, found)
+        finish.succeed(run, task, found)
 
-    def try_method(self, machine: Run, task: Task) -> None:
+    def try_method(self, run: Run, task: Task) -> None:
         """Try a method of a task, unless its like has failed too often."""
         if _asks_world(task) and self.failed[_key(task)] >= LIMIT:
-            finish.fail(machine, task, FUTILE_LOOP)
+            finish.fail(run, task, FUTILE_LOOP)
         else:
-            try_method.try_method(machine, task)
+            try_method.try_method(run, task)
 
 
 def _asks_world(task: Task) -> bool:

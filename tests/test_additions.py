@@ -40,14 +40,14 @@ EDITS = (
     ),
     (
         "runtime/tasks/cycle.py",
-        "    if found is not None:\n        succeed(machine, task, found)\n",
+        "    if found is not None:\n        succeed(run, task, found)\n",
         "    given_up = plan.clauses.get('give-up')\n"
-        "    machine.context.task = task\n"
-        "    if found is not None:\n        succeed(machine, task, found)\n"
-        "    elif given_up and given_up.holds(machine.context, task.env):\n"
+        "    run.context.task = task\n"
+        "    if found is not None:\n        succeed(run, task, found)\n"
+        "    elif given_up and given_up.holds(run.context, task.env):\n"
         "        kind, why = events.TaskGivenUp, ('lost', plan.name)\n"
-        "        machine.recorder.emit(kind, task=task.number, why=why)\n"
-        "        fail(machine, task, 'given-up', None)\n",
+        "        run.recorder.emit(kind, task=task.number, why=why)\n"
+        "        fail(run, task, 'given-up', None)\n",
     ),
     (
         "runtime/tasks/cycle.py",

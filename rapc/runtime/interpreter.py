@@ -202,11 +202,6 @@ class Interpreter(Run):
         return self._world
 
     @property
-    def machine(self) -> Interpreter:
-        """Return the run with its parts, for tools that read them."""
-        return self
-
-    @property
     def now(self) -> Time:
         """Return the time of the world's clock, as last read."""
         return self.recorder.time

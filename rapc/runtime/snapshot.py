@@ -42,17 +42,17 @@ class AgendaEntry(msgspec.Struct, frozen=True):
     waits_for: str
 
 
-def agenda(machine: Run) -> tuple[AgendaEntry, ...]:
+def agenda(run: Run) -> tuple[AgendaEntry, ...]:
     """Return all live tasks by number, as values independent of the run."""
-    return tuple(_entry(machine, task) for task in machine.state.live_tasks())
+    return tuple(_entry(run, task) for task in run.state.live_tasks())
 
 
-def _entry(machine: Run, task: Task) -> AgendaEntry:
+def _entry(run: Run, task: Task) -> AgendaEntry:
     deadline = None if task.limit == math.inf else number(task.limit)
     duration = 0 if task.wait is None else task.wait.duration
     slack = None
     if deadline is not None:
-        slack = number(deadline - duration - machine.recorder.time)
+        slack = number(deadline - duration - run.recorder.time)
     state = WAITING if task.state is UNTESTED else task.state
     return AgendaEntry(
         task=task.number,
@@ -64,22 +64,22 @@ def _entry(machine: Run, task: Task) -> AgendaEntry:
         deadline=deadline,
         duration=duration,
         slack=slack,
-        waits_for=_obstacle(machine, task),
+        waits_for=_obstacle(run, task),
     )
 
 
-def _obstacle(machine: Run, task: Task) -> str:
+def _obstacle(run: Run, task: Task) -> str:
     if task.run is not None:
-        awaited = _under_way(machine, task.run)
+        awaited = _under_way(run, task.run)
         return "its method" if awaited is None else awaited
     if task.wait is not None and task.wait.awaits_signal:
         return task.wait.blocked_on
     if task.waiting:
         return "steps before it"
-    if task.number in machine.things.waits:
-        return _things_in_the_way(machine, machine.things.waits[task.number])
+    if task.number in run.things.waits:
+        return _things_in_the_way(run, run.things.waits[task.number])
     if task.state is BLOCKED:
-        return machine.monitors.reason(task)
+        return run.monitors.reason(task)
     return "" if task.state in (ELIGIBLE, UNTESTED) else "its time"
 
 
@@ -104,55 +104,57 @@ def _result(given: TopLevelTask) -> TaskResult:
     )
 
 
-def goals(machine: Run) -> dict[int, Goal]:
+def goals(run: Run) -> dict[int, Goal]:
     """Return the goals of all live tasks by number, with the known inputs."""
-    return {task.number: task.goal() for task in machine.state.live_tasks()}
+    return {task.number: task.goal() for task in run.state.live_tasks()}
 
 
-def waiting(machine: Run) -> tuple[str, ...]:
+def waiting(run: Run) -> tuple[str, ...]:
     """Return a line for people on each task under way and its wait.
 
     The lines leave out tasks that wait for their own steps, or for steps before them.
     """
     return tuple(
-        f"{task.goal()} [{task.number}] {_awaited(machine, task)}"
-        for task in machine.state.live_tasks()
-        if _is_told(machine, task)
+        f"{task.goal()} [{task.number}] {_awaited(run, task)}"
+        for task in run.state.live_tasks()
+        if _is_told(run, task)
     )
 
 
-def _is_told(machine: Run, task: Task) -> bool:
+def _is_told(run: Run, task: Task) -> bool:
     if task.run is not None:
-        return _under_way(machine, task.run) is not None
+        return _under_way(run, task.run) is not None
     return not task.waiting or (task.wait is not None and task.wait.awaits_signal)
 
 
-def _under_way(machine: Run, run: MethodRun) -> str | None:
+def _under_way(run: Run, method_run: MethodRun) -> str | None:
     """Return the request, or the signals, that will end a method, if any."""
-    ticket = run.ticket
+    ticket = method_run.ticket
     if ticket is None:
         return None
-    if ticket in machine.state.pending:
-        return format_list(machine.state.pending[ticket][1])
-    plan = run.plan.activation
+    if ticket in run.state.pending:
+        return format_list(run.state.pending[ticket][1])
+    plan = method_run.plan.activation
     if plan is None or plan.background:
         return None
-    return " or ".join(format_formula(wait.pattern, run.env) for wait in plan.waits)
+    return " or ".join(
+        format_formula(wait.pattern, method_run.env) for wait in plan.waits
+    )
 
 
-def _awaited(machine: Run, task: Task) -> str:
-    obstacle = _obstacle(machine, task)
+def _awaited(run: Run, task: Task) -> str:
+    obstacle = _obstacle(run, task)
     return f"waits for {obstacle}" if obstacle else "could go on"
 
 
-def _things_in_the_way(machine: Run, wait: ThingWait) -> str:
-    hold = machine.things.obstacle_of(wait)
+def _things_in_the_way(run: Run, wait: ThingWait) -> str:
+    hold = run.things.obstacle_of(wait)
     return "" if hold is None else held(hold)
 
 
-def deadlocks_in_words(machine: Run) -> tuple[str, ...]:
+def deadlocks_in_words(run: Run) -> tuple[str, ...]:
     """Return a line for each deadlock: a circle of tasks that wait for each other."""
-    found = deadlocks(machine.things)
+    found = deadlocks(run.things)
     return tuple(f"deadlock: {'; '.join(in_words(one))}" for one in found)
 
 
@@ -160,13 +162,13 @@ _FEW = 10
 """The lowest count that explains an endless run."""
 
 
-def looping(machine: Run) -> str:
+def looping(run: Run) -> str:
     """Return the reason why a run goes on without the clock moving, if known.
 
     The reason is a task that chooses again and again, nested tasks of one RAP without
     end, or else the family whose tasks try and fail.
     """
-    tasks = machine.state.live_tasks()
+    tasks = run.state.live_tasks()
     chosen = [(task.choices, -task.number, task) for task in tasks]
     most, _, chooser = max(chosen, default=(0, 0, None))
     below = Counter(task.plan.name for task in tasks if task.run is not None)
@@ -175,6 +177,6 @@ def looping(machine: Run) -> str:
         return f"{chooser.goal()} [{chooser.number}] has chosen a method {most} times"
     if deep >= _FEW:
         return f"{deep} tasks of `{name}` are under way at once"
-    family = machine.eligible.last_family
+    family = run.eligible.last_family
     top = next((task for task in tasks if task.number == family), None)
     return "" if top is None else f"all for {top.goal()} [{top.number}]"

@@ -61,11 +61,11 @@ class Asker:
 
     def task(self) -> int:
         """Return the number of a live task, or now and then of any."""
-        machine = self.session.run
-        live = machine.state.live_tasks()
+        run = self.session.run
+        live = run.state.live_tasks()
         if live and self.dice.random() < 0.7:
             return self.dice.choice(live).number
-        return self.dice.randrange(1, machine.state.numbers + 2)
+        return self.dice.randrange(1, run.state.numbers + 2)
 
     def cycle(self) -> int:
         """Return a cycle of the past."""

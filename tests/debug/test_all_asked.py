@@ -30,7 +30,6 @@ ACTS: Mapping[str, str] = {
     "Interpreter.erase": "changes memory",
     "Interpreter.extend": "changes the library",
     "Interpreter.fail_task": "ends a task",
-    "Interpreter.machine": "is the run itself",
     "Interpreter.move": "changes memory",
     "Interpreter.prepared": "makes a run",
     "Interpreter.record": "listens from then on",

@@ -254,10 +254,10 @@ def test_an_explanation_tells_after_how_many_steps_a_clause_was_given_up() -> No
 
 def test_a_debugger_that_asks_why_takes_no_more_steps_either() -> None:
     ran = asked("true", 1_000_000)
-    machine = ran.interpreter
+    run = ran.interpreter
     formula = parse_formula(f"(and {parts(14)} (p three) (p ?y))")
-    query = machine.library.compiler.query(formula, "question", formula.span)
-    told = ask(machine, "question", query, None, {})
+    query = run.library.compiler.query(formula, "question", formula.span)
+    told = ask(run, "question", query, None, {})
     assert told.note == "given up after 2000 steps back: an explanation takes no more"
     assert told.parts[-1][1] == 0
     assert not told.holds

@@ -104,8 +104,8 @@ def test_deadlock_that_a_merge_of_items_closes_is_reported() -> None:
     """
     )
     ran = Play(text, "(left)", "(right)", "(other)", rows=ROWS)
-    machine = ran.interpreter
-    ran.interpreter.call_at(3, lambda: rename(machine, "item-3", "item-2"))
+    run = ran.interpreter
+    ran.interpreter.call_at(3, lambda: rename(run, "item-3", "item-2"))
     ran.run()
     [told] = ran.of(Deadlock)
     assert (told.time, told.tasks) == (3, (5, 7))

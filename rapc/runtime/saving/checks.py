@@ -39,15 +39,15 @@ def check(restored: RestoredRun) -> None:
             if task.within is None or task.live:
                 _check_task(task)
                 _check_history(task)
-        for run in restored.runs.values():
-            _check_method(restored, run)
+        for method_run in restored.runs.values():
+            _check_method(restored, method_run)
         _check_requests(restored)
         _check_activations(restored)
         _check_things(restored)
         _check_waiting(restored)
         _check_scheduled(restored)
         noted = Tally(chain(*restored.noted.values()))
-        validate_memory(restored.machine.access, restored.record.memory, noted)
+        validate_memory(restored.run.access, restored.record.memory, noted)
     except (LookupError, TypeError, ValueError, RefusedError) as error:
         raise WrongRecordError(str(error)) from error
 
@@ -70,8 +70,11 @@ def _check_counts(restored: RestoredRun) -> None:
 
 
 def _check_task(task: Task) -> None:
-    number, above, run = task.number, task.parent, task.run
-    need((task.state is RUNNING) == (run is not None), f"task {number} is not at work")
+    number, above, method_run = task.number, task.parent, task.run
+    need(
+        (task.state is RUNNING) == (method_run is not None),
+        f"task {number} is not at work",
+    )
     if task.identity is not None:
         need(task.identity[:1] == task.plan.identity, f"task {number} is another")
         need(task.bound, f"task {number} has no inputs")
@@ -137,38 +140,43 @@ def _check_history(task: Task) -> None:
 # --- methods and the world ----------------------------------------------------------
 
 
-def _check_method(restored: RestoredRun, run: MethodRun) -> None:
-    task, plan, steps = run.task, run.plan, run.steps
+def _check_method(restored: RestoredRun, method_run: MethodRun) -> None:
+    task, plan, steps = method_run.task, method_run.plan, method_run.steps
     number = task.number
     need(task.method is plan, f"task {number} has tried another method")
-    need(_holds(run.env, task.env), f"the method of task {number} has other variables")
-    need(run.steps_left or not steps, f"the method of task {number} has ended")
-    if run.ends is not None:
+    need(
+        _holds(method_run.env, task.env),
+        f"the method of task {number} has other variables",
+    )
+    need(method_run.steps_left or not steps, f"the method of task {number} has ended")
+    if method_run.ends is not None:
         ended = [step.state is ENDED for step in steps]
-        need([t is not None for t in run.ends.times] == ended, "times of steps")
-        need(all(0 <= at < len(steps) for at in run.ends.ended_by_until), "a step")
+        need([t is not None for t in method_run.ends.times] == ended, "times of steps")
+        need(
+            all(0 <= at < len(steps) for at in method_run.ends.ended_by_until), "a step"
+        )
     if plan.request is not None:
-        asker = restored.state.pending[run.ticket or 0][0]
+        asker = restored.state.pending[method_run.ticket or 0][0]
         need(asker is task, f"task {number} waits for no request")
     activation = plan.activation
     skills = () if activation is None else activation.skills
-    need(len(run.skills) == len(skills), f"task {number} has other skills")
-    for skill, expected in zip(run.skills, skills, strict=True):
+    need(len(method_run.skills) == len(skills), f"task {number} has other skills")
+    for skill, expected in zip(method_run.skills, skills, strict=True):
         need(skill[:1] == (expected.name,), f"task {number} has other skills")
         _check_use(restored, "skill", skill)
     if activation is not None:
-        on = restored.state.activations.on.get(run.ticket or 0)
+        on = restored.state.activations.on.get(method_run.ticket or 0)
         off = restored.things.waits.get(number)
         left = len(skills) - (0 if off is None else len(off.skills))
         there = 0 if on is None else len(on.skills)
         need(there == left, f"task {number} has other skills on")
-        need(on or run.ticket is None, f"task {number} has no skills on")
+        need(on or method_run.ticket is None, f"task {number} has no skills on")
 
 
 def _check_use(restored: RestoredRun, use: Use, content: tuple[object, ...]) -> None:
     """Validate the arguments of a request or skill by its declaration."""
     need(content and isinstance(content[0], str), f"a {use} without a name")
-    signatures = restored.machine.library.signatures
+    signatures = restored.run.library.signatures
     fault = signatures.fault(use, str(content[0]), len(content) - 1)
     need(fault is None, str(fault))
 
@@ -177,9 +185,9 @@ def _check_requests(restored: RestoredRun) -> None:
     for ticket, (task, asked) in restored.state.pending.items():
         _check_use(restored, "primitive", asked)
         if task is not None:
-            run = restored.runs[task.number]
-            need(run.ticket == ticket, f"request {ticket} is over")
-            request = run.plan.request
+            method_run = restored.runs[task.number]
+            need(method_run.ticket == ticket, f"request {ticket} is over")
+            request = method_run.plan.request
             need(request and request.name == asked[0], f"request {ticket} is another")
 
 
@@ -190,9 +198,16 @@ def _check_activations(restored: RestoredRun) -> None:
         for skill in one.skills:
             _check_use(restored, "skill", skill)
     for ticket, one in tables.on.items():
-        run = one.run
-        ours = run and run.task.number == one.owner and run.ticket == ticket
-        need(ours and run and run.plan.activation, f"activation {ticket} is over")
+        method_run = one.run
+        ours = (
+            method_run
+            and method_run.task.number == one.owner
+            and method_run.ticket == ticket
+        )
+        need(
+            ours and method_run and method_run.plan.activation,
+            f"activation {ticket} is over",
+        )
 
 
 # --- things -------------------------------------------------------------------------
@@ -270,4 +285,4 @@ def _check_scheduled(restored: RestoredRun) -> None:
     need(all(time == request.at for time, _, request in scheduled), "a time")
     goals = [request.goal for _, _, request in scheduled]
     need(all(goals), "a task without a goal")
-    refuse_tasks(restored.machine.library, goals)
+    refuse_tasks(restored.run.library, goals)

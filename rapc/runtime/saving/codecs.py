@@ -136,10 +136,10 @@ class Reader:
     def run(self, saved: Any) -> MethodRun:
         """Return the method under way of the task that is being read."""
         plan, env = self.method(saved.plan), self.environments[saved.env]
-        run = MethodRun(self.task, plan, env, saved.started)
-        need((run.ends is None) == (saved.ends is None), "times of steps")
-        fields_of(MethodRun).fill(self, run, saved)
-        return run
+        method_run = MethodRun(self.task, plan, env, saved.started)
+        need((method_run.ends is None) == (saved.ends is None), "times of steps")
+        fields_of(MethodRun).fill(self, method_run, saved)
+        return method_run
 
 
 # --- the table ----------------------------------------------------------------------

@@ -1,7 +1,7 @@
 """A run as a record, and a record as a run that can replace another.
 
 `RestoredRun` first makes all new objects, which reveals all errors in a record. Only
-operations that cannot fail then change the machine (`RestoredRun.install`).
+operations that cannot fail then change the run (`RestoredRun.install`).
 """
 
 from __future__ import annotations
@@ -25,28 +25,28 @@ from rapc.runtime.state.things import Things
 from rapc.world import World
 
 
-def capture(machine: Run, seed: int, world: bytes) -> RunRecord:
+def capture(run: Run, seed: int, world: bytes) -> RunRecord:
     """Return the record of a run; `world` is the saved state of the world.
 
     The capture changes nothing: no event, no serial, no draw.
     """
-    state, recorder, monitors = machine.state, machine.recorder, machine.monitors
+    state, recorder, monitors = run.state, run.recorder, run.monitors
     writer = Writer()
     tasks = [given.task for given in state.top_level]
     records = tuple([_written(writer, task, tasks) for task in tasks])  # `tasks` grows
-    notations = machine.beliefs.notations
+    notations = run.beliefs.notations
     noted = [
         (task.number, tuple(facts))
         for task in tasks
         if task.run is not None and (facts := notations.facts(task.run.notations))
     ]
     return RunRecord(
-        library=digest(machine.library.library),
-        world_name=machine.port.name,
-        options=options_of(machine.port),
-        settings=machine.settings,
+        library=digest(run.library.library),
+        world_name=run.port.name,
+        options=options_of(run.port),
+        settings=run.settings,
         seed=seed,
-        random=stream_state(machine.rng),
+        random=stream_state(run.rng),
         time=recorder.time,
         cycle=recorder.cycle,
         serial=recorder.serial,
@@ -57,8 +57,8 @@ def capture(machine: Run, seed: int, world: bytes) -> RunRecord:
         ),
         tasks=records,
         state=fields_of(RunState).write(writer, state),
-        agenda=fields_of(Agenda).write(writer, machine.eligible),
-        things=fields_of(Things).write(writer, machine.things),
+        agenda=fields_of(Agenda).write(writer, run.eligible),
+        things=fields_of(Things).write(writer, run.things),
         to_test=tuple(
             # a running task is tested when its method ends, whether saved or not
             number
@@ -68,7 +68,7 @@ def capture(machine: Run, seed: int, world: bytes) -> RunRecord:
         missed=tuple((n, tuple(times)) for n, times in sorted(monitors.missed.items())),
         tested_at=monitors.tested_at,
         notations=tuple(noted),
-        memory=capture_memory(machine.access),
+        memory=capture_memory(run.access),
         world=world,
         resources=tuple(writer.resources),
         environments=tuple(writer.environments),
@@ -95,10 +95,10 @@ def options_of(world: World) -> dict[str, str | int | float | bool]:
 
 
 class RestoredRun:
-    """A run made from a record, not yet installed in a machine.
+    """The contents of a run made from a record, not yet installed in the run.
 
     Args:
-        machine: the machine of the run; its library names the plans.
+        run: the run; its library names the plans.
         record: the record.
 
     Raises:
@@ -106,11 +106,11 @@ class RestoredRun:
             with the library.
     """
 
-    def __init__(self, machine: Run, record: RunRecord) -> None:
-        self.machine, self.record = machine, record
+    def __init__(self, run: Run, record: RunRecord) -> None:
+        self.run, self.record = run, record
         try:
             self._random = stream_in(record.random)
-            reader = Reader(machine.library, record.resources, record.environments)
+            reader = Reader(run.library, record.resources, record.environments)
             self.state, self.live = reader.state, reader.live
             self._add_methods()
             #: All tasks in the order of their records.
@@ -129,7 +129,7 @@ class RestoredRun:
             raise WrongRecordError(f"{type(error).__name__}: {error}") from error
 
     def _add_methods(self) -> None:
-        library, state = self.machine.library, self.state
+        library, state = self.run.library, self.state
         for name, node in self.record.added_methods:
             plan = library.known_rap(name)
             try:
@@ -143,18 +143,20 @@ class RestoredRun:
         """Create the tasks: tasks of the host, then the steps of each in turn."""
         records, made = self.record.tasks, []
         places: list[Any] = [(None, None)] * len(self.record.state.top_level)
-        for (run, step), record in zip(places, records, strict=False):  # `places` grows
+        for (method_run, step), record in zip(
+            places, records, strict=False
+        ):  # `places` grows
             name = record[0] if isinstance(record, tuple) else record.plan
-            task = reader.task = Task(reader.library.known_rap(name), run, step)
+            task = reader.task = Task(reader.library.known_rap(name), method_run, step)
             made.append(task)
-            if run is not None:
-                run.steps.append(task)
+            if method_run is not None:
+                method_run.steps.append(task)
             if isinstance(record, tuple):
                 task.state, task.number = ENDED, record[1]
-                need(run is not None, "a task of the host is missing")
+                need(method_run is not None, "a task of the host is missing")
                 continue
             fields_of(Task).fill(reader, task, record)
-            if run is None:
+            if method_run is None:
                 task.family = task.number
             if task.live:
                 self.live[task.number] = task
@@ -168,31 +170,31 @@ class RestoredRun:
         return made
 
     def install(self) -> None:
-        """Replace the run of the machine by this run.
+        """Replace the contents of the run by these contents.
 
         The caller restores memory before: the notations are found in memory.
         """
-        machine, record = self.machine, self.record
-        for run, facts in self.noted.items():
-            run.notations = machine.beliefs.notations.of(facts)
-        machine.rng.setstate(self._random.getstate())
-        machine.state = self.state
-        machine.recount_identities()
-        machine.recorder.jump(record.time, record.cycle, record.serial)
-        machine.eligible.take_up(self.agenda)
-        machine.things.take_up(self.things, self.runs)
-        machine.monitors.load(
+        run, record = self.run, self.record
+        for method_run, facts in self.noted.items():
+            method_run.notations = run.beliefs.notations.of(facts)
+        run.rng.setstate(self._random.getstate())
+        run.state = self.state
+        run.recount_identities()
+        run.recorder.jump(record.time, record.cycle, record.serial)
+        run.eligible.take_up(self.agenda)
+        run.things.take_up(self.things, self.runs)
+        run.monitors.load(
             self.live.values(), self.to_test, self.missed, record.tested_at
         )
 
 
-def _count_steps(run: MethodRun) -> None:
+def _count_steps(method_run: MethodRun) -> None:
     """Count the live steps of a method, and the predecessors of each step."""
-    steps = run.steps
-    run.steps_left = sum(step.live for step in steps)
+    steps = method_run.steps
+    method_run.steps_left = sum(step.live for step in steps)
     for step in steps:
         step.waiting = 0
-    for plan in run.plan.steps:
+    for plan in method_run.plan.steps:
         if steps[plan.position].live:
             for after in plan.after:
                 steps[after].waiting += 1

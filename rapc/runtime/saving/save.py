@@ -29,7 +29,7 @@ _Noted = list[tuple[MethodRun, list[Fact]]]
 """Methods with the facts that they note."""
 
 
-def save(machine: Run, seed: int) -> bytes:
+def save(run: Run, seed: int) -> bytes:
     """Return a whole run as bytes, without changing the run.
 
     Raises:
@@ -37,16 +37,16 @@ def save(machine: Run, seed: int) -> bytes:
         StateError: in the middle of a cycle, with timers of the host, or if the world
             cannot be saved.
     """
-    if machine.turning:
+    if run.turning:
         raise StateError("a run cannot be saved in the middle of a cycle")
-    if machine.broken:
+    if run.broken:
         raise StateError("the run broke off in the middle of a cycle")
-    _look_for_callbacks(machine, "saved")
-    return encode_run(capture(machine, seed, _savable(machine.port).save()))
+    _look_for_callbacks(run, "saved")
+    return encode_run(capture(run, seed, _savable(run.port).save()))
 
 
-def restore(machine: Run, saved: bytes) -> int:
-    """Replace the run of `machine` by a saved run; return its seed.
+def restore(run: Run, saved: bytes) -> int:
+    """Replace the contents of `run` by those of a saved run; return the seed.
 
     Raises:
         StateError: for bytes that are no saved run of this library, this world and
@@ -54,71 +54,71 @@ def restore(machine: Run, saved: bytes) -> int:
             aborted run.
         PortError: if the world breaks while it is restored.
     """
-    if machine.turning:
+    if run.turning:
         raise StateError("a run cannot be replaced in the middle of a cycle")
-    _look_for_callbacks(machine, "replaced")
-    world = _savable(machine.port)
+    _look_for_callbacks(run, "replaced")
+    world = _savable(run.port)
     record = decode_run(saved)
-    _look_whose(machine, record)
+    _look_whose(run, record)
     try:
-        restored = RestoredRun(machine, record)
+        restored = RestoredRun(run, record)
         check(restored)
     except WrongRecordError as error:
         raise not_a_run(error) from error
-    before, noted = memory_saving.capture_memory(machine.access), _noted(machine)
+    before, noted = memory_saving.capture_memory(run.access), _noted(run)
     world_before = world.save()
     try:
-        memory_saving.restore_memory(machine.access, record.memory)
+        memory_saving.restore_memory(run.access, record.memory)
         world.restore(record.world)
-        early = machine.port.now() < record.time
+        early = run.port.now() < record.time
     except BaseException as error:
-        _put_back(machine, before, noted)
+        _put_back(run, before, noted)
         if isinstance(error, OF_THE_BYTES):
             raise not_a_run(error) from error
         raise
     if early:
-        _put_back(machine, before, noted)
+        _put_back(run, before, noted)
         world.restore(world_before)
         raise not_a_run(ValueError("its world is at an earlier time"))
     restored.install()
-    machine.broken = False
+    run.broken = False
     return record.seed
 
 
-def _put_back(machine: Run, before: MemoryState, noted: _Noted) -> None:
+def _put_back(run: Run, before: MemoryState, noted: _Noted) -> None:
     """Restore memory to the state before, with the notations of methods."""
-    memory_saving.restore_memory(machine.access, before)
-    for run, facts in noted:
-        run.notations = machine.beliefs.notations.of(facts)
+    memory_saving.restore_memory(run.access, before)
+    for method_run, facts in noted:
+        method_run.notations = run.beliefs.notations.of(facts)
 
 
-def _noted(machine: Run) -> _Noted:
+def _noted(run: Run) -> _Noted:
     """Return the methods with notations, and the noted facts."""
-    notations = machine.beliefs.notations
+    notations = run.beliefs.notations
     return [
         (task.run, notations.facts(task.run.notations))
-        for task in machine.state.live_tasks()
+        for task in run.state.live_tasks()
         if task.run is not None and task.run.notations
     ]
 
 
-def _look_whose(machine: Run, record: RunRecord) -> None:
+def _look_whose(run: Run, record: RunRecord) -> None:
     """Check that a saved run is of this library, world and settings."""
-    if record.library != digest(machine.library.library):
+    if record.library != digest(run.library.library):
         raise StateError("the saved run is one of another library")
-    if record.world_name != machine.port.name:
+    if record.world_name != run.port.name:
         raise StateError(
             f"the saved run is one in the world `{record.world_name}`, "
-            f"not `{machine.port.name}`"
+            f"not `{run.port.name}`"
         )
-    if record.settings != machine.settings:
+    if record.settings != run.settings:
         raise StateError("the saved run is one with other settings")
-    mine, its = options_of(machine.port), record.options
+    mine, its = options_of(run.port), record.options
     for name in sorted({*mine, *its}):
         if mine.get(name) != its.get(name):
             raise StateError(
                 f"the saved run is one with another value of the option "
-                f"`{machine.port.name}.{name}`: {_option(its.get(name))}, "
+                f"`{run.port.name}.{name}`: {_option(its.get(name))}, "
                 f"not {_option(mine.get(name))}"
             )
 
@@ -136,17 +136,17 @@ def _savable(world: World) -> Savable:
     return world
 
 
-def _look_for_callbacks(machine: Run, done: str) -> None:
+def _look_for_callbacks(run: Run, done: str) -> None:
     """Refuse a run that would lose callbacks of its host."""
-    timers = sorted((time, number) for time, number, _ in machine.host_timers)
-    actions = {number: action for _, number, action in machine.host_timers}
+    timers = sorted((time, number) for time, number, _ in run.host_timers)
+    actions = {number: action for _, number, action in run.host_timers}
     waiting = {
         "call_at": [
             f"{_named(actions[number])} at {format_atom(time)}"
             for time, number in timers
         ],
-        "call_at_end": [_named(action) for action in machine.at_end],
-        "call_when_waiting": [_named(action) for action in machine.when_waiting],
+        "call_at_end": [_named(action) for action in run.at_end],
+        "call_when_waiting": [_named(action) for action in run.when_waiting],
     }
     for asked, named in waiting.items():
         if named:

@@ -32,7 +32,7 @@ class Activation:
         ticket: int,
         owner: int,
         task: Task | None,
-        run: MethodRun | None,
+        method_run: MethodRun | None,
         skills: tuple[Fact, ...],
     ) -> None:
         #: The ticket: the number of the activation in the world.
@@ -45,7 +45,7 @@ class Activation:
         #: ancestor.
         self.task = task
         #: The method of the activation; None once the activation has ended.
-        self.run = run
+        self.run = method_run
 
     @property
     def waits(self) -> Sequence[WaitPlan]:

@@ -92,9 +92,9 @@ def _below(task: Task) -> Iterator[Task]:
     """Yield the live tasks below `task`."""
     todo = [task]
     while todo:
-        run = todo.pop().run
-        if run is not None:
-            steps = [step for step in run.steps if step.number and step.live]
+        method_run = todo.pop().run
+        if method_run is not None:
+            steps = [step for step in method_run.steps if step.number and step.live]
             yield from steps
             todo += steps
 

@@ -44,9 +44,9 @@ class Hold:
     __slots__ = tuple(FIELDS)
 
     def __init__(
-        self, run: MethodRun, ask: Ask, outer: Hold | None, said: str = ""
+        self, method_run: MethodRun, ask: Ask, outer: Hold | None, said: str = ""
     ) -> None:
-        self.run = run
+        self.run = method_run
         self.ask = ask
         #: The text for a thing without a name: the request that holds it.
         self.said = said
@@ -199,14 +199,14 @@ class Things:
 
     # --- holding ------------------------------------------------------------------
 
-    def take(self, run: MethodRun, asks: Iterable[Ask], said: str = "") -> None:
+    def take(self, method_run: MethodRun, asks: Iterable[Ask], said: str = "") -> None:
         """Add the requested things to the things that a method holds.
 
         `said` is the text for a thing without a name.
         """
-        number, holds = run.task.number, []
+        number, holds = method_run.task.number, []
         for ask in asks:
-            hold = Hold(run, ask, self._outer(run.task, ask.thing), said)
+            hold = Hold(method_run, ask, self._outer(method_run.task, ask.thing), said)
             self._holders.setdefault(ask.thing, {})[number] = hold
             holds.append(hold)
             self._changed(ask.thing)
@@ -219,17 +219,21 @@ class Things:
         if holds:
             self._drop([hold.ask.thing for hold in holds], task.number)
 
-    def hold_just(self, run: MethodRun, asks: Iterable[Ask], said: str = "") -> None:
+    def hold_just(
+        self, method_run: MethodRun, asks: Iterable[Ask], said: str = ""
+    ) -> None:
         """Replace the things of a running method by the requested things.
 
         `said` is the text for new things without a name.
         """
-        before = {h.ask.thing: h.said for h in self.held.get(run.task.number, ())}
-        self.release(run.task)
+        before = {
+            h.ask.thing: h.said for h in self.held.get(method_run.task.number, ())
+        }
+        self.release(method_run.task)
         held = {ask.thing: ask for ask in asks}
         for thing, ask in held.items():
             new = said if thing[0] == CONFLICT else ""
-            self.take(run, (ask,), before.get(thing, new))
+            self.take(method_run, (ask,), before.get(thing, new))
         for thing in {**before, **held}:
             self._place_again(thing)
 
@@ -301,9 +305,9 @@ class Things:
         self.waits.clear()
         self.changed.clear()
         self.resumable.clear()
-        for run, holds in held:
+        for method_run, holds in held:
             for ask, said in holds:
-                self.take(run, (ask,), said)
+                self.take(method_run, (ask,), said)
         for wait in waits:
             self.wait(wait)
 

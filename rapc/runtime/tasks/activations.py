@@ -25,16 +25,16 @@ from rapc.world import Refused, Skilled
 
 
 def activate(
-    machine: Run, run: MethodRun, plan: ActivationPlan, unfilled: bool = False
+    run: Run, method_run: MethodRun, plan: ActivationPlan, unfilled: bool = False
 ) -> str | Refused | None:
-    """Switch on all skills of the method `run` at once; none if `unfilled`.
+    """Switch on all skills of a method at once; none if `unfilled`.
 
     Return `interference` if a skill cannot be filled in, the refusal of the world if it
     refuses, else None.
     """
-    skills, sent, items = [], [], machine.beliefs.items
+    skills, sent, items = [], [], run.beliefs.items
     for one in plan.skills:
-        skill = ground(machine, run, one)
+        skill = ground(run, method_run, one)
         named = None if skill is None else sensed(items, skill)
         if skill is None or named is None:
             return INTERFERENCE
@@ -42,23 +42,29 @@ def activate(
         sent.append(named)
     if unfilled:
         return INTERFERENCE
-    world = machine.port
+    world = run.port
     assert isinstance(world, Skilled)  # validated by `rapc.runtime.admission`
-    machine.state.tickets += 1
-    ticket = machine.state.tickets
+    run.state.tickets += 1
+    ticket = run.state.tickets
     answer = world.activate(ticket, tuple(sent), plan.events)
-    machine.sync_clock()
+    run.sync_clock()
     if answer is not None:
-        return tell_refusal(machine, run.task, zip(skills, sent, strict=True), answer)
-    run.ticket = ticket
-    run.skills = tuple(skills)
-    activation = Activation(ticket, run.task.number, run.task, run, tuple(skills))
-    machine.state.activations.begin(activation)
-    _tell(machine, run.task, SkillEnabled, skills)
+        return tell_refusal(
+            run, method_run.task, zip(skills, sent, strict=True), answer
+        )
+    method_run.ticket = ticket
+    method_run.skills = tuple(skills)
+    activation = Activation(
+        ticket, method_run.task.number, method_run.task, method_run, tuple(skills)
+    )
+    run.state.activations.begin(activation)
+    _tell(run, method_run.task, SkillEnabled, skills)
     return None
 
 
-def reactivate(machine: Run, run: MethodRun, wanted: Sequence[int]) -> bool | Refused:
+def reactivate(
+    run: Run, method_run: MethodRun, wanted: Sequence[int]
+) -> bool | Refused:
     """Switch the `wanted` skills of a method on, by position, and the others off.
 
     Skills that stay on are not interrupted. All skills have the arguments of their
@@ -66,75 +72,79 @@ def reactivate(machine: Run, run: MethodRun, wanted: Sequence[int]) -> bool | Re
     sensor name now; the refusal if the world refuses. Without success, nothing has
     changed.
     """
-    plan, before = run.plan.activation, run.ticket
+    plan, before = method_run.plan.activation, method_run.ticket
     assert plan is not None
-    skills = [machine.beliefs.canonical(run.skills[at]) for at in wanted]
-    named = [sensed(machine.beliefs.items, skill) for skill in skills]
+    skills = [run.beliefs.canonical(method_run.skills[at]) for at in wanted]
+    named = [sensed(run.beliefs.items, skill) for skill in skills]
     sent = [one for one in named if one is not None]
-    world, tables = machine.port, machine.state.activations
+    world, tables = run.port, run.state.activations
     assert isinstance(world, Skilled)
     if len(sent) < len(skills):
         return False
-    run.ticket = None
+    method_run.ticket = None
     if skills:
-        machine.state.tickets += 1
-        ticket = machine.state.tickets
+        run.state.tickets += 1
+        ticket = run.state.tickets
         answer = world.activate(ticket, tuple(sent), plan.events)
         if answer is not None:
-            run.ticket = before
+            method_run.ticket = before
             asked = zip(skills, sent, strict=True)
-            return tell_refusal(machine, run.task, asked, answer)
-        run.ticket = ticket
+            return tell_refusal(run, method_run.task, asked, answer)
+        method_run.ticket = ticket
     were = tables.on[before].skills if before is not None else ()
-    if skills and run.ticket is not None:
-        number = run.task.number
-        tables.begin(Activation(run.ticket, number, run.task, run, tuple(skills)))
+    if skills and method_run.ticket is not None:
+        number = method_run.task.number
+        tables.begin(
+            Activation(
+                method_run.ticket, number, method_run.task, method_run, tuple(skills)
+            )
+        )
     if before is not None:
         tables.end(before)
         world.deactivate(before)
-    were = tuple(map(machine.beliefs.canonical, were))
-    _tell(machine, run.task, SkillDisabled, [s for s in were if s not in skills])
-    _tell(machine, run.task, SkillEnabled, [s for s in skills if s not in were])
+    were = tuple(map(run.beliefs.canonical, were))
+    _tell(run, method_run.task, SkillDisabled, [s for s in were if s not in skills])
+    _tell(run, method_run.task, SkillEnabled, [s for s in skills if s not in were])
     return True
 
 
 def _tell(
-    machine: Run,
+    run: Run,
     task: Task,
     kind: type[SkillEnabled | SkillDisabled],
     skills: Iterable[Fact],
 ) -> None:
-    if machine.recorder.on:
+    if run.recorder.on:
         for skill in skills:
-            machine.recorder.emit(kind, task=task.number, what=skill)
+            run.recorder.emit(kind, task=task.number, what=skill)
 
 
-def activatable(machine: Run, task: Task, plan: ActivationPlan, env: Env) -> bool:
+def activatable(run: Run, task: Task, plan: ActivationPlan, env: Env) -> bool:
     """Return whether all skills could be switched on now; trace nothing."""
     for one in plan.skills:
-        skill = filled_in(machine, task, one, env)
-        if skill is None or sensed(machine.beliefs.items, skill) is None:
+        skill = filled_in(run, task, one, env)
+        if skill is None or sensed(run.beliefs.items, skill) is None:
             return False
     return True
 
 
-def deactivate(machine: Run, ticket: int) -> None:
+def deactivate(run: Run, ticket: int) -> None:
     """Switch off the skills that only the active activation `ticket` uses, if any."""
-    if ticket not in machine.state.activations.on:
+    if ticket not in run.state.activations.on:
         return
-    activation = machine.state.activations.end(ticket)
+    activation = run.state.activations.end(ticket)
     if activation.task is not None:
-        skills = map(machine.beliefs.canonical, activation.skills)
-        _tell(machine, activation.task, SkillDisabled, skills)
-    assert isinstance(machine.port, Skilled)
-    machine.port.deactivate(ticket)
+        skills = map(run.beliefs.canonical, activation.skills)
+        _tell(run, activation.task, SkillDisabled, skills)
+    assert isinstance(run.port, Skilled)
+    run.port.deactivate(ticket)
 
 
-def call_off(machine: Run, run: MethodRun) -> None:
+def call_off(run: Run, method_run: MethodRun) -> None:
     """Cancel the request or the skills of a method in the world."""
-    if run.ticket is None:
+    if method_run.ticket is None:
         return
-    if run.plan.activation is not None:
-        deactivate(machine, run.ticket)
+    if method_run.plan.activation is not None:
+        deactivate(run, method_run.ticket)
     else:
-        cancel(machine, run)
+        cancel(run, method_run)

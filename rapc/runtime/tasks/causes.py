@@ -44,8 +44,8 @@ _Find = Callable[Concatenate[Run, _Args], Cause | None]
 def _if_told(find: _Find[_Args]) -> _Find[_Args]:
     """Return `find` as a function that runs only if events report causes."""
 
-    def found(machine: Run, /, *args: _Args.args, **more: _Args.kwargs) -> Cause | None:
-        return find(machine, *args, **more) if machine.recorder.tells_causes else None
+    def found(run: Run, /, *args: _Args.args, **more: _Args.kwargs) -> Cause | None:
+        return find(run, *args, **more) if run.recorder.tells_causes else None
 
     return found
 
@@ -54,31 +54,31 @@ def _if_told(find: _Find[_Args]) -> _Find[_Args]:
 
 
 @_if_told
-def of_inputs(machine: Run, task: Task) -> Cause | None:
+def of_inputs(run: Run, task: Task) -> Cause | None:
     """Return the cause of a failure by unbound inputs."""
-    step, run = task.step, task.within
-    if step is None or run is None:
+    step, method_run = task.step, task.within
+    if step is None or method_run is None:
         return None
     goal = step.node.goal
     values = zip(goal.args, task.goal_args, strict=True)
     unbound = [format_term(term) for term, value in values if value is None]
-    clause = f"inputs of step `{step.node.tag}` of `{run.task.plan.name}`"
+    clause = f"inputs of step `{step.node.tag}` of `{method_run.task.plan.name}`"
     note = f"{', '.join(unbound)} not bound"
     part = format_goal(goal)
-    return _cause(machine, clause, step.node.span, part, note, run.env, goal.args)
+    return _cause(run, clause, step.node.span, part, note, method_run.env, goal.args)
 
 
 @_if_told
-def of_set_up(machine: Run, task: Task) -> Cause | None:
+def of_set_up(run: Run, task: Task) -> Cause | None:
     """Return the reason why a task has no resources or times."""
-    context, env, name = context_of(machine, task), task.env, task.plan.name
+    context, env, name = context_of(run, task), task.env, task.plan.name
     for resource, initial in task.plan.resources:
         made = env.get(resource.variable.name)
         if initial is not None and not isinstance(made, Counter | SetResource):
             initial.needed(context, env)
             note = context.noted or f"is no {resource.kind}"
             clause = f"resources of `{name}`"
-            return _of_term(machine, clause, resource.span, initial, note, env)
+            return _of_term(run, clause, resource.span, initial, note, env)
     context.task = task.parent
     above: Env = {} if task.within is None else task.within.env
     step = task.step
@@ -86,31 +86,31 @@ def of_set_up(machine: Run, task: Task) -> Cause | None:
         for time in (window.start, window.stop):
             if step is not None and time_of(context, time, above) is None:
                 clause, span = f"window of step `{step.node.tag}`", step.node.span
-                return _of_term(machine, clause, span, time, context.noted, above)
+                return _of_term(run, clause, span, time, context.noted, above)
     context.task = task
     delay, node = task.plan.monitor_time, task.plan.node.monitor_time
     for time in () if delay is None else (delay.start, delay.stop):
         if node is not None and time_of(context, time, env) is None:
             clause = f"monitor-time of `{name}`"
-            return _of_term(machine, clause, node.span, time, context.noted, env)
+            return _of_term(run, clause, node.span, time, context.noted, env)
     return None
 
 
 def _of_term(
-    machine: Run, clause: str, span: Span, value: TermValue, note: str, env: Env
+    run: Run, clause: str, span: Span, value: TermValue, note: str, env: Env
 ) -> Cause:
     part = format_term(value.term)
-    return _cause(machine, clause, span, part, note, env, [value.term])
+    return _cause(run, clause, span, part, note, env, [value.term])
 
 
 @_if_told
-def of_conditions(machine: Run, task: Task) -> Cause | None:
+def of_conditions(run: Run, task: Task) -> Cause | None:
     """Return the first condition of a task that does not hold now.
 
     The order is that of step 4: `for` formulas, preconditions, constraints upwards.
     """
     for clause, query, asker, env in conditions(task):
-        found = _of_query(machine, clause, query, asker, env)
+        found = _of_query(run, clause, query, asker, env)
         if found is not None:
             return found
     return None
@@ -122,13 +122,15 @@ Condition = tuple[str, Query, Task, Env]
 
 def conditions(task: Task) -> Iterator[Condition]:
     """Iterate over the conditions of a task in the order of evaluation."""
-    run, step, plan = task.within, task.step, task.plan
-    if run is not None and step is not None:
+    method_run, step, plan = task.within, task.step, task.plan
+    if method_run is not None and step is not None:
         for carrier, query in step.conditions:
-            if not run.was_ended_by_until(carrier):
-                words = f"`for` formula of step `{run.plan.steps[carrier].node.tag}`"
-                words += f" of `{run.task.plan.name}`"
-                yield words, query, run.task, run.env
+            if not method_run.was_ended_by_until(carrier):
+                words = (
+                    f"`for` formula of step `{method_run.plan.steps[carrier].node.tag}`"
+                )
+                words += f" of `{method_run.task.plan.name}`"
+                yield words, query, method_run.task, method_run.env
     for clause in clauses.RAP:
         own = clause.when == "select" and clause.required and not clause.inherited
         if own and clause.word in plan.clauses:
@@ -146,54 +148,55 @@ def conditions(task: Task) -> Iterator[Condition]:
 
 
 @_if_told
-def of_method_constraints(machine: Run, run: MethodRun) -> Cause | None:
+def of_method_constraints(run: Run, method_run: MethodRun) -> Cause | None:
     """Return the reason why the constraints of a method do not hold."""
-    if run.plan.constraints is None:
+    plan, task = method_run.plan, method_run.task
+    if plan.constraints is None:
         return None
-    clause = f"constraints of method `{run.plan.name}` of `{run.task.plan.name}`"
-    return _of_query(machine, clause, run.plan.constraints, run.task, run.env)
+    clause = f"constraints of method `{plan.name}` of `{task.plan.name}`"
+    return _of_query(run, clause, plan.constraints, task, method_run.env)
 
 
 # --- steps 5 to 9: methods --------------------------------------------------------
 
 
 @_if_told
-def of_no_method(machine: Run, task: Task) -> Cause | None:
+def of_no_method(run: Run, task: Task) -> Cause | None:
     """Return the obstacles of each method of a task, and the last method's failure."""
     plan, before = task.plan, _last(task)
     if plan.repeat_while is not None:
         clause = f"repeat-while of `{plan.name}`"
-        found = _of_query(machine, clause, plan.repeat_while, task, task.env)
+        found = _of_query(run, clause, plan.repeat_while, task, task.env)
         if found is not None:
             return following(found, before)
     ruled_out = []
-    for method in machine.state.methods(plan):
+    for method in run.state.methods(plan):
         if method.choice is not None:
             clause = f"context of method `{method.name}`"
-            found = _of_query(machine, clause, method.choice, task, task.env)
+            found = _of_query(run, clause, method.choice, task, task.env)
             if found is not None:
                 ruled_out.append(found)
-    asked = plan.name in machine.solvers
+    asked = plan.name in run.solvers
     note = "none, from the solver neither" if asked else "" if ruled_out else "none"
-    cause = _cause(machine, f"methods of `{plan.name}`", plan.node.name_span, note=note)
+    cause = _cause(run, f"methods of `{plan.name}`", plan.node.name_span, note=note)
     methods = tuple(ruled_out)
     return following(msgspec.structs.replace(cause, methods=methods), before)
 
 
 @_if_told
 def of_futile_choice(
-    machine: Run, task: Task, method: MethodPlan, found: Env
+    run: Run, task: Task, method: MethodPlan, found: Env
 ) -> Cause | None:
     """Return the choice that a task has repeated too often."""
     clause = f"method `{method.name}` of `{task.plan.name}`"
-    note = f"chosen {machine.settings.futile_limit} times with the same bindings"
+    note = f"chosen {run.settings.futile_limit} times with the same bindings"
     env = {**task.env, **found}
-    cause = _cause(machine, clause, method.node.span, note=note, env=env)
+    cause = _cause(run, clause, method.node.span, note=note, env=env)
     return following(cause, _last(task))
 
 
 @_if_told
-def of_recursion(machine: Run, step: Task) -> Cause | None:
+def of_recursion(run: Run, step: Task) -> Cause | None:
     """Return the ancestor whose goal a step's task repeats."""
     if step.step is None:
         return None
@@ -204,56 +207,54 @@ def of_recursion(machine: Run, step: Task) -> Cause | None:
     who = "a task above it" if above is None else f"{above.goal()} [{above.number}]"
     clause, note, part = f"step `{node.tag}`", f"repeats {who}", format_goal(node.goal)
     env = step.within.env if step.within else {}
-    return _cause(machine, clause, node.span, part, note, env, node.goal.args)
+    return _cause(run, clause, node.span, part, note, env, node.goal.args)
 
 
 # --- ends of steps ----------------------------------------------------------------
 
 
 @_if_told
-def of_step_end(machine: Run, task: Task, outputs: Mapping[str, Value]) -> Cause | None:
+def of_step_end(run: Run, task: Task, outputs: Mapping[str, Value]) -> Cause | None:
     """Return the cause of a failure in the outputs or effects of a successful task."""
-    step, run = task.step, task.within
-    if step is None or run is None:
+    step, method_run = task.step, task.within
+    if step is None or method_run is None:
         return None
-    where = f"of step `{step.node.tag}` of `{run.task.plan.name}`"
-    bound = dict(run.env)
+    where = f"of step `{step.node.tag}` of `{method_run.task.plan.name}`"
+    bound = dict(method_run.env)
     for name, receiver in zip(task.plan.outputs, step.outputs, strict=False):
         value = outputs.get(name)
         if value is None or receiver.anonymous:
             continue
         if receiver.variable is not None and receiver.variable not in bound:
             bound[receiver.variable] = value
-        elif receiver.term.needed(context_of(machine, run.task), bound) != value:
+        elif receiver.term.needed(context_of(run, method_run.task), bound) != value:
             clause, note = f"outputs {where}", f"is not `{format_atom(value)}`"
             span = step.node.span
-            return _of_term(machine, clause, span, receiver.term, note, bound)
+            return _of_term(run, clause, span, receiver.term, note, bound)
     terms = [t for e in step.effects for t in (e.node.resource, e.node.amount)]
     clause, note = f"effects {where}", "one of them cannot be made"
-    return _cause(machine, clause, step.node.span, "", note, bound, terms)
+    return _cause(run, clause, step.node.span, "", note, bound, terms)
 
 
 @_if_told
-def of_signal(machine: Run, task: Task) -> Cause | None:
+def of_signal(run: Run, task: Task) -> Cause | None:
     """Return the step that a signal has failed."""
     if task.step is None:
         return None
     node = task.step.node
     clause = f"wait-for of step `{node.tag}`"
-    return _cause(machine, clause, node.span, note="its signal came")
+    return _cause(run, clause, node.span, note="its signal came")
 
 
 @_if_told
-def of_child(
-    machine: Run, task: Task, result: str, because: Cause | None
-) -> Cause | None:
+def of_child(run: Run, task: Task, result: str, because: Cause | None) -> Cause | None:
     """Return the cause of a method's failure by a failed step."""
     step = task.step
     if step is None or task.parent is None:
         return None
     clause = f"step `{step.node.tag}` of `{task.parent.plan.name}`"
     goal, note = str(task.goal()), f"failed: {result}"
-    link = _cause(machine, clause, step.node.span, goal, note)
+    link = _cause(run, clause, step.node.span, goal, note)
     return following(msgspec.structs.replace(link, task=task.number), because)
 
 
@@ -261,75 +262,75 @@ def of_child(
 
 
 @_if_told
-def of_bad_start(machine: Run, run: MethodRun) -> Cause | None:
+def of_bad_start(run: Run, method_run: MethodRun) -> Cause | None:
     """Return the notation of a method that cannot be asserted, or the invalid claim."""
-    for plan in run.plan.notations:
-        note = _unfilled(machine, run, plan) or _refusal(machine, run, plan)
+    for plan in method_run.plan.notations:
+        note = _unfilled(run, method_run, plan) or _refusal(run, method_run, plan)
         if note:
-            return _of_method(machine, run, "notation", plan.node, note)
-    for asked in run.plan.things:
-        note = "" if asked.used else _unfilled(machine, run, asked.plan)
+            return _of_method(run, method_run, "notation", plan.node, note)
+    for asked in method_run.plan.things:
+        note = "" if asked.used else _unfilled(run, method_run, asked.plan)
         if note:
-            what = f"claims of method `{run.plan.name}`"
-            return _of_method(machine, run, what, asked.plan.node, note)
+            what = f"claims of method `{method_run.plan.name}`"
+            return _of_method(run, method_run, what, asked.plan.node, note)
     return None
 
 
 @_if_told
-def of_result(machine: Run, run: MethodRun, result: str) -> Cause | None:
+def of_result(run: Run, method_run: MethodRun, result: str) -> Cause | None:
     """Return the cause of the failure of a method with a request or skills.
 
     The cause is a request or a skill that cannot be filled in, the result from the
     world, or an event that fails the primitive.
     """
-    plan, skills = run.plan.request, run.plan.activation
+    plan, skills = method_run.plan.request, method_run.plan.activation
     asked = [] if skills is None else list(skills.skills)
     asked += [] if plan is None else [plan]
-    for one in asked if run.ticket is None else ():
-        note = _unfilled(machine, run, one, sent=True)
+    for one in asked if method_run.ticket is None else ():
+        note = _unfilled(run, method_run, one, sent=True)
         if note:
             what = "request" if one is plan else "skill"
-            return _of_method(machine, run, what, one.node, note)
+            return _of_method(run, method_run, what, one.node, note)
     if plan is not None:
         note = f"the world answered `{result}`"
-        return _of_method(machine, run, "primitive", plan.node, note)
-    body = run.plan.node.body
+        return _of_method(run, method_run, "primitive", plan.node, note)
+    body = method_run.plan.node.body
     for wait in body.waits if isinstance(body, nodes.Skills) else ():
         if wait.mode == "fail" and wait.signal == f":{result}":
             signal = nodes.Signal(wait.signal, wait.args, span=wait.span)
-            return _of_method(machine, run, "wait-for", signal, "its event came")
+            return _of_method(run, method_run, "wait-for", signal, "its event came")
     return None
 
 
 @_if_told
-def of_refusal(machine: Run, run: MethodRun) -> Cause | None:
+def of_refusal(run: Run, method_run: MethodRun) -> Cause | None:
     """Return the world's refusal in a conflict that the method cannot wait for."""
-    plan, skills = run.plan.request, run.plan.activation
+    plan, skills = method_run.plan.request, method_run.plan.activation
     asked = plan if skills is None else skills.skills[0]
     if asked is None:
         return None
     what = "primitive" if skills is None else "skill"
     note = "the world refused it, and nothing could be waited for"
-    return _of_method(machine, run, what, asked.node, note)
+    return _of_method(run, method_run, what, asked.node, note)
 
 
 def _of_method(
-    machine: Run, run: MethodRun, what: str, node: nodes.Pattern, note: str
+    run: Run, method_run: MethodRun, what: str, node: nodes.Pattern, note: str
 ) -> Cause:
-    clause, part = f"{what} of `{run.task.plan.name}`", format_formula(node)
-    return _cause(machine, clause, node.span, part, note, run.env, node.args)
+    clause, part = f"{what} of `{method_run.task.plan.name}`", format_formula(node)
+    return _cause(run, clause, node.span, part, note, method_run.env, node.args)
 
 
 def _unfilled(
-    machine: Run, run: MethodRun, plan: RequestPlan, sent: bool = False
+    run: Run, method_run: MethodRun, plan: RequestPlan, sent: bool = False
 ) -> str:
     """Return the obstacle to filling in a clause; empty if there is none.
 
     With `sent` its items need sensor names.
     """
-    context, items = context_of(machine, run.task), machine.beliefs.items
+    context, items = context_of(run, method_run.task), run.beliefs.items
     for arg in plan.args:
-        value = arg.needed(context, run.env)
+        value = arg.needed(context, method_run.env)
         if value is None:
             return context.noted
         if isinstance(value, Counter | SetResource):
@@ -339,12 +340,12 @@ def _unfilled(
     return ""
 
 
-def _refusal(machine: Run, run: MethodRun, plan: RequestPlan) -> str:
+def _refusal(run: Run, method_run: MethodRun, plan: RequestPlan) -> str:
     """Return the reason why memory refuses a notation that is filled in, if any."""
-    context = context_of(machine, run.task)
-    filled = [arg.needed(context, run.env) for arg in plan.args]
+    context = context_of(run, method_run.task)
+    filled = [arg.needed(context, method_run.env) for arg in plan.args]
     try:
-        machine.beliefs.checked((plan.name, *filled))  # type: ignore[arg-type]  # atoms
+        run.beliefs.checked((plan.name, *filled))  # type: ignore[arg-type]  # atoms
     except FactError as error:
         return str(error)
     return ""
@@ -354,7 +355,7 @@ def _refusal(machine: Run, run: MethodRun, plan: RequestPlan) -> str:
 
 
 def _cause(
-    machine: Run,
+    run: Run,
     clause: str,
     span: Span,
     part: str = "",
@@ -369,7 +370,7 @@ def _cause(
         names = [inner.name for inner in parts if isinstance(inner, nodes.Var)]
     return Cause(
         clause=clause,
-        place=machine.library.compiler.row(span),
+        place=run.library.compiler.row(span),
         part=part,
         note=note,
         bindings=_as_text(env, names),
@@ -395,18 +396,18 @@ def _last(task: Task) -> Cause | None:
 
 
 def _of_query(
-    machine: Run, clause: str, query: Query, asker: Task, env: Env
+    run: Run, clause: str, query: Query, asker: Task, env: Env
 ) -> Cause | None:
     """Return the part of a query without a solution; None if a solution exists."""
-    bound, row = env, machine.library.compiler.row
-    for part, text, found in ask_in_parts(machine, query, asker, env, most=1):
+    bound, row = env, run.library.compiler.row
+    for part, text, found in ask_in_parts(run, query, asker, env, most=1):
         if not found:
-            given_up = machine.context.told_if_given_up(query.where)
+            given_up = run.context.told_if_given_up(query.where)
             return Cause(
                 clause=clause,
                 place=row(part.span) or row(query.formula.span),
                 part=text,
-                note=given_up or machine.noting.noted,
+                note=given_up or run.noting.noted,
                 bindings=_as_text(bound, Query.names(part)),
             )
         bound = {**env, **found[0]}
@@ -427,21 +428,21 @@ class PartAsked(NamedTuple):
 
 
 def ask_in_parts(
-    machine: Run, query: Query, asker: Task | None, env: Env, most: int
+    run: Run, query: Query, asker: Task | None, env: Env, most: int
 ) -> Iterator[PartAsked]:
     """Evaluate a query conjunct by conjunct, to the first without a solution.
 
-    The evaluation does not change the run. `machine.noting.noted` explains the failure
+    The evaluation does not change the run. `run.noting.noted` explains the failure
     of a conjunct, if there is an explanation.
 
     Args:
-        machine: the machine of the run.
+        run: the run.
         query: the query.
         asker: the task that evaluates the query; None for a user.
         env: the bindings before the evaluation.
         most: the highest number of solutions to find.
     """
-    context = context_of(machine, asker)
+    context = context_of(run, asker)
     for part, up_to_it, text in query.beginnings():
         context.next_part()
         if most == 1:
@@ -454,8 +455,8 @@ def ask_in_parts(
             return
 
 
-def context_of(machine: Run, asker: Task | None) -> QueryContext:
+def context_of(run: Run, asker: Task | None) -> QueryContext:
     """Return a context that evaluates queries for a task, without listeners."""
-    context = machine.noting
+    context = run.noting
     context.begin(asker)
     return context

@@ -37,20 +37,20 @@ Choice = tuple[MethodPlan, Env, Sequence[Held]]
 """The method to try, its first bindings, and all methods of the draw."""
 
 
-def choose(machine: Run, task: Task, asked: bool = False) -> Choice | None:
+def choose(run: Run, task: Task, asked: bool = False) -> Choice | None:
     """Return the method to try, or None if there is none.
 
     If no method holds, ask the problem solver, unless the caller has `asked` before.
     """
-    context, plan, env = machine.context, task.plan, task.env
+    context, plan, env = run.context, task.plan, task.env
     context.task = task
-    repeat, told = plan.repeat_while, machine.context_asked
+    repeat, told = plan.repeat_while, run.context_asked
     if repeat is not None and not (asked or repeat.holds(context, env)):
         return None
     holding: list[Held] = []
     methods = plan.methods
-    if machine.state.added_methods:
-        methods = machine.state.methods(plan)
+    if run.state.added_methods:
+        methods = run.state.methods(plan)
     for method in methods:
         found: Env | None
         if method.otherwise and holding:
@@ -64,23 +64,23 @@ def choose(machine: Run, task: Task, asked: bool = False) -> Choice | None:
         if told is not None and method.node.context is not None:
             told(plan.name, method.name, found is not None)
     if len(holding) > 1:
-        return _draw(machine, task, holding)
+        return _draw(run, task, holding)
     if holding:
         return (*holding[0], ())
-    if asked or not _ask_solver(machine, task):
+    if asked or not _ask_solver(run, task):
         return None
-    return choose(machine, task, asked=True)
+    return choose(run, task, asked=True)
 
 
-def _draw(machine: Run, task: Task, holding: list[Held]) -> Choice:
+def _draw(run: Run, task: Task, holding: list[Held]) -> Choice:
     """Choose: least failed, least chosen, not forced to wait, then by chance."""
     holding = _least(holding, [task.failures_of(method) for method, _ in holding])
     if len(holding) > 1:
         holding = _least(holding, [task.times_tried(method) for method, _ in holding])
     if len(holding) > 1 and any(method.things for method, _ in holding):
-        free = [held for held in holding if not must_wait(machine, task, *held)]
+        free = [held for held in holding if not must_wait(run, task, *held)]
         holding = free or holding
-    at = below(machine.rng, len(holding)) if len(holding) > 1 else 0
+    at = below(run.rng, len(holding)) if len(holding) > 1 else 0
     return (*holding[at], holding)
 
 
@@ -97,13 +97,13 @@ def _least(choices: Sequence[_Any], counts: Sequence[int]) -> list[_Any]:
     return [c for c, count in zip(choices, counts, strict=True) if count == least]
 
 
-def _ask_solver(machine: Run, task: Task) -> bool:
+def _ask_solver(run: Run, task: Task) -> bool:
     """Ask the problem solver of a RAP; return whether the result has any method."""
-    solver = machine.solvers.get(task.plan.name)
+    solver = run.solvers.get(task.plan.name)
     if solver is None:
         return False
     inputs = [task.env[name] for name in task.plan.inputs]
-    returned = solver((task.plan.name, *inputs), machine.context.view)
+    returned = solver((task.plan.name, *inputs), run.context.view)
     if not isinstance(returned, tuple | list) or not all(
         isinstance(node, nodes.Method) for node in returned
     ):
@@ -112,31 +112,29 @@ def _ask_solver(machine: Run, task: Task) -> bool:
             f"the solver of `{name}`{place_of(solver)} returned {returned!a:.60}"
         )
     for node in returned:
-        if not any(
-            _same(node, known.node) for known in machine.state.methods(task.plan)
-        ):
-            _add_method(machine, task.plan, node, solver)
-    if machine.recorder.on:
-        machine.recorder.emit(
+        if not any(_same(node, known.node) for known in run.state.methods(task.plan)):
+            _add_method(run, task.plan, node, solver)
+    if run.recorder.on:
+        run.recorder.emit(
             SolverCalled, task=task.number, goal=task.goal(), methods=len(returned)
         )
     return bool(returned)
 
 
-def _add_method(machine: Run, rap: RapPlan, node: nodes.Method, solver: object) -> None:
+def _add_method(run: Run, rap: RapPlan, node: nodes.Method, solver: object) -> None:
     """Add a method that a solver has returned to a RAP, for the rest of the run.
 
     Raises:
         PortError: for a method with names that the library does not declare.
     """
-    index = len(machine.state.methods(rap))
+    index = len(run.state.methods(rap))
     try:
-        plan = machine.library.added_method(rap, node, index)
+        plan = run.library.added_method(rap, node, index)
     except (UnsoundError, AttributeError, TypeError) as error:
         whose = f"the solver of `{rap.name}`{place_of(solver)}"
         said = f"{whose} returned a method that cannot be run: {error}"
         raise PortError(said) from error
-    machine.state.added_methods.setdefault(rap.name, []).append(plan)
+    run.state.added_methods.setdefault(rap.name, []).append(plan)
 
 
 def _same(a: nodes.Method, b: nodes.Method) -> bool:

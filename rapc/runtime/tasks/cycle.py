@@ -27,136 +27,139 @@ from rapc.runtime.tasks.try_method import try_method
 from rapc.world import OKAY
 
 
-def run_cycle(machine: Run, task: Task) -> None:
+def run_cycle(run: Run, task: Task) -> None:
     """Process the selected task."""
-    plan, wait, run = task.plan, task.wait, task.within
-    if machine.waits:
-        machine.things.stop_waiting(task)
+    plan, wait, method_run = task.plan, task.wait, task.within
+    if run.waits:
+        run.things.stop_waiting(task)
     if task.identity is None or (
         wait is not None and (wait.setup_failed or not wait.first_selected)
     ):
-        _first_of_all(machine, task)
+        _first_of_all(run, task)
         if task.state is ENDED:
             return
     else:
-        if machine.recorder.on:
-            _tell_selected(machine, task)
-        machine.eligible.last_family = task.family
+        if run.recorder.on:
+            _tell_selected(run, task)
+        run.eligible.last_family = task.family
     if plan.succeed is None:
         found: Env | None = {} if task.last_result == OKAY else None
     else:
-        context = machine.context
+        context = run.context
         context.task, never = task, plan.never_succeeds
         found = None if never else context.bound[plan.succeed].first(task.env)
     if found is not None:
-        succeed(machine, task, found)
+        succeed(run, task, found)
     elif (
         plan.monitored
         and wait is not None
-        and not (wait.first_selected and machine.monitors.still_hold(task, wait))
+        and not (wait.first_selected and run.monitors.still_hold(task, wait))
     ):
-        machine.monitors.block(task)
+        run.monitors.block(task)
     elif (
         plan.conditional
-        or (run is not None and (run.plan.conditions or run.constrained is not None))
-    ) and not _conditions_hold(machine, task):
+        or (
+            method_run is not None
+            and (method_run.plan.conditions or method_run.constrained is not None)
+        )
+    ) and not _conditions_hold(run, task):
         if task.state is not ENDED:
-            because = causes.of_conditions(machine, task)
-            fail(machine, task, INTERFERENCE, because)
+            because = causes.of_conditions(run, task)
+            fail(run, task, INTERFERENCE, because)
     else:
-        try_method(machine, task)
+        try_method(run, task)
 
 
-def _first_of_all(machine: Run, task: Task) -> None:
+def _first_of_all(run: Run, task: Task) -> None:
     """Do step 1 and the triggers of the first selection; may end the task."""
     wait, unbound = task.wait, False
     if not task.bound:
-        read_inputs(machine, task)
+        read_inputs(run, task)
         unbound = not task.bound
-    if machine.recorder.on:
-        _tell_selected(machine, task)
-    machine.eligible.last_family = task.family
+    if run.recorder.on:
+        _tell_selected(run, task)
+    run.eligible.last_family = task.family
     if wait is not None and not (wait.first_selected or task.plan.monitored):
-        _begin(machine, task, wait)
-    if (unbound or task.identity is None) and _misses_inputs(machine, task):
+        _begin(run, task, wait)
+    if (unbound or task.identity is None) and _misses_inputs(run, task):
         return
     if wait is not None:
         if wait.setup_failed:
-            fail(machine, task, INTERFERENCE, causes.of_set_up(machine, task))
+            fail(run, task, INTERFERENCE, causes.of_set_up(run, task))
         elif not wait.first_selected:
-            _begin(machine, task, wait)
+            _begin(run, task, wait)
 
 
-def _tell_selected(machine: Run, task: Task) -> None:
-    recorder, last = machine.recorder, machine.eligible.last_family
+def _tell_selected(run: Run, task: Task) -> None:
+    recorder, last = run.recorder, run.eligible.last_family
     if last is not None and last != task.family:
         recorder.emit(FamilySwitched, task=task.number, from_=last, to=task.family)
     if recorder.wants(TaskSelected):
         recorder.emit(TaskSelected, task=task.number, goal=task.goal())
 
 
-def _begin(machine: Run, task: Task, wait: WaitState) -> None:
+def _begin(run: Run, task: Task, wait: WaitState) -> None:
     """Trigger `until-start` at the first selection with monitors holding."""
-    step, run = task.step, task.within
-    if step is None or run is None or not step.until:
+    step, method_run = task.step, task.within
+    if step is None or method_run is None or not step.until:
         wait.first_selected = True
         return
-    if task.plan.monitored and not machine.monitors.still_hold(task, wait):
+    if task.plan.monitored and not run.monitors.still_hold(task, wait):
         return
     wait.first_selected = True
-    release_followers(machine, run, apply_until(machine, run, step, at_end=False))
+    release_followers(run, method_run, apply_until(run, method_run, step, at_end=False))
 
 
-def _misses_inputs(machine: Run, task: Task) -> bool:
+def _misses_inputs(run: Run, task: Task) -> bool:
     """Do step 1: bind unbound inputs; return whether this has ended the task."""
-    run, step = task.within, task.step
-    if run is not None and step is not None:
-        machine.context.task = run.task
+    method_run, step = task.within, task.step
+    if method_run is not None and step is not None:
+        run.context.task = method_run.task
         bound: list[str] = []
         for carrier, query in step.conditions:
-            if not run.was_ended_by_until(carrier):
-                found = query.first(machine.context, run.env) or {}
-                run.env.update(found)
+            if not method_run.was_ended_by_until(carrier):
+                found = query.first(run.context, method_run.env) or {}
+                method_run.env.update(found)
                 bound.extend(found)
-        if recheck_bound_steps(machine, run, bound, step.position):
+        if recheck_bound_steps(run, method_run, bound, step.position):
             return True
-        machine.context.task = run.task
+        run.context.task = method_run.task
         for arg, value in zip(step.args, task.goal_args, strict=True):
             if value is None:
-                arg.needed(machine.context, run.env)
+                arg.needed(run.context, method_run.env)
     if not task.bound:
-        fail(machine, task, INTERFERENCE, causes.of_inputs(machine, task))
+        fail(run, task, INTERFERENCE, causes.of_inputs(run, task))
     return not task.live
 
 
-def _conditions_hold(machine: Run, task: Task) -> bool:
+def _conditions_hold(run: Run, task: Task) -> bool:
     """Do step 4: `for` formulas, preconditions, constraints of the task and above.
 
     Return whether all hold. Return also False if a new binding, or a constraint of a
     method, has ended the method of which the task is a step.
     """
-    run, step, context = task.within, task.step, machine.context
-    if run is not None and step is not None:
+    method_run, step, context = task.within, task.step, run.context
+    if method_run is not None and step is not None:
         for carrier, query in step.conditions:
-            if run.was_ended_by_until(carrier):
+            if method_run.was_ended_by_until(carrier):
                 continue
-            context.task = run.task
-            found = context.bound[query].first(run.env)
+            context.task = method_run.task
+            found = context.bound[query].first(method_run.env)
             if found is None:
                 return False
             if found:
-                run.env.update(found)
-                if recheck_bound_steps(machine, run, found):
+                method_run.env.update(found)
+                if recheck_bound_steps(run, method_run, found):
                     return False
     context.task = task
     own = task.plan.preconditions
     if own is not None and not context.bound[own].holds(task.env):
         return False
     stated = task if task.plan.constraints is not None else task.constrained
-    return stated is None or _constraints_hold(machine, stated)
+    return stated is None or _constraints_hold(run, stated)
 
 
-def _constraints_hold(machine: Run, nearest: Task | MethodRun) -> bool:
+def _constraints_hold(run: Run, nearest: Task | MethodRun) -> bool:
     """Return whether the constraints of `nearest` and of all ancestors hold now.
 
     If a method's constraints do not hold, the method ends, and its descendants are
@@ -164,12 +167,12 @@ def _constraints_hold(machine: Run, nearest: Task | MethodRun) -> bool:
     provided that they depend only on memory, resources and the clock. Therefore an
     endless descent evaluates each of its tasks only once.
     """
-    context, changes = machine.context, machine.monitors.listeners.changes
+    context, changes = run.context, run.monitors.listeners.changes
     faults, steady = context.faults, True
     stated: Task | MethodRun | None = nearest
     while stated is not None:
         if isinstance(stated, MethodRun):
-            if not _method_holds(machine, stated):
+            if not _method_holds(run, stated):
                 return False
             steady, stated = False, stated.constrained_above
             continue
@@ -187,12 +190,12 @@ def _constraints_hold(machine: Run, nearest: Task | MethodRun) -> bool:
     return True
 
 
-def _method_holds(machine: Run, run: MethodRun) -> bool:
+def _method_holds(run: Run, method_run: MethodRun) -> bool:
     """Return whether the constraints of a method hold; otherwise end the method."""
-    machine.context.task = run.task
-    constraints = run.plan.constraints
-    if constraints is None or constraints.holds(machine.context, run.env):
+    run.context.task = method_run.task
+    constraints = method_run.plan.constraints
+    if constraints is None or constraints.holds(run.context, method_run.env):
         return True
-    because = causes.of_method_constraints(machine, run)
-    end_method(machine, run, INTERFERENCE, because, "parent-failed")
+    because = causes.of_method_constraints(run, method_run)
+    end_method(run, method_run, INTERFERENCE, because, "parent-failed")
     return False

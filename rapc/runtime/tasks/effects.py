@@ -19,22 +19,22 @@ Change = tuple[str, Counter | SetResource, Value]
 
 
 def changes_of(
-    machine: Run, run: MethodRun, step: StepPlan, bound: Env
+    run: Run, method_run: MethodRun, step: StepPlan, bound: Env
 ) -> list[Change] | None:
     """Return the changes by a step's effects; None if a change is impossible."""
     changes: list[Change] = []
     totals: dict[Counter, Number] = {}
-    env = {**run.env, **bound} if step.effects else run.env
-    machine.context.task = run.task
+    env = {**method_run.env, **bound} if step.effects else method_run.env
+    run.context.task = method_run.task
     for effect in step.effects:
-        change = _change(machine.context, effect, env)
+        change = _change(run.context, effect, env)
         if change is None:
             return None
         changes.append(change)
         try:
             _count(totals, change)
         except QueryFault as fault:
-            machine.context.fault(effect.amount.where, str(fault))
+            run.context.fault(effect.amount.where, str(fault))
             return None
     return changes
 
@@ -65,7 +65,7 @@ def _change(context: QueryContext, effect: EffectPlan, env: Env) -> Change | Non
     return None
 
 
-def carry_out(machine: Run, task: Task, change: Change) -> None:
+def carry_out(run: Run, task: Task, change: Change) -> None:
     """Make one change of a resource, on behalf of the step's task."""
     op, resource, by = change
     if isinstance(resource, Counter):
@@ -75,7 +75,7 @@ def carry_out(machine: Run, task: Task, change: Change) -> None:
         resource.add(by)  # type: ignore[arg-type]  # resources were refused
     else:
         resource.remove(by)  # type: ignore[arg-type]  # resources were refused
-    machine.monitors.listeners.resource_changed(resource)
-    if machine.recorder.on:
+    run.monitors.listeners.resource_changed(resource)
+    if run.recorder.on:
         what = ResourceChange(op, by, str(resource))  # type: ignore[arg-type]
-        machine.recorder.emit(ResourceChanged, task=task.number, what=what)
+        run.recorder.emit(ResourceChanged, task=task.number, what=what)

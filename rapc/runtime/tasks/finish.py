@@ -45,76 +45,76 @@ _Received = tuple[Env, Sequence[Change]]
 # --- success ----------------------------------------------------------------------
 
 
-def succeed(machine: Run, task: Task, found: Env) -> None:
+def succeed(run: Run, task: Task, found: Env) -> None:
     """Succeed a task outside the agenda, or fail the task for unfit outputs.
 
     The method receives all outputs and effects of a step, or none. The end of the step
     carries out `until`s, then releases the steps that follow, or ends the method.
     """
-    plan, step, run = task.plan, task.step, task.within
+    plan, step, method_run = task.plan, task.step, task.within
     outputs = _outputs(task, found) if plan.outputs else {}
     received: _Received | None = None
-    if step is None or run is None:
-        given = machine.state.live_top[task.number]
+    if step is None or method_run is None:
+        given = run.state.live_top[task.number]
         given.outcome, given.outputs = OKAY, outputs
     elif step.has_results:
-        received = _received(machine, run, step, outputs)
+        received = _received(run, method_run, step, outputs)
         if received is None:
-            because = causes.of_step_end(machine, task, outputs)
-            fail(machine, task, INTERFERENCE, because)
+            because = causes.of_step_end(run, task, outputs)
+            fail(run, task, INTERFERENCE, because)
             return
     task.state = ENDED
-    if step is None or task.wait is not None or machine.waits:
-        unregister(machine, task)
-    machine.state.succeeded += 1
-    if machine.recorder.on:
-        machine.recorder.emit(
+    if step is None or task.wait is not None or run.waits:
+        unregister(run, task)
+    run.state.succeeded += 1
+    if run.recorder.on:
+        run.recorder.emit(
             TaskSucceeded,
             task=task.number,
             goal=task.goal(outputs),
             outputs=as_told(outputs),
         )
     if plan.finish_rules:
-        run_finish_rules(machine, task, OKAY, outputs)
-    if run is not None and step is not None:
-        _finish_step(machine, run, step, received)
+        run_finish_rules(run, task, OKAY, outputs)
+    if method_run is not None and step is not None:
+        _finish_step(run, method_run, step, received)
 
 
 def _finish_step(
-    machine: Run, run: MethodRun, step: StepPlan, received: _Received | None
+    run: Run, method_run: MethodRun, step: StepPlan, received: _Received | None
 ) -> None:
     """Pass `received` to a step's method; release followers or end the method."""
     bound: Env = {}
     if received is not None:
         bound, changes = received
-        run.env.update(bound)
+        method_run.env.update(bound)
         for change in changes:
-            carry_out(machine, run.steps[step.position], change)
-    run.steps_left -= 1
+            carry_out(run, method_run.steps[step.position], change)
+    method_run.steps_left -= 1
     following = step.after
-    if run.ends is not None:
-        run.ends.times[step.position] = machine.recorder.time
-        following = following + apply_until(machine, run, step, at_end=True)
-    if bound and recheck_bound_steps(machine, run, bound):
+    if method_run.ends is not None:
+        method_run.ends.times[step.position] = run.recorder.time
+        following = following + apply_until(run, method_run, step, at_end=True)
+    if bound and recheck_bound_steps(run, method_run, bound):
         return
-    if run.steps_left:
-        release_followers(machine, run, following)
+    if method_run.steps_left:
+        release_followers(run, method_run, following)
     else:
-        end_method(machine, run, OKAY)
+        end_method(run, method_run, OKAY)
 
 
 def _received(
-    machine: Run, run: MethodRun, step: StepPlan, outputs: Env
+    run: Run, method_run: MethodRun, step: StepPlan, outputs: Env
 ) -> _Received | None:
     """Return the bindings and changes of a success; None if one is impossible."""
-    names = run.steps[step.position].plan.outputs
+    names = method_run.steps[step.position].plan.outputs
     arriving = [
         (to, outputs[name])
         for name, to in zip(names, step.outputs, strict=False)
         if name in outputs
     ]
-    bound = receive(machine, run, arriving)
-    changes = None if bound is None else changes_of(machine, run, step, bound)
+    bound = receive(run, method_run, arriving)
+    changes = None if bound is None else changes_of(run, method_run, step, bound)
     return None if bound is None or changes is None else (bound, changes)
 
 
@@ -131,42 +131,44 @@ def _outputs(task: Task, found: Env) -> Env:
 
 
 def receive(
-    machine: Run, run: MethodRun, arriving: Iterable[tuple[OutputTarget, Value]]
+    run: Run, method_run: MethodRun, arriving: Iterable[tuple[OutputTarget, Value]]
 ) -> Env | None:
     """Return the bindings for a method's environment; None if a value does not fit."""
     bound: Env = {}
-    machine.context.task = run.task
+    run.context.task = method_run.task
     for receiver, value in arriving:
         if receiver.anonymous:
             continue
-        env = {**run.env, **bound}
+        env = {**method_run.env, **bound}
         if receiver.variable is not None and receiver.variable not in env:
             bound[receiver.variable] = value
-        elif receiver.term.needed(machine.context, env) != value:
+        elif receiver.term.needed(run.context, env) != value:
             return None
     return bound
 
 
-def release_followers(machine: Run, run: MethodRun, following: Sequence[int]) -> None:
+def release_followers(
+    run: Run, method_run: MethodRun, following: Sequence[int]
+) -> None:
     """Release, in the order of the text, steps whose predecessors have all ended.
 
     `following` are the positions of the steps that follow each ended step.
     """
-    steps = run.steps
-    if run.plan.windows:
+    steps = method_run.steps
+    if method_run.plan.windows:
         for at in following:
             if steps[at].live:
-                read_windows(machine, steps[at])
+                read_windows(run, steps[at])
     for at in sorted(following):
         task = steps[at]
         if task.state is not ENDED:
             task.waiting -= 1
             if task.waiting == 0:
-                release(machine, task)
+                release(run, task)
 
 
 def apply_until(
-    machine: Run, run: MethodRun, step: StepPlan, *, at_end: bool
+    run: Run, method_run: MethodRun, step: StepPlan, *, at_end: bool
 ) -> list[int]:
     """Remove the live steps whose `until` names `step`.
 
@@ -174,27 +176,27 @@ def apply_until(
     each removed step; the caller releases them.
 
     Args:
-        machine: the machine of the run.
-        run: the method under way.
+        run: the run.
+        method_run: the method under way.
         step: the step that has started or ended.
         at_end: whether `step` has ended: `until-end`, else `until-start`.
     """
     following: list[int] = []
     for target, when in step.until:
-        task = run.steps[target]
+        task = method_run.steps[target]
         if when != at_end or not task.live:
             continue
-        remove(machine, task, "until")
-        if run.ends is not None:
-            run.ends.ended_by_until.add(target)
-            run.ends.times[target] = machine.recorder.time
-        run.steps_left -= 1
-        following += run.plan.steps[target].after
+        remove(run, task, "until")
+        if method_run.ends is not None:
+            method_run.ends.ended_by_until.add(target)
+            method_run.ends.times[target] = run.recorder.time
+        method_run.steps_left -= 1
+        following += method_run.plan.steps[target].after
     return following
 
 
 def recheck_bound_steps(
-    machine: Run, run: MethodRun, bound: Iterable[str], *positions: int
+    run: Run, method_run: MethodRun, bound: Iterable[str], *positions: int
 ) -> bool:
     """Read the inputs of steps again that use variables in `bound`.
 
@@ -202,44 +204,44 @@ def recheck_bound_steps(
     its task has failed with `futile-loop`. The steps at `positions` are read again in
     any case.
     """
-    users = run.plan.steps_by_variable
+    users = method_run.plan.steps_by_variable
     for at in sorted(
         {*positions, *(at for name in bound for at in users.get(name, ()))}
     ):
-        task = run.steps[at]
+        task = method_run.steps[at]
         if not task.live:
             continue
-        read_windows(machine, task)
+        read_windows(run, task)
         if task.bound and task.identity is not None:
             continue
         if not task.bound:
-            read_inputs(machine, task)
-        if task.bound and task.identity is None and repeats_ancestor(machine, task):
-            because = causes.of_recursion(machine, task)
-            end_method(machine, run, FUTILE_LOOP, because, "parent-failed")
-            machine.eligible.discard(run.task)
-            fail(machine, run.task, FUTILE_LOOP, because)
+            read_inputs(run, task)
+        if task.bound and task.identity is None and repeats_ancestor(run, task):
+            because = causes.of_recursion(run, task)
+            end_method(run, method_run, FUTILE_LOOP, because, "parent-failed")
+            run.eligible.discard(method_run.task)
+            fail(run, method_run.task, FUTILE_LOOP, because)
             return True
-        if task.bound and task in machine.eligible:
-            machine.eligible.discard(task)
-            release(machine, task, again=True)
+        if task.bound and task in run.eligible:
+            run.eligible.discard(task)
+            release(run, task, again=True)
     return False
 
 
 # --- failure ----------------------------------------------------------------------
 
 
-def fail(machine: Run, task: Task, reason: str, because: Cause | None = None) -> None:
+def fail(run: Run, task: Task, reason: str, because: Cause | None = None) -> None:
     """Fail a task: end its method, and make its parent eligible again."""
     world_failure = task.world_failure
     result = world_failure or reason
     if task.step is None:
-        given = machine.state.live_top[task.number]
+        given = run.state.live_top[task.number]
         given.outcome, given.because = result, because
     task.state = ENDED
-    unregister(machine, task)
-    if machine.recorder.on:
-        machine.recorder.emit(
+    unregister(run, task)
+    if run.recorder.on:
+        run.recorder.emit(
             TaskFailed,
             task=task.number,
             goal=task.goal(),
@@ -248,18 +250,18 @@ def fail(machine: Run, task: Task, reason: str, because: Cause | None = None) ->
             because=because,
         )
     if task.plan.finish_rules:
-        run_finish_rules(machine, task, result, {})
-    run = task.within
-    if run is None:
+        run_finish_rules(run, task, result, {})
+    method_run = task.within
+    if method_run is None:
         return
     if world_failure is not None:
-        run.task.remember().failure = world_failure
-    end_method(machine, run, result, causes.of_child(machine, task, result, because))
+        method_run.task.remember().failure = world_failure
+    end_method(run, method_run, result, causes.of_child(run, task, result, because))
 
 
 def end_method(
-    machine: Run,
-    run: MethodRun,
+    run: Run,
+    method_run: MethodRun,
     result: str,
     because: Cause | None = None,
     cause: str = "sibling-failed",
@@ -269,67 +271,67 @@ def end_method(
     `because` is the cause of a failure, `cause` the reason for the removal of its
     steps.
     """
-    task, recorder, failed = run.task, machine.recorder, result != OKAY
+    task, recorder, failed = method_run.task, run.recorder, result != OKAY
     if failed and because is None:
-        because = causes.of_result(machine, run, result)
+        because = causes.of_result(run, method_run, result)
     task.run = None
-    if run.steps_left:
-        for step in run.steps:
+    if method_run.steps_left:
+        for step in method_run.steps:
             if step.state is not ENDED:
-                remove(machine, step, cause)
-    run.steps = ()
-    if run.plan.gives_back or machine.held or machine.all_may_recur:
-        _give_back(machine, run)
+                remove(run, step, cause)
+    method_run.steps = ()
+    if method_run.plan.gives_back or run.held or run.all_may_recur:
+        _give_back(run, method_run)
     if recorder.on:
         recorder.emit(
             MethodEnded,
             task=task.number,
-            method=run.plan.name,
+            method=method_run.plan.name,
             result=result,
             because=because,
         )
     task.last_result = result
     if failed or task.history is not None:
-        task.note_result(run.plan, result)
+        task.note_result(method_run.plan, result)
         task.remember().because = because
     if task.plan.outputs and not failed:
-        task.remember().success = run.env
+        task.remember().success = method_run.env
     task.state = ELIGIBLE
     if task.wait is not None:
         task.wait.after_method = True
         if task.plan.monitor_time is not None:
-            machine.monitors.arm(task, recorder.time)
-    machine.eligible.add(task)
+            run.monitors.arm(task, recorder.time)
+    run.eligible.add(task)
 
 
-def _give_back(machine: Run, run: MethodRun) -> None:
+def _give_back(run: Run, method_run: MethodRun) -> None:
     """Release a method's identity, skills, things and notations."""
-    task = run.task
-    if task.plan.recursive or machine.all_may_recur:
-        discount(machine, task)
-    if run.plan.activation is not None:
-        _switch_off(machine, run)
-    free(machine, run)
+    task = method_run.task
+    if task.plan.recursive or run.all_may_recur:
+        discount(run, task)
+    if method_run.plan.activation is not None:
+        _switch_off(run, method_run)
+    free(run, method_run)
 
 
-def _switch_off(machine: Run, run: MethodRun) -> None:
+def _switch_off(run: Run, method_run: MethodRun) -> None:
     """Switch off the skills of an ended method; unregister waiting skills."""
-    if run.ticket is not None:
-        deactivate(machine, run.ticket)
-    if machine.waits:
-        machine.things.stop_waiting(run.task)
+    if method_run.ticket is not None:
+        deactivate(run, method_run.ticket)
+    if run.waits:
+        run.things.stop_waiting(method_run.task)
 
 
-def finish_by_signal(machine: Run, task: Task, mode: str) -> None:
+def finish_by_signal(run: Run, task: Task, mode: str) -> None:
     """End a step, waiting or running, because of a signal; remove its descendants."""
-    run = stop(machine, task)
-    if run is not None:
-        for step in run.steps:
+    method_run = stop(run, task)
+    if method_run is not None:
+        for step in method_run.steps:
             if step.live:
-                remove(machine, step, SIGNAL)
-        drop(machine, run)
-    machine.eligible.discard(task)
+                remove(run, step, SIGNAL)
+        drop(run, method_run)
+    run.eligible.discard(task)
     if mode == "succeed":
-        succeed(machine, task, {})
+        succeed(run, task, {})
     else:
-        fail(machine, task, SIGNAL, causes.of_signal(machine, task))
+        fail(run, task, SIGNAL, causes.of_signal(run, task))

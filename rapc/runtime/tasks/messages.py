@@ -17,47 +17,45 @@ from rapc.runtime.tasks.signals import signal
 from rapc.world import Datum, Finished, Message, Signal
 
 
-def take_in(machine: Run, messages: Iterable[Message]) -> None:
+def take_in(run: Run, messages: Iterable[Message]) -> None:
     """Take in `messages` of the world: ends of primitives first, then the rest.
 
     Raises:
         PortError: as `finish` and `HeldWorld.check_message`.
     """
     others: list[Message] = []
-    gone = tuple(machine.state.activations.off)
+    gone = tuple(run.state.activations.off)
     for message in messages:
         if isinstance(message, Finished):
-            finish(machine, message)
+            finish(run, message)
         else:
             others.append(message)
     for message in others:
-        machine.port.check_message(message)
+        run.port.check_message(message)
         if isinstance(message, Datum):
-            with machine.access.batch():
-                fact = handle(machine, message.content)
-            fact = machine.beliefs.canonical(fact)
-            if machine.recorder.on:
-                machine.recorder.emit(DataReceived, data=fact)
+            with run.access.batch():
+                fact = handle(run, message.content)
+            fact = run.beliefs.canonical(fact)
+            if run.recorder.on:
+                run.recorder.emit(DataReceived, data=fact)
         elif isinstance(message, Signal):
-            signal(
-                machine, with_memory_names(machine, message.content), message.tickets
-            )
+            signal(run, with_memory_names(run, message.content), message.tickets)
     if gone:
-        machine.state.activations.forget(gone)
+        run.state.activations.forget(gone)
 
 
-def finish(machine: Run, ended: Finished) -> None:
+def finish(run: Run, ended: Finished) -> None:
     """End a primitive: run its handlers, end its method.
 
     Raises:
         PortError: for a ticket that is not under way, or a datum without a handler.
     """
-    machine.port.check_end(ended, machine.state.pending)
+    run.port.check_end(ended, run.state.pending)
     ticket, reply = ended.ticket, ended.reply
-    task, asked = machine.state.pending.pop(ticket)
+    task, asked = run.state.pending.pop(ticket)
     if task is not None:
         over = Activation(ticket, task.number, task, None, ())
-        machine.state.activations.off[ticket] = over
-    result = take_reply(machine, task, asked, reply)
+        run.state.activations.off[ticket] = over
+    result = take_reply(run, task, asked, reply)
     if result is not None and task is not None and task.run is not None:
-        end_method(machine, task.run, result)
+        end_method(run, task.run, result)

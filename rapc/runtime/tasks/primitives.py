@@ -31,17 +31,15 @@ _DONE = Reply(OKAY)
 """The reply of most primitives that end at once; it needs no validation."""
 
 
-def ground(machine: Run, run: MethodRun, plan: RequestPlan) -> Fact | None:
+def ground(run: Run, method_run: MethodRun, plan: RequestPlan) -> Fact | None:
     """Return a request or notation filled in; None if an argument has no value."""
-    machine.context.task = run.task
-    return fill_in(machine, plan, run.env)
+    run.context.task = method_run.task
+    return fill_in(run, plan, method_run.env)
 
 
-def fill_in(
-    machine: Run, plan: RequestPlan, env: Env, tells: bool = True
-) -> Fact | None:
+def fill_in(run: Run, plan: RequestPlan, env: Env, tells: bool = True) -> Fact | None:
     """Return the result of `ground` for the bindings `env`; `tells` traces faults."""
-    context = machine.context
+    context = run.context
     parts: list[Atom] = [plan.name]
     for arg in plan.args:
         value = env.get(arg.name) if arg.name is not None else None
@@ -57,78 +55,78 @@ def fill_in(
     return tuple(parts)
 
 
-def filled_in(machine: Run, task: Task, plan: RequestPlan, env: Env) -> Fact | None:
+def filled_in(run: Run, task: Task, plan: RequestPlan, env: Env) -> Fact | None:
     """Return the result of `ground` for a method of `task`; trace nothing."""
-    machine.context.task = task
-    return fill_in(machine, plan, env, tells=False)
+    run.context.task = task
+    return fill_in(run, plan, env, tells=False)
 
 
-def sendable(machine: Run, task: Task, plan: RequestPlan, env: Env) -> Fact | None:
+def sendable(run: Run, task: Task, plan: RequestPlan, env: Env) -> Fact | None:
     """Return a request in the form for the world, or None if it cannot be sent."""
-    asked = filled_in(machine, task, plan, env)
-    return None if asked is None else sensed(machine.beliefs.items, asked)
+    asked = filled_in(run, task, plan, env)
+    return None if asked is None else sensed(run.beliefs.items, asked)
 
 
-def request(machine: Run, run: MethodRun, plan: RequestPlan) -> str | Refused | None:
-    """Send the request of the method `run`; return the result that ends the method.
+def request(run: Run, method_run: MethodRun, plan: RequestPlan) -> str | Refused | None:
+    """Send the request of a method; return the result that ends the method.
 
     None: the end comes later, or the method has left meanwhile. `Refused`: the world
     refuses the request because of a conflict.
     """
-    asked = ground(machine, run, plan) if plan.args else plan.bare
+    asked = ground(run, method_run, plan) if plan.args else plan.bare
     if asked is None:
         return INTERFERENCE
-    sent, items = asked, machine.beliefs.items
+    sent, items = asked, run.beliefs.items
     if items.known or items.gone:
         named = sensed(items, asked)
         if named is None:
             return INTERFERENCE
         sent = named
-    task = run.task
-    if machine.recorder.on:
-        machine.recorder.emit(
+    task = method_run.task
+    if run.recorder.on:
+        run.recorder.emit(
             PrimitiveRequested,
             task=task.number,
             request=asked,
             sent=sent,
         )
-    world, state = machine.port, machine.state
-    state.tickets = run.ticket = ticket = state.tickets + 1
+    world, state = run.port, run.state
+    state.tickets = method_run.ticket = ticket = state.tickets + 1
     answer = world.ask(ticket, sent)
     if type(answer) is Reply and answer == _DONE:
         reply: Reply | None = answer
     else:
         held = world.answer(sent, answer)
         if isinstance(held, Refused):
-            machine.sync_clock()
-            return tell_refusal(machine, task, [(asked, sent)], held)
+            run.sync_clock()
+            return tell_refusal(run, task, [(asked, sent)], held)
         reply = held
     now = world.clock()
-    if now != machine.recorder.time:
-        machine.set_clock(now)
+    if now != run.recorder.time:
+        run.set_clock(now)
     if reply is None or state.past_until:
         # The primitive ends later; or never, if the run is over.
         state.pending[ticket] = task, asked
-        if reply is None and task.run is not run:
-            cancel(machine, run)
+        if reply is None and task.run is not method_run:
+            cancel(run, method_run)
         return None
-    if machine.host_timers:
+    if run.host_timers:
         state.pending[ticket] = task, asked  # a host may cancel it now
-        machine.run_host_timers()
+        run.run_host_timers()
         del state.pending[ticket]
-    return take_reply(machine, task if task.run is run else None, asked, reply)
+    return take_reply(run, task if task.run is method_run else None, asked, reply)
 
 
 def tell_refusal(
-    machine: Run, task: Task, asked: Iterable[tuple[Fact, Fact]], reply: Refused
+    run: Run, task: Task, asked: Iterable[tuple[Fact, Fact]], reply: Refused
 ) -> Refused:
     """Report that the world has refused a request; return the refusal.
 
     `asked` has the request, or each skill, in memory names and in sensor names.
     """
-    if machine.recorder.on:
+    if run.recorder.on:
         for request, sent in asked:
-            machine.recorder.emit(
+            run.recorder.emit(
                 RequestRefused,
                 task=task.number,
                 request=request,
@@ -138,25 +136,29 @@ def tell_refusal(
     return reply
 
 
-def cancel(machine: Run, run: MethodRun) -> None:
+def cancel(run: Run, method_run: MethodRun) -> None:
     """Cancel the request or the skills of a method in the world, if any.
 
     The interpreter ignores later replies.
     """
-    ticket, pending = run.ticket, machine.state.pending
-    if ticket is None or ticket not in pending or pending[ticket][0] is not run.task:
+    ticket, pending = method_run.ticket, run.state.pending
+    if (
+        ticket is None
+        or ticket not in pending
+        or pending[ticket][0] is not method_run.task
+    ):
         return
     asked = pending[ticket][1]
     pending[ticket] = None, asked
-    gone = Activation(ticket, run.task.number, run.task, None, ())
-    machine.state.activations.off[ticket] = gone
-    if machine.recorder.on:
-        machine.recorder.emit(
+    gone = Activation(ticket, method_run.task.number, method_run.task, None, ())
+    run.state.activations.off[ticket] = gone
+    if run.recorder.on:
+        run.recorder.emit(
             PrimitiveCancelled,
-            task=run.task.number,
-            request=machine.beliefs.canonical(asked),
+            task=method_run.task.number,
+            request=run.beliefs.canonical(asked),
         )
-    machine.port.cancel(ticket)
+    run.port.cancel(ticket)
 
 
 def sensed(items: Items, request: Fact) -> Fact | None:
@@ -166,9 +168,7 @@ def sensed(items: Items, request: Fact) -> Fact | None:
     return None if None in names else (request[0], *names)  # type: ignore[arg-type]
 
 
-def take_reply(
-    machine: Run, task: Task | None, asked: Fact, reply: Reply
-) -> str | None:
+def take_reply(run: Run, task: Task | None, asked: Fact, reply: Reply) -> str | None:
     """Run the handlers of a reply to the request `asked`.
 
     `task` is the requesting task, None if it has left. Return the result if a method of
@@ -178,24 +178,24 @@ def take_reply(
     Raises:
         PortError: for an undeclared result of a handler.
     """
-    handler, result = machine.result_handlers.get(asked[0]), reply.result
-    if handler is not None or reply.data or machine.recognizer.unsettled:
-        canonical = machine.beliefs.canonical
-        with machine.access.batch():
+    handler, result = run.result_handlers.get(asked[0]), reply.result
+    if handler is not None or reply.data or run.recognizer.unsettled:
+        canonical = run.beliefs.canonical
+        with run.access.batch():
             if handler is not None:
-                told = handler(machine.access, canonical(asked), result)
+                told = handler(run.access, canonical(asked), result)
                 if told is not None:
-                    result = machine.port.result_told(asked, told, handler)
+                    result = run.port.result_told(asked, told, handler)
             for content in reply.data:
-                handle(machine, content)
+                handle(run, content)
         asked = canonical(asked)
-    if machine.recorder.on:
-        machine.recorder.emit(
+    if run.recorder.on:
+        run.recorder.emit(
             PrimitiveEnded,
             task=task.number if task is not None else None,
-            request=machine.beliefs.canonical(asked),
+            request=run.beliefs.canonical(asked),
             result=result,
-            data=tuple([with_memory_names(machine, datum) for datum in reply.data]),
+            data=tuple([with_memory_names(run, datum) for datum in reply.data]),
         )
     if task is None or task.run is None:
         return None
@@ -204,15 +204,15 @@ def take_reply(
     return result
 
 
-def with_memory_names(machine: Run, content: Fact) -> Fact:
+def with_memory_names(run: Run, content: Fact) -> Fact:
     """Return a datum, or a signal, with memory names for known sensor names."""
-    name_of = machine.beliefs.items.name_of
+    name_of = run.beliefs.items.name_of
     name, *parts = content
     return (name, *[name_of(p) if isinstance(p, str) else p for p in parts])
 
 
-def handle(machine: Run, content: Fact) -> Fact:
+def handle(run: Run, content: Fact) -> Fact:
     """Pass the datum `content` to its handler; return the datum in memory names."""
-    fact = with_memory_names(machine, content)
-    machine.handlers.data[str(content[0])](machine.access, fact)
+    fact = with_memory_names(run, content)
+    run.handlers.data[str(content[0])](run.access, fact)
     return fact

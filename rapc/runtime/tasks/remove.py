@@ -16,7 +16,7 @@ from rapc.runtime.state.task import MethodRun, Task
 from rapc.runtime.tasks.activations import call_off
 
 
-def remove(machine: Run, task: Task, cause: str) -> None:
+def remove(run: Run, task: Task, cause: str) -> None:
     """Remove a task that has not ended by itself, after all its descendants."""
     stack = [task]
     leaving = []
@@ -26,78 +26,78 @@ def remove(machine: Run, task: Task, cause: str) -> None:
         if top.run is not None:
             stack.extend(step for step in top.run.steps if step.live)
     for gone in reversed(leaving):
-        run = stop(machine, gone)
-        machine.eligible.discard(gone)
+        method_run = stop(run, gone)
+        run.eligible.discard(gone)
         gone.state = ENDED
-        unregister(machine, gone)
-        if run is not None:
-            drop(machine, run)
-        if machine.recorder.on:
+        unregister(run, gone)
+        if method_run is not None:
+            drop(run, method_run)
+        if run.recorder.on:
             why = cause if gone is task else "parent-removed"
-            machine.recorder.emit(TaskRemoved, task=gone.number, cause=why)
+            run.recorder.emit(TaskRemoved, task=gone.number, cause=why)
 
 
-def cancel_matching(machine: Run, goal: Fact) -> int:
+def cancel_matching(run: Run, goal: Fact) -> int:
     """Remove every live top-level task that a goal matches; return their number."""
-    goal = machine.beliefs.canonical(goal)
+    goal = run.beliefs.canonical(goal)
     found = [
         task
-        for task in (given.task for given in machine.state.top_level)
+        for task in (given.task for given in run.state.top_level)
         if task.live
         and match_pattern(goal, (task.plan.name, *task.goal_args)) is not None
     ]
     for task in found:
-        remove(machine, task, "cancelled")
+        remove(run, task, "cancelled")
     return len(found)
 
 
-def stop(machine: Run, task: Task) -> MethodRun | None:
+def stop(run: Run, task: Task) -> MethodRun | None:
     """Stop the method of a task and return the method."""
-    run, task.run = task.run, None
-    if run is not None and (task.plan.recursive or machine.all_may_recur):
-        discount(machine, task)
-    return run
+    method_run, task.run = task.run, None
+    if method_run is not None and (task.plan.recursive or run.all_may_recur):
+        discount(run, task)
+    return method_run
 
 
-def discount(machine: Run, task: Task) -> None:
+def discount(run: Run, task: Task) -> None:
     """Subtract a task's identity from the active identities."""
-    others = machine.state.active_identities[task.identity] - 1
+    others = run.state.active_identities[task.identity] - 1
     if others:
-        machine.state.active_identities[task.identity] = others
+        run.state.active_identities[task.identity] = others
     else:
-        del machine.state.active_identities[task.identity]
+        del run.state.active_identities[task.identity]
 
 
-def drop(machine: Run, run: MethodRun) -> None:
+def drop(run: Run, method_run: MethodRun) -> None:
     """Remove a method that has not ended: its request, things and notations."""
-    run.steps = ()
-    if run.ticket is not None:
-        call_off(machine, run)
-    free(machine, run)
+    method_run.steps = ()
+    if method_run.ticket is not None:
+        call_off(run, method_run)
+    free(run, method_run)
 
 
-def free(machine: Run, run: MethodRun) -> None:
+def free(run: Run, method_run: MethodRun) -> None:
     """Free the things of a method, and release its notations."""
-    machine.things.release(run.task)
-    for notation in run.notations:
-        machine.beliefs.release_notation(notation)
+    run.things.release(method_run.task)
+    for notation in method_run.notations:
+        run.beliefs.release_notation(notation)
 
 
-def unregister(machine: Run, task: Task) -> None:
+def unregister(run: Run, task: Task) -> None:
     """Unregister an ended task from things, signals, monitors and top-level tasks.
 
     Only these tasks are registered: top-level tasks, tasks with a `WaitState`, and
     tasks that wait for a thing.
     """
-    if machine.waits:
-        machine.things.stop_waiting(task)
+    if run.waits:
+        run.things.stop_waiting(task)
     if task.step is None:
-        given = machine.state.live_top.pop(task.number)
-        machine.state.foreground -= not given.background
-        if not machine.state.over:
-            given.ended = machine.recorder.time
+        given = run.state.live_top.pop(task.number)
+        run.state.foreground -= not given.background
+        if not run.state.over:
+            given.ended = run.recorder.time
     if task.wait is not None:
         if task.step is not None:
             for signal in task.step.waits:
-                machine.state.listening.get(signal.signal, {}).pop(task.number, None)
-        machine.monitors.forget(task)
+                run.state.listening.get(signal.signal, {}).pop(task.number, None)
+        run.monitors.forget(task)

@@ -15,10 +15,10 @@ from rapc.runtime.state.deadlocks import Circle, deadlocks
 from rapc.runtime.state.task import Env, Task
 
 
-def rename(machine: Run, lost: str, kept: str) -> None:
+def rename(run: Run, lost: str, kept: str) -> None:
     """Replace the name `lost` by `kept` in every live task."""
     sets: dict[int, SetResource] = {}
-    for task in machine.state.live_tasks():
+    for task in run.state.live_tasks():
         environments = [task.env]
         if task.history is not None and task.history.success is not None:
             environments.append(task.history.success)
@@ -29,23 +29,23 @@ def rename(machine: Run, lost: str, kept: str) -> None:
                 if isinstance(value, SetResource):
                     sets[id(value)] = value
         if _in_task(task, environments, lost, kept):
-            machine.monitors.rebind(task)
-    _in_things(machine, lost, kept)
-    machine.recount_identities()
+            run.monitors.rebind(task)
+    _in_things(run, lost, kept)
+    run.recount_identities()
     for resource in sets.values():
         if lost in resource.members:
             _in_set(resource, lost, kept)
-            machine.monitors.listeners.resource_changed(resource)
+            run.monitors.listeners.resource_changed(resource)
 
 
-def _in_things(machine: Run, lost: str, kept: str) -> None:
+def _in_things(run: Run, lost: str, kept: str) -> None:
     """Rename an item in held and awaited things; report the deadlocks that close."""
-    things = machine.things
+    things = run.things
     before = [_members(circle) for circle in deadlocks(things)]
     things.rename(lost, kept)
     for circle in deadlocks(things):
         if _members(circle) not in before:
-            machine.monitors.tell_deadlock(circle)
+            run.monitors.tell_deadlock(circle)
 
 
 def _members(circle: Circle) -> set[int]:

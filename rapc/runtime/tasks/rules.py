@@ -31,82 +31,82 @@ SUCCEED = "succeed"
 """The name of the result `okay` in rules."""
 
 
-def run_finish_rules(machine: Run, task: Task, result: str, outputs: Env) -> None:
+def run_finish_rules(run: Run, task: Task, result: str, outputs: Env) -> None:
     """Run the `:finish` rules of a task that has ended with `result`."""
     symbol = SUCCEED if result == OKAY else result
     for rule in task.plan.finish_rules:
-        env = _index(machine, task, rule, outputs)
+        env = _index(run, task, rule, outputs)
         if env is None:
             continue
         for case in rule.cases:
-            found = _any(machine, case, symbol, env)
+            found = _any(run, case, symbol, env)
             if found is not None:
-                _run(machine, task, case.rules, found, symbol)
+                _run(run, task, case.rules, found, symbol)
                 break
 
 
-def run_rules_of(machine: Run, task: Task, content: Fact) -> None:
+def run_rules_of(run: Run, task: Task, content: Fact) -> None:
     """Run the `:event` rules of a task for a signal."""
     for rule in task.plan.event_rules:
-        env = _index(machine, task, rule, {})
+        env = _index(run, task, rule, {})
         if env is None:
             continue
         for case in rule.cases:
-            found = _heard(machine, case, content, env)
+            found = _heard(run, case, content, env)
             if found is not None:
-                _run(machine, task, case.rules, found, content)
+                _run(run, task, case.rules, found, content)
                 break
 
 
-def run_event_rules(machine: Run, content: Fact) -> None:
+def run_event_rules(run: Run, content: Fact) -> None:
     """Run the rules outside of RAPs for a signal."""
-    for rule in machine.library.event_rules:
+    for rule in run.library.event_rules:
         env: Env = {}
-        machine.context.task = None
+        run.context.task = None
         if rule.signal.name == content[0] and _match(
-            machine, rule.signal.args, content[1:], env
+            run, rule.signal.args, content[1:], env
         ):
-            _run(machine, None, rule.rules, env, content)
+            _run(run, None, rule.rules, env, content)
 
 
 # --- matching ---------------------------------------------------------------------
 
 
-def _index(machine: Run, task: Task, rule: MemoryRulePlan, outputs: Env) -> Env | None:
+def _index(run: Run, task: Task, rule: MemoryRulePlan, outputs: Env) -> Env | None:
     """Return the bindings of a rule's index for a task; None without a match."""
     env: Env = {}
-    machine.context.task = task
+    run.context.task = task
     given = [outputs.get(name) for name in task.plan.outputs]
-    matches = _match(machine, rule.inputs.args, task.goal_args, env) and _match(
-        machine, rule.outputs.args, given[: len(rule.outputs.args)], env
+    matches = _match(run, rule.inputs.args, task.goal_args, env) and _match(
+        run, rule.outputs.args, given[: len(rule.outputs.args)], env
     )
     return env if matches else None
 
 
-def _any(machine: Run, case: CasePlan, symbol: str, env: Env) -> Env | None:
+def _any(run: Run, case: CasePlan, symbol: str, env: Env) -> Env | None:
     """Return the environment of a case of results that matches `symbol`, else None."""
     if case.symbol is not None:
         return env if case.symbol == symbol else None
     if case.variable is None:
         return None
     env = env.copy()
-    return env if _match(machine, (case.variable,), (symbol,), env) else None
+    return env if _match(run, (case.variable,), (symbol,), env) else None
 
 
-def _heard(machine: Run, case: CasePlan, content: Fact, env: Env) -> Env | None:
+def _heard(run: Run, case: CasePlan, content: Fact, env: Env) -> Env | None:
     """Return the environment of a case that matches a signal, else None."""
     name = str(content[0])
     if case.variable is not None:
-        return _any(machine, case, name.removeprefix(":"), env)
+        return _any(run, case, name.removeprefix(":"), env)
     env = env.copy()
     pattern = case.signal
     if pattern is None or pattern.name != name:
         return None
-    return env if _match(machine, pattern.args, content[1:], env) else None
+    return env if _match(run, pattern.args, content[1:], env) else None
 
 
 def _match(
-    machine: Run,
+    run: Run,
     terms: Sequence[TermValue],
     values: Sequence[Value | None],
     env: Env,
@@ -121,7 +121,7 @@ def _match(
                 continue
             if env.setdefault(node.name, value) != value:
                 return False
-        elif term.value(machine.context, env) != value:
+        elif term.value(run.context, env) != value:
             return False
     return True
 
@@ -130,49 +130,49 @@ def _match(
 
 
 def _run(
-    machine: Run, task: Task | None, plan: RulesPlan, env: Env, what: str | Fact
+    run: Run, task: Task | None, plan: RulesPlan, env: Env, what: str | Fact
 ) -> None:
     for rule in plan:
         for alternative in rule:
-            machine.context.task = task
+            run.context.task = task
             found: Env | None = {}
             if alternative.query is not None:
-                found = alternative.query.first(machine.context, env)
+                found = alternative.query.first(run.context, env)
             if found is not None:
-                _act(machine, task, alternative, {**env, **found}, what)
+                _act(run, task, alternative, {**env, **found}, what)
                 break
 
 
 def _act(
-    machine: Run,
+    run: Run,
     task: Task | None,
     alternative: AlternativePlan,
     env: Env,
     what: str | Fact,
 ) -> None:
-    if machine.recorder.on:
+    if run.recorder.on:
         number = None if task is None else task.number
-        machine.recorder.emit(RuleRun, task=number, what=what, at=alternative.row)
+        run.recorder.emit(RuleRun, task=number, what=what, at=alternative.row)
     for action in alternative.actions:
-        machine.context.task = task
-        fact = fill_in(machine, action.plan, env)
+        run.context.task = task
+        fact = fill_in(run, action.plan, env)
         if fact is None:
             continue
         try:
-            _change(machine, action, fact)
+            _change(run, action, fact)
         except FactError as error:
-            machine.context.task = task
-            machine.context.fault(action.plan.where, str(error))
+            run.context.task = task
+            run.context.fault(action.plan.where, str(error))
 
 
-def _change(machine: Run, action: ActionPlan, fact: tuple[Atom, ...]) -> None:
+def _change(run: Run, action: ActionPlan, fact: tuple[Atom, ...]) -> None:
     """Do one action, and recognise the items of the fact. Raises FactError."""
-    access = machine.access
+    access = run.access
     if action.adds:
-        checked = machine.beliefs.checked(fact)
+        checked = run.beliefs.checked(fact)
         access.check_owner(checked)
-        machine.beliefs.store(checked, "rule")
+        run.beliefs.store(checked, "rule")
     else:
         access.erase_for("rule", fact)
-    if machine.recognizer.unsettled:
+    if run.recognizer.unsettled:
         access.recognise()

@@ -45,38 +45,38 @@ class _Source(NamedTuple):
         return self.activation is not None and self.activation.in_background
 
 
-def signal(machine: Run, content: Fact, tickets: Sequence[int] = ()) -> None:
+def signal(run: Run, content: Fact, tickets: Sequence[int] = ()) -> None:
     """Deliver a signal to all receivers.
 
     Args:
-        machine: the machine of the run.
+        run: the run.
         content: the signal, in memory names.
         tickets: the activations or the request under which the signal arose; without
             tickets, every task may receive it.
     """
-    sources = _sources(machine, tickets)
-    if machine.recorder.on:
+    sources = _sources(run, tickets)
+    if run.recorder.on:
         owner = sources[0].owner if sources else None
-        machine.recorder.emit(events.SignalReceived, task=owner, what=content)
-    if machine.library.event_rules:
-        run_event_rules(machine, content)
-    if machine.library.hears_events:
-        for task in _context(machine, sources, bool(tickets)):
+        run.recorder.emit(events.SignalReceived, task=owner, what=content)
+    if run.library.event_rules:
+        run_event_rules(run, content)
+    if run.library.hears_events:
+        for task in _context(run, sources, bool(tickets)):
             if task.plan.event_rules:
-                run_rules_of(machine, task, content)
+                run_rules_of(run, task, content)
     for source in sources:
         if source.activation is not None:
-            _tell_primitive(machine, source.activation, content)
+            _tell_primitive(run, source.activation, content)
     if tickets:
-        _tell_around(machine, sources, content)
+        _tell_around(run, sources, content)
     else:
-        _tell(machine, machine.state.activations.on.values(), None, content)
+        _tell(run, run.state.activations.on.values(), None, content)
 
 
-def _sources(machine: Run, tickets: Iterable[int]) -> list[_Source]:
+def _sources(run: Run, tickets: Iterable[int]) -> list[_Source]:
     """Return the sources of a signal, oldest first, without those long ended."""
     found = []
-    state = machine.state
+    state = run.state
     for ticket in sorted(set(tickets)):
         activation = state.activations.get(ticket)
         if activation is not None:
@@ -88,10 +88,10 @@ def _sources(machine: Run, tickets: Iterable[int]) -> list[_Source]:
     return found
 
 
-def _context(machine: Run, sources: Sequence[_Source], belongs: bool) -> Iterable[Task]:
+def _context(run: Run, sources: Sequence[_Source], belongs: bool) -> Iterable[Task]:
     """Return the tasks whose `:event` rules receive a signal, in order [S 4.1]."""
     if not belongs:
-        tasks = machine.state.live_tasks()
+        tasks = run.state.live_tasks()
         return [task for task in reversed(tasks) if task.run is not None]
     found: dict[int, Task] = {}
     for source in sources:
@@ -105,7 +105,7 @@ def _context(machine: Run, sources: Sequence[_Source], belongs: bool) -> Iterabl
 # --- waiting primitives and steps --------------------------------------------------
 
 
-def _tell_around(machine: Run, sources: Sequence[_Source], content: Fact) -> None:
+def _tell_around(run: Run, sources: Sequence[_Source], content: Fact) -> None:
     """Deliver to tasks beside and above the owners, and below those of `skills`."""
     around: set[int] = set()
     below = {source.owner for source in sources if source.covers_below}
@@ -116,7 +116,7 @@ def _tell_around(machine: Run, sources: Sequence[_Source], content: Fact) -> Non
         while task is not None:
             around.add(id(task.within))
             task = task.parent
-    listening = machine.state.listening.get(str(content[0]), {})
+    listening = run.state.listening.get(str(content[0]), {})
     steps = {
         number
         for number, task in listening.items()
@@ -124,10 +124,10 @@ def _tell_around(machine: Run, sources: Sequence[_Source], content: Fact) -> Non
     }
     primitives = [
         one
-        for one in (machine.state.activations.on.values() if below else ())
+        for one in (run.state.activations.on.values() if below else ())
         if one.task is not None and _is_below(one.task, below)
     ]
-    _tell(machine, primitives, steps, content)
+    _tell(run, primitives, steps, content)
 
 
 def _is_below(task: Task, numbers: set[int]) -> bool:
@@ -138,7 +138,7 @@ def _is_below(task: Task, numbers: set[int]) -> bool:
 
 
 def _tell(
-    machine: Run,
+    run: Run,
     primitives: Iterable[Activation],
     steps: set[int] | None,
     content: Fact,
@@ -147,69 +147,71 @@ def _tell(
 
     `steps` are the numbers of the steps that may receive the signal, None: all.
     """
-    listening = machine.state.listening.get(str(content[0]), {})
+    listening = run.state.listening.get(str(content[0]), {})
     chosen = listening.keys() if steps is None else steps
     turns: list[tuple[int, int, Activation | None]] = [(n, 1, None) for n in chosen]
     turns += [(one.task.number, 0, one) for one in primitives if one.task is not None]
     turns.sort(key=lambda turn: turn[:2])
     for number, _, activation in turns:
         if activation is not None:
-            _tell_primitive(machine, activation, content)
+            _tell_primitive(run, activation, content)
         elif number in listening:
-            _decide(machine, listening[number], content)
+            _decide(run, listening[number], content)
 
 
-def _tell_primitive(machine: Run, activation: Activation, content: Fact) -> None:
+def _tell_primitive(run: Run, activation: Activation, content: Fact) -> None:
     """End the method of an activation, if the active method awaits the signal [S 4]."""
-    run = activation.run
-    if run is None:
+    method_run = activation.run
+    if method_run is None:
         return
     for wait in activation.waits:
-        found = _matched(machine, run, wait, content)
+        found = _matched(run, method_run, wait, content)
         if found is None:
             continue
-        run.env.update(found)
+        method_run.env.update(found)
         result = OKAY
         if wait.mode == "fail":
             result = wait.signal.removeprefix(":")
-            run.task.remember().failure = result
-        end_method(machine, run, result)
+            method_run.task.remember().failure = result
+        end_method(run, method_run, result)
         return
 
 
-def _decide(machine: Run, task: Task, content: Fact) -> None:
+def _decide(run: Run, task: Task, content: Fact) -> None:
     """Apply the first `wait-for` of a step that matches the signal."""
-    run = task.within
+    method_run = task.within
     assert task.step is not None
-    assert run is not None
+    assert method_run is not None
     for wait in task.step.waits:
         if wait.mode == "proceed" and not (task.wait and task.wait.awaits_signal):
             continue
-        found = _matched(machine, run, wait, content)
+        found = _matched(run, method_run, wait, content)
         if found is None:
             continue
-        run.env.update(found)
-        if recheck_bound_steps(machine, run, found):
+        method_run.env.update(found)
+        if recheck_bound_steps(run, method_run, found):
             return
         if wait.mode == "proceed":
-            _proceed(machine, task, content)
+            _proceed(run, task, content)
         else:
-            finish_by_signal(machine, task, wait.mode)
+            finish_by_signal(run, task, wait.mode)
         return
 
 
-def _matched(machine: Run, run: MethodRun, wait: WaitPlan, content: Fact) -> Env | None:
+def _matched(
+    run: Run, method_run: MethodRun, wait: WaitPlan, content: Fact
+) -> Env | None:
     """Return the bindings of a signal in a method; None without a match."""
     if wait.signal != content[0] or len(wait.args) != len(content) - 1:
         return None
     arriving = zip(wait.args, content[1:], strict=True)
-    return receive(machine, run, list(arriving))
+    return receive(run, method_run, list(arriving))
 
 
-def _proceed(machine: Run, task: Task, content: Fact) -> None:
+def _proceed(run: Run, task: Task, content: Fact) -> None:
     if task.wait is not None:
         task.wait.awaits_signal = False
-    if machine.recorder.on:
+    if run.recorder.on:
         on = format_list(content)
-        machine.recorder.emit(events.TaskWoken, task=task.number, on=on)
-    release(machine, task, again=True)
+        run.recorder.emit(events.TaskWoken, task=task.number, on=on)
+    release(run, task, again=True)

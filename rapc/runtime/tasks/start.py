@@ -21,37 +21,37 @@ from rapc.runtime.state.wait_state import WaitState
 from rapc.runtime.task_request import TaskRequest
 
 
-def create_top(machine: Run, submission: TaskRequest) -> None:
+def create_top(run: Run, submission: TaskRequest) -> None:
     """Add a top-level task to the run; its goal was validated on arrival."""
-    name, *args = machine.beliefs.canonical(submission.goal)
-    plan = machine.library.rap(str(name))
+    name, *args = run.beliefs.canonical(submission.goal)
+    plan = run.library.rap(str(name))
     assert plan is not None
     task = Task(plan, None, None)
     task.goal_args = tuple(args)
     bind_inputs(task)
-    repeats_ancestor(machine, task)
+    repeats_ancestor(run, task)
     task.priority = submission.priority
-    machine.state.foreground += not submission.background
-    given = TopLevelTask(task, submission.background, machine.recorder.time)
-    machine.state.top_level.append(given)
-    create(machine, task)
-    machine.state.live_top[task.number] = given
+    run.state.foreground += not submission.background
+    given = TopLevelTask(task, submission.background, run.recorder.time)
+    run.state.top_level.append(given)
+    create(run, task)
+    run.state.live_top[task.number] = given
     if submission.deadline is not None:
         task.wait = task.wait or WaitState()
         task.wait.given_deadline = submission.deadline
-        machine.monitors.state_deadline(task)
-    release(machine, task)
+        run.monitors.state_deadline(task)
+    release(run, task)
 
 
-def create(machine: Run, task: Task) -> None:
+def create(run: Run, task: Task) -> None:
     """Add a task to the run, and report it with its current inputs."""
     if task.step is not None and task.step.computes:
-        read_inputs(machine, task)
-    machine.state.numbers += 1
-    task.number = machine.state.numbers
+        read_inputs(run, task)
+    run.state.numbers += 1
+    task.number = run.state.numbers
     task.family = task.family or task.number
-    if machine.recorder.on and machine.recorder.wants(TaskCreated):
-        machine.recorder.emit(
+    if run.recorder.on and run.recorder.wants(TaskCreated):
+        run.recorder.emit(
             TaskCreated,
             task=task.number,
             goal=task.goal(),
@@ -61,11 +61,11 @@ def create(machine: Run, task: Task) -> None:
             step=task.step.node.tag if task.step is not None else None,
         )
     if task.plan.needs_setup and task.wait is not None:
-        task.wait.made = machine.recorder.time
-        _prepare(machine, task, task.wait)
+        task.wait.made = run.recorder.time
+        _prepare(run, task, task.wait)
 
 
-def _prepare(machine: Run, task: Task, wait: WaitState) -> None:
+def _prepare(run: Run, task: Task, wait: WaitState) -> None:
     """Make resources, duration and delay as soon as their inputs are bound."""
     plan = task.plan
     if wait.prepared or any(
@@ -74,16 +74,16 @@ def _prepare(machine: Run, task: Task, wait: WaitState) -> None:
     ):
         return
     wait.prepared = True
-    machine.context.task = task
+    run.context.task = task
     for resource, initial in plan.resources:
-        made = _make(machine.context, resource.kind, initial, task.env)
+        made = _make(run.context, resource.kind, initial, task.env)
         if made is None:
             wait.setup_failed = True
         else:
             task.env[resource.variable.name] = made
     if plan.duration is not None:
-        wait.duration = time_of(machine.context, plan.duration, task.env) or 0
-    machine.monitors.arm(task, wait.made)
+        wait.duration = time_of(run.context, plan.duration, task.env) or 0
+    run.monitors.arm(task, wait.made)
 
 
 def _make(
@@ -120,13 +120,13 @@ def bind_inputs(task: Task) -> None:
     task.env = env  # type: ignore[assignment]  # None is not in it
 
 
-def repeats_ancestor(machine: Run, task: Task) -> bool:
+def repeats_ancestor(run: Run, task: Task) -> bool:
     """Return whether a task has the goal of an ancestor (T 3.2.5).
 
     Called once, when the inputs are first all bound: they fix the identity of the task.
     """
     identity: tuple[object, ...] = task.plan.identity
-    if not (task.plan.recursive or machine.all_may_recur):
+    if not (task.plan.recursive or run.all_may_recur):
         task.identity = identity
         return False
     if task.goal_args:
@@ -135,14 +135,14 @@ def repeats_ancestor(machine: Run, task: Task) -> bool:
     above = task.parent
     if above is not None and above.identity == identity:
         return True
-    if identity not in machine.state.active_identities:
+    if identity not in run.state.active_identities:
         return False
     while above is not None and above.identity != identity:
         above = above.parent
     return above is not None
 
 
-def release(machine: Run, task: Task, again: bool = False) -> None:
+def release(run: Run, task: Task, again: bool = False) -> None:
     """Release a task for selection, after the end of its predecessors.
 
     The release fixes the task's windows, and its `wait-for` starts to listen. A step
@@ -151,7 +151,7 @@ def release(machine: Run, task: Task, again: bool = False) -> None:
     current value.
 
     Args:
-        machine: the machine of the run.
+        run: the run.
         task: the task.
         again: whether the task was released before, and only its signal, its time
             or its monitors have blocked the task since.
@@ -159,58 +159,58 @@ def release(machine: Run, task: Task, again: bool = False) -> None:
     wait, step = task.wait, task.step
     if wait is not None:
         if step is not None and not again:
-            read_windows(machine, task, last=True)
-            _listen(machine, task, wait, step)
+            read_windows(run, task, last=True)
+            _listen(run, task, wait, step)
         if wait.awaits_signal:
             return
-        if wait.earliest_start > machine.recorder.time:
-            machine.monitors.at(wait.earliest_start, task)
+        if wait.earliest_start > run.recorder.time:
+            run.monitors.at(wait.earliest_start, task)
             return
     if step is not None and step.computes:
-        read_inputs(machine, task)
+        read_inputs(run, task)
     if wait is not None and (
         task.plan.monitored and task.bound and not wait.setup_failed
     ):
-        machine.monitors.first_test(task)
+        run.monitors.first_test(task)
     else:
         task.state = ELIGIBLE
-        machine.eligible.add(task)
+        run.eligible.add(task)
 
 
-def _listen(machine: Run, task: Task, wait: WaitState, step: StepPlan) -> None:
+def _listen(run: Run, task: Task, wait: WaitState, step: StepPlan) -> None:
     env = task.within.env if task.within is not None else {}
     for signal in step.waits:
-        machine.state.listening.setdefault(signal.signal, {})[task.number] = task
+        run.state.listening.setdefault(signal.signal, {})[task.number] = task
         if signal.mode == "proceed" and not wait.awaits_signal:
             wait.awaits_signal = True
             wait.blocked_on = on = format_formula(signal.pattern, env)
-            if machine.recorder.on:
-                machine.recorder.emit(TaskBlocked, task=task.number, on=on)
+            if run.recorder.on:
+                run.recorder.emit(TaskBlocked, task=task.number, on=on)
 
 
-def read_windows(machine: Run, task: Task, last: bool = False) -> None:
+def read_windows(run: Run, task: Task, last: bool = False) -> None:
     """Fix the windows of a step with a known reference and bound times.
 
     `last` is true when the order lets the step run. Then an unbound time is a fault,
     and makes the set-up of the task fail, like a time that is no number.
     """
-    run, wait = task.within, task.wait
-    if run is None or wait is None or not wait.windows:
+    method_run, wait = task.within, task.wait
+    if method_run is None or wait is None or not wait.windows:
         return
     unread = []
     for window in wait.windows:
-        base = _base(run, window)
-        if base is None or not (last or window.uses <= run.env.keys()):
+        base = _base(method_run, window)
+        if base is None or not (last or window.uses <= method_run.env.keys()):
             unread.append(window)
         else:
-            _open(machine, task, wait, window, base)
+            _open(run, task, wait, window, base)
     wait.windows = tuple(unread)
 
 
 def _open(
-    machine: Run, task: Task, wait: WaitState, window: WindowPlan, base: float
+    run: Run, task: Task, wait: WaitState, window: WindowPlan, base: float
 ) -> None:
-    context = machine.context
+    context = run.context
     context.task = task.parent
     env = task.within.env if task.within is not None else {}
     start = time_of(context, window.start, env)
@@ -221,24 +221,28 @@ def _open(
     wait.earliest_start = max(wait.earliest_start, number(base + start))
     if base + stop < wait.given_deadline:
         wait.given_deadline = base + stop
-        machine.monitors.state_deadline(task)
+        run.monitors.state_deadline(task)
 
 
-def _base(run: MethodRun, window: WindowPlan) -> float | None:
+def _base(method_run: MethodRun, window: WindowPlan) -> float | None:
     if window.reference == "now":
-        return run.started
+        return method_run.started
     if window.reference == "absolute":
         return 0
-    return None if run.ends is None else run.ends.times[int(window.reference)]
+    return (
+        None
+        if method_run.ends is None
+        else method_run.ends.times[int(window.reference)]
+    )
 
 
-def read_inputs(machine: Run, task: Task) -> None:
+def read_inputs(run: Run, task: Task) -> None:
     """Read a step's bound inputs from its method's environment."""
-    step, run = task.step, task.within
-    if step is None or run is None:
+    step, method_run = task.step, task.within
+    if step is None or method_run is None:
         return
-    context, env = machine.context, run.env
-    context.task = run.task
+    context, env = run.context, method_run.env
+    context.task = method_run.task
     values = [
         arg.value(context, env) if arg.name is None else env.get(arg.name)
         for arg in step.args
@@ -246,4 +250,4 @@ def read_inputs(machine: Run, task: Task) -> None:
     task.goal_args = tuple(values)
     bind_inputs(task)
     if task.number and task.plan.needs_setup and task.wait is not None:
-        _prepare(machine, task, task.wait)
+        _prepare(run, task, task.wait)

@@ -34,85 +34,85 @@ from rapc.runtime.tasks.start import (
 from rapc.world import OKAY, Refused
 
 
-def try_method(machine: Run, task: Task) -> None:
+def try_method(run: Run, task: Task) -> None:
     """Do steps 5 to 9: choose and start a method, or fail."""
-    choice = choose(machine, task)
+    choice = choose(run, task)
     if choice is None:
-        fail(machine, task, NO_METHOD, causes.of_no_method(machine, task))
+        fail(run, task, NO_METHOD, causes.of_no_method(run, task))
         return
     method, found, others = choice
     env = task.env
     key = choice_key(method, env, found) if env or found else method.key
     if task.choice is None:
         task.choice = key
-    elif not _note_choice(machine, task, key):
-        because = causes.of_futile_choice(machine, task, method, found)
-        fail(machine, task, FUTILE_LOOP, because)
+    elif not _note_choice(run, task, key):
+        because = causes.of_futile_choice(run, task, method, found)
+        fail(run, task, FUTILE_LOOP, because)
         return
     if found:
         env = {**env, **found}
     elif method.binds:
         env = env.copy()
-    run = MethodRun(task, method, env, machine.recorder.time)
+    method_run = MethodRun(task, method, env, run.recorder.time)
     if method.steps:
-        repeating = _spawn(machine, run)
+        repeating = _spawn(run, method_run)
         if repeating is not None:
-            fail(machine, task, FUTILE_LOOP, causes.of_recursion(machine, repeating))
+            fail(run, task, FUTILE_LOOP, causes.of_recursion(run, repeating))
             return
     unfilled = False
     if method.things:
-        come = hold_or_wait(machine, run, others)
+        come = hold_or_wait(run, method_run, others)
         if come is WAITS:
             return
         unfilled = come is UNFILLED
-    start_method(machine, run, unfilled)
+    start_method(run, method_run, unfilled)
 
 
-def _note_choice(machine: Run, task: Task, key: Key) -> bool:
+def _note_choice(run: Run, task: Task, key: Key) -> bool:
     """Record a choice after the first; return False for a futile choice."""
-    settings = machine.settings
+    settings = run.settings
     if task.times_chosen(key, settings.max_choices) >= settings.futile_limit:
         return False
     task.note_choice(key)
     return True
 
 
-def _spawn(machine: Run, run: MethodRun) -> Task | None:
+def _spawn(run: Run, method_run: MethodRun) -> Task | None:
     """Make the steps' tasks without numbers; return a task that repeats an ancestor."""
-    run.steps = tasks = []
-    method = run.plan
+    method_run.steps = tasks = []
+    method = method_run.plan
     if not method.raps:
-        _look_up(machine, method)
+        _look_up(run, method)
     for step, rap in zip(method.steps, method.raps, strict=True):
-        task = Task(rap, run, step)
+        task = Task(rap, method_run, step)
         tasks.append(task)
         if rap.inputs:
-            read_inputs(machine, task)
+            read_inputs(run, task)
         if (
-            (task.identity is None or machine.all_may_recur)
+            (task.identity is None or run.all_may_recur)
             and task.bound
-            and repeats_ancestor(machine, task)
+            and repeats_ancestor(run, task)
         ):
             return task
     return None
 
 
-def _look_up(machine: Run, method: MethodPlan) -> None:
+def _look_up(run: Run, method: MethodPlan) -> None:
     """Find the RAPs of a method's steps, once for all runs."""
     names = [step.node.goal.name for step in method.steps]
-    method.raps = raps = tuple([machine.library.known_rap(name) for name in names])
+    method.raps = raps = tuple([run.library.known_rap(name) for name in names])
     method.makes = method.computes or any(rap.needs_setup for rap in raps)
 
 
-def start_method(machine: Run, run: MethodRun, unfilled: bool) -> None:
-    """Start the method of `run`; the task of the method waits for the end.
+def start_method(run: Run, method_run: MethodRun, unfilled: bool) -> None:
+    """Start a method; its task waits for the end.
 
     With `unfilled`, a part of the method has no value: the method ends badly at once.
     """
-    task, method = run.task, run.plan
-    task.run = run
-    if task.plan.recursive or machine.all_may_recur:
-        active_identities = machine.state.active_identities
+    task, method = method_run.task, method_run.plan
+    task.run = method_run
+    if task.plan.recursive or run.all_may_recur:
+        active_identities = run.state.active_identities
         active_identities[task.identity] = active_identities.get(task.identity, 0) + 1
     task.state = RUNNING
     if task.wait is not None:
@@ -123,108 +123,110 @@ def start_method(machine: Run, run: MethodRun, unfilled: bool) -> None:
         task.begin_method(method)
     elif task.history is not None:
         task.history.before = method
-    if machine.recorder.on and machine.recorder.wants(MethodChosen):
-        machine.recorder.emit(
+    if run.recorder.on and run.recorder.wants(MethodChosen):
+        run.recorder.emit(
             MethodChosen,
             task=task.number,
             rap=task.plan.name,
             method=method.name,
-            bindings=as_told(run.env),
+            bindings=as_told(method_run.env),
         )
-    if (unfilled or method.notations) and not _begins_well(machine, run, unfilled):
+    if (unfilled or method.notations) and not _begins_well(run, method_run, unfilled):
         return
     if method.request is None:
         if method.activation is not None:
-            _switch_on(machine, run, method.activation, unfilled)
+            _switch_on(run, method_run, method.activation, unfilled)
         else:
-            _release_steps(machine, run)
+            _release_steps(run, method_run)
         return
-    result, because = request(machine, run, method.request), None
+    result, because = request(run, method_run, method.request), None
     if result != OKAY and isinstance(result, Refused):
-        result = settle_refusal(machine, run, result)
-        because = _of_refusal(machine, run, result)
+        result = settle_refusal(run, method_run, result)
+        because = _of_refusal(run, method_run, result)
     if result is not None:
-        end_method(machine, run, result, because)
+        end_method(run, method_run, result, because)
 
 
 def _of_refusal(
-    machine: Run, run: MethodRun, result: str | Refused | None
+    run: Run, method_run: MethodRun, result: str | Refused | None
 ) -> Cause | None:
     """Return why a refused method ends; None if the method goes on or waits."""
-    failed = run.task.run is run and result == INTERFERENCE
-    return causes.of_refusal(machine, run) if failed else None
+    failed = method_run.task.run is method_run and result == INTERFERENCE
+    return causes.of_refusal(run, method_run) if failed else None
 
 
-def _begins_well(machine: Run, run: MethodRun, unfilled: bool) -> bool:
+def _begins_well(run: Run, method_run: MethodRun, unfilled: bool) -> bool:
     """Make notations; return whether the method goes on: otherwise it has failed."""
-    method, because = run.plan, None
-    claimed = not unfilled or can_claim(machine, run)
-    noted = claimed and (not method.notations or _note(machine, run, method))
+    method, because = method_run.plan, None
+    claimed = not unfilled or can_claim(run, method_run)
+    noted = claimed and (not method.notations or _note(run, method_run, method))
     if noted and (not unfilled or method.request is None):
         return True
     if noted and method.request is not None:
-        ground(machine, run, method.request)  # traces the unbound part
+        ground(run, method_run, method.request)  # traces the unbound part
     else:
-        run.steps = ()
-        because = causes.of_bad_start(machine, run)
-    end_method(machine, run, INTERFERENCE, because)
+        method_run.steps = ()
+        because = causes.of_bad_start(run, method_run)
+    end_method(run, method_run, INTERFERENCE, because)
     return False
 
 
 def _switch_on(
-    machine: Run, run: MethodRun, plan: ActivationPlan, unfilled: bool
+    run: Run, method_run: MethodRun, plan: ActivationPlan, unfilled: bool
 ) -> None:
     """Switch the skills of a method on; end a method that awaits nothing."""
-    result = activate(machine, run, plan, unfilled)
+    result = activate(run, method_run, plan, unfilled)
     because = None
     if result is not None and not isinstance(result, str):
-        result = settle_refusal(machine, run, result)
-        because = _of_refusal(machine, run, result)
-    if run.task.run is not run:
+        result = settle_refusal(run, method_run, result)
+        because = _of_refusal(run, method_run, result)
+    if method_run.task.run is not method_run:
         return
     if result is not None:
-        run.steps = ()
-        end_method(machine, run, result, because)
+        method_run.steps = ()
+        end_method(run, method_run, result, because)
     elif plan.background:
-        _release_steps(machine, run)
+        _release_steps(run, method_run)
     elif not plan.waits:
-        end_method(machine, run, OKAY)
+        end_method(run, method_run, OKAY)
 
 
-def _release_steps(machine: Run, run: MethodRun) -> None:
+def _release_steps(run: Run, method_run: MethodRun) -> None:
     """Add the tasks of steps to the run; release steps that follow no other step."""
-    steps, plan = run.steps, run.plan
-    if plan.makes or machine.recorder.on:
+    steps, plan = method_run.steps, method_run.plan
+    if plan.makes or run.recorder.on:
         for task in steps:
-            create(machine, task)
+            create(run, task)
     else:
-        number = machine.state.numbers
+        number = run.state.numbers
         for task in steps:
             number += 1
             task.number = number
-        machine.state.numbers = number
+        run.state.numbers = number
     for position in plan.first_steps:
         task = steps[position]
         if task.wait is not None:
-            read_windows(machine, task)
+            read_windows(run, task)
         if task.waiting == 0:
-            release(machine, task)
+            release(run, task)
     if not steps:
-        end_method(machine, run, OKAY)
+        end_method(run, method_run, OKAY)
 
 
-def _note(machine: Run, run: MethodRun, method: MethodPlan) -> bool:
+def _note(run: Run, method_run: MethodRun, method: MethodPlan) -> bool:
     """Assert a method's notations, all or none; return whether this worked [L 6.27]."""
     facts = []
     for plan in method.notations:
-        fact = ground(machine, run, plan)
+        fact = ground(run, method_run, plan)
         if fact is None:
             return False
         try:
-            facts.append(machine.beliefs.checked(fact))
+            facts.append(run.beliefs.checked(fact))
         except FactError as error:
-            machine.context.fault(plan.where, str(error))
+            run.context.fault(plan.where, str(error))
             return False
-    noted = [machine.beliefs.note(fact) for fact in facts]
-    run.notations = tuple([notation for notation in noted if notation is not None])
+    noted = [run.beliefs.note(fact) for fact in facts]
+    method_run.notations = tuple(
+        [notation for notation in noted if notation is not None]
+    )
     return True
