@@ -111,7 +111,7 @@ def _sentences() -> set[str]:
         number
         for page in LANGUAGE.glob("*.md")
         for number in re.findall(
-            r"^- \*\*(\d+\.\d+)\*\*", page.read_text(encoding="utf-8"), re.M
+            r'<a id="(\d+\.\d+)"></a>', page.read_text(encoding="utf-8")
         )
     }
 

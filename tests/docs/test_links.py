@@ -12,12 +12,12 @@ PAGES = sorted({*CHECKOUT.glob("*.md"), *(CHECKOUT / "docs").rglob("*.md")})
 
 
 def anchors(page: Path) -> set[str]:
-    """The names of a page's headings, as they are made where the pages are shown."""
-    headings = re.findall(r"^#+ (.*)$", page.read_text(encoding="utf-8"), re.M)
+    """Return the anchors of a page: those of headings as shown, and `<a id=...>`."""
+    text = page.read_text(encoding="utf-8")
     return {
         re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
-        for heading in headings
-    }
+        for heading in re.findall(r"^#+ (.*)$", text, re.M)
+    } | {*re.findall(r'<a id="([^"]+)">', text)}
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.name))

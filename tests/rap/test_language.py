@@ -1,10 +1,8 @@
-"""The pages of the language and the tests of tests/rap hold each other to account.
+"""The numbered sentences of docs/language and their tests.
 
-Sections from 2 on are numbered sentences. Each names a test, which runs here under
-several seeds, or a rule of the checker, whose example runs here too; no test that is
-named after a sentence is without one. Sentences on the handlers of worlds and on
-questions that are given up name a test in Python. What the pages show in RAP stands in
-a file of tests.
+Each sentence has a test of its number: a test of tests/rap, run here under several
+seeds; or rules of the checker, whose examples are checked here; or tests in Python.
+The RAP on the pages is quoted from the files of tests/rap.
 """
 
 from __future__ import annotations
@@ -24,29 +22,80 @@ from tests.cli.command import rapc
 
 HERE = Path(__file__).parent
 DOCS = HERE.parents[1] / "docs"
-IN_PYTHON = (
-    "runtime/test_strict.py",
-    "runtime/test_long_questions.py",
-    "runtime/test_causes.py",
-    "runtime/test_clock.py",
-    "worlds/test_broken_worlds.py",
-)
+RULES = {
+    "2.30": ("implied-true",),
+    "2.49": ("unbound-variable", "not-a-number"),
+    "2.69": ("builtin-name",),
+    "2.78": ("builtin-name",),
+    "5.17": ("age-in-monitor",),
+    "7.9": ("query-in-a-circle",),
+    "7.16": ("misplaced-otherwise",),
+    "7.22": ("unknown-kind",),
+    "7.23": ("wrong-kind",),
+    "7.24": ("kinds-apart",),
+    "7.26": ("unknown-agenda",),
+    "7.27": ("unknown-result",),
+    "7.28": ("not-a-fact",),
+    "7.29": ("duplicate-definition",),
+    "7.30": ("undeclared-function", "wrong-fact-arity"),
+    "7.32": ("wrong-kind",),
+    "7.36": ("priority-out-of-band",),
+}
+"""The sentences about rules of the checker, whose examples are their tests."""
+
+IN_PYTHON = {
+    "runtime/test_long_questions.py": {
+        "2.70": ("test_a_question_that_goes_back_too_often_is_given_up",),
+        "2.71": ("test_which_parts_search",),
+        "2.72": ("test_which_variables_have_a_value",),
+        "2.73": ("test_steps_back_are_counted_from_the_third_part_on",),
+        "2.74": ("test_what_stands_before_a_part",),
+        "2.75": ("test_a_query_counts_as_what_it_stands_for",),
+        "2.76": ("test_each_shape_of_question_is_bounded",),
+        "2.77": ("test_each_question_has_all_its_steps",),
+    },
+    "runtime/test_causes.py": {
+        "3.75": ("test_each_way_to_fail_is_told",),
+        "3.76": ("test_the_task_given_has_the_chain_down_to_it",),
+        "3.77": ("test_finding_it_out_changes_nothing",),
+    },
+    "worlds/test_broken_worlds.py": {
+        "3.78": ("test_a_handler_may_give_another_result",),
+    },
+    "runtime/test_clock.py": {
+        "4.48": (
+            "test_waits_in_a_row_are_bounded",
+            "test_a_cycle_starts_the_count_of_waits_anew",
+            "test_waits_of_a_monitor_for_its_own_times_are_bounded",
+        ),
+        "9.40": ("test_a_world_that_cannot_say_when_is_waited_for",),
+        "9.41": ("test_patience_begins_anew_with_each_message",),
+        "9.42": ("test_after_patience_has_ended_nothing_is_coming",),
+        "9.43": ("test_a_time_that_is_known_comes_before_patience_ends",),
+        "9.44": ("test_a_clock_that_goes_back_is_laid_at_the_worlds_door",),
+    },
+    "runtime/test_strict.py": {
+        "7.37": ("test_a_handler_that_does_something_else_ends_the_run",),
+        "7.38": ("test_what_may_come_or_go_need_not",),
+        "7.39": ("test_of_a_result_that_is_not_named_nothing_is_known",),
+        "7.40": ("test_items_stand_as_class_and_location",),
+        "7.41": ("test_the_handler_of_a_datum_is_held_too",),
+        "7.42": ("test_only_data_that_tells_names_come_with_a_primitive",),
+    },
+}
+"""The sentences with tests in Python, by file."""
+
 INDEX = DOCS / "language.md"
 PAGES = tuple(sorted((DOCS / "language").glob("*.md")))
 FILES = tuple(sorted(HERE.glob("*.test.rap")))
 SEEDS = range(3)
 
-_SENTENCE = re.compile(r"^- \*\*(\d+)\.(\d+)\*\* (.*?)(?=^- |^$|\Z)", re.M | re.S)
-_TEST = re.compile(r"`(s\d+-\d+-[a-z0-9-]+)`")
-_IN_PYTHON = re.compile(r"`(test_[a-z_]+)`")
-_RULE = re.compile(r"rule\s+\[`([a-z-]+)`\]\((?:\.\./)?rules\.md#\1\)")
-_LINKED_RULE = re.compile(r"\[`([a-z-]+)`\]\(\.\./rules\.md#([a-z-]+)\)")
+_NUMBER = re.compile(r'<a id="([\d.]+)"></a>\*\*([\d.]+)\*\*')
 _LINK = re.compile(r"\]\(([^)#]*)(?:#([^)]*))?\)")
 _RAP = re.compile(r"^```rap\n(.*?)^```$", re.M | re.S)
 _TYPED = re.compile(
     r"^```rap (\S+)\n(.*?)^```\n\n```console\n\$ rapc (.*?)\n(.*?)^```$", re.M | re.S
 )
-_HEADING = re.compile(r"^#+ (.*)$", re.M)
 
 
 def text(page: Path) -> str:
@@ -54,16 +103,18 @@ def text(page: Path) -> str:
     return page.read_text(encoding="utf-8")
 
 
-def sentences(page: Path) -> list[tuple[int, int, str]]:
-    """The numbered sentences of a page: both parts of the number, and the words."""
-    found = _SENTENCE.findall(text(page))
-    return [(int(section), int(number), words) for section, number, words in found]
+def sentences(page: Path) -> list[str]:
+    """Return the numbers of a page's sentences, in the order of the page."""
+    found = _NUMBER.findall(text(page))
+    assert all(anchor == number for anchor, number in found)
+    return [number for _, number in found]
 
 
-def numbered_tests() -> list[str]:
-    """The tests of this folder that are named after a sentence, in any order."""
+def numbered_tests() -> list[tuple[str, str]]:
+    """Return the numbers and names of the tests of this folder that have numbers."""
     names = [c.test.name for file in FILES for c in find([file]).cases]
-    return [name for name in names if _TEST.fullmatch(f"`{name}`")]
+    found = [re.match(r"s(\d+)-(\d+)-", name) for name in names]
+    return [(f"{m[1]}.{m[2]}", m.string) for m in found if m]
 
 
 def _page(page: Path) -> str:
@@ -80,40 +131,35 @@ def page(request: pytest.FixtureRequest) -> Path:
 # --- sentences and tests ------------------------------------------------------------
 
 
-def test_sentences_are_numbered_in_a_row(page: Path) -> None:
-    section = int(page.name.partition("-")[0])
-    numbers = [(major, minor) for major, minor, _ in sentences(page)]
-    assert numbers == [(section, n + 1) for n in range(len(numbers))]
+def test_sentences_have_all_numbers_from_1(page: Path) -> None:
+    chapter = page.name.partition("-")[0]
+    numbers = sorted(int(n.removeprefix(f"{chapter}.")) for n in sentences(page))
+    assert numbers == list(range(1, len(numbers) + 1))
 
 
-def test_sections_from_2_on_are_made_of_sentences() -> None:
+def test_chapters_from_2_on_are_made_of_sentences() -> None:
     assert [page.name[0] for page in PAGES] == list("123456789")
     counts = [len(sentences(page)) for page in PAGES]
     assert counts[0] == 0
     assert all(count >= 15 for count in counts[1:])
 
 
-def test_each_sentence_names_a_test_of_its_number_or_a_rule(page: Path) -> None:
-    for section, number, words in sentences(page):
-        named = _TEST.findall(words)
-        others = _RULE.findall(words) or _IN_PYTHON.findall(words)
-        assert named or others, f"{section}.{number} names none"
-        for name in named:
-            assert name.startswith(f"s{section}-{number}-"), name
+def test_each_sentence_has_a_test_and_each_test_a_sentence() -> None:
+    in_rap = {number for number, _ in numbered_tests()}
+    in_python = {number for tests in IN_PYTHON.values() for number in tests}
+    assert in_rap | in_python | {*RULES} == {n for p in PAGES for n in sentences(p)}
+    assert not in_rap & (in_python | {*RULES})
+    assert not in_python & {*RULES}
 
 
-def test_each_named_test_is_there_and_each_numbered_test_is_named() -> None:
-    named = [name for page in PAGES for name in _TEST.findall(text(page))]
-    assert sorted(set(named)) == sorted(numbered_tests())
-    assert len(set(named)) == len(named)
+def test_pages_name_no_tests(page: Path) -> None:
+    assert re.findall(r"`(?:s\d+-\d+-|test_)[^`]*`", text(page)) == []
 
 
-def test_each_test_in_python_is_there() -> None:
-    files = [text(HERE.parent / name) for name in IN_PYTHON]
-    there = set(re.findall(r"^def (test_\w+)", "\n".join(files), re.M))
-    named = [name for page in PAGES for name in _IN_PYTHON.findall(text(page))]
-    assert len(named) == 26
-    assert set(named) <= there
+@pytest.mark.parametrize("file", IN_PYTHON)
+def test_each_test_in_python_exists(file: str) -> None:
+    defined = set(re.findall(r"^def (test_\w+)", text(HERE.parent / file), re.M))
+    assert {name for names in IN_PYTHON[file].values() for name in names} <= defined
 
 
 @pytest.mark.parametrize("file", FILES, ids=_page)
@@ -129,12 +175,12 @@ def test_the_tests_pass_whatever_the_seed(file: Path) -> None:
             )
 
 
-def test_named_rules_find_what_their_pages_say() -> None:
+@pytest.mark.parametrize("number", RULES)
+def test_rules_find_what_their_sentences_state(number: str) -> None:
     known = rules()
-    for page in PAGES:
-        for name in _RULE.findall(text(page)):
-            report = check_library(load_text(known[name].example))
-            assert [finding.rule.name for finding in report.findings] == [name]
+    for name in RULES[number]:
+        report = check_library(load_text(known[name].example))
+        assert [finding.rule.name for finding in report.findings] == [name]
 
 
 # --- pages --------------------------------------------------------------------------
@@ -162,22 +208,6 @@ def test_every_block_of_a_page_is_tried(page: Path) -> None:
     assert len(blocks) == len(_RAP.findall(text(page))) + 2 * len(
         _TYPED.findall(text(page))
     )
-
-
-@pytest.mark.parametrize("page", [INDEX, *PAGES], ids=_page)
-def test_links_lead_somewhere(page: Path) -> None:
-    for name, anchor in _LINKED_RULE.findall(text(page)):
-        assert name == anchor
-        assert name in rules()
-    for target, anchor in _LINK.findall(text(page)):
-        file = (page.parent / target).resolve() if target else page
-        assert file.is_file(), target
-        assert not anchor or anchor in _anchors(file), f"{target}#{anchor}"
-
-
-def _anchors(file: Path) -> set[str]:
-    plain = (re.sub(r"[^\w\- ]", "", h.lower()) for h in _HEADING.findall(text(file)))
-    return {heading.replace(" ", "-") for heading in plain}
 
 
 def test_the_index_lists_all_pages() -> None:
