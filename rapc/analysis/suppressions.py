@@ -33,19 +33,9 @@ UNUSED = Rule(
     name="unused-suppression",
     severity=Severity.WARNING,
     summary="a suppression silences nothing",
-    why="""The finding that it was written for is gone, or never was in what it covers:
-an `ignore` covers the form that follows or that begins on its line. Left in place it
-would silence the next fault of that kind.""",
     fix="safe: takes the comment out",
     ignore="where the finding comes and goes with what is checked beside the file",
     source="L 1",
-    example="""\
-; rapc: ignore[unknown-rap] defined by the host
-(define-rap (wait))
-""",
-    better="""\
-(define-rap (wait))
-""",
 )
 
 BAD = Rule(
@@ -53,18 +43,8 @@ BAD = Rule(
     name="bad-suppression",
     severity=Severity.WARNING,
     summary="a comment is meant as a suppression, but names no rule",
-    why="""`; rapc: ignore[name] reason` and `; rapc: file-ignore[name] reason` take
-names or codes of rules, separated by commas; anything else silences nothing.""",
     ignore="never: mend the name, or take the comment out",
     source="L 1",
-    example="""\
-; rapc: ignore[unknown-rapp] defined by the host
-(define-rap (wait))
-""",
-    better="""\
-; an ordinary comment
-(define-rap (wait))
-""",
 )
 
 RULES = (UNUSED, BAD)

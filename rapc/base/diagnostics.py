@@ -7,11 +7,15 @@ Not here: printing (`rapc.console.findings`), and the severity that a user confi
 from __future__ import annotations
 
 import enum
+import re
+from pathlib import Path
 from typing import NamedTuple
 
 import msgspec
 
 from rapc.base.source import Span
+
+_PAGES = Path(__file__).parents[1] / "rules"
 
 
 class Severity(enum.IntEnum):
@@ -88,19 +92,24 @@ class Diagnostic(msgspec.Struct, frozen=True):
     about: tuple[Subject, ...] = ()
 
 
-class Rule(msgspec.Struct, frozen=True):
-    """A kind of finding and its manual page.
+class RulePage(NamedTuple):
+    """The manual page of a rule, without its heading."""
 
-    `example` is a whole file that triggers the rule. `better` is the corrected program
-    without findings. A test checks both.
-    """
+    text: str
+    #: The reasons for the rule.
+    why: str
+    #: A whole file that triggers the rule.
+    example: str
+    #: The corrected program, without findings.
+    better: str
+
+
+class Rule(msgspec.Struct, frozen=True):
+    """A kind of finding."""
 
     code: str
     name: str
     summary: str
-    why: str
-    example: str
-    better: str
     severity: Severity = Severity.ERROR
     #: Whether the rule is off by default, as a matter of style.
     opt_in: bool = False
@@ -110,6 +119,17 @@ class Rule(msgspec.Struct, frozen=True):
     ignore: str = ""
     #: The sections of T, S and L (docs/language) about the subject of the rule.
     source: str = ""
+
+    @property
+    def page(self) -> RulePage:
+        """The manual page of the rule, read from `rapc/rules/NAME.md`."""
+        text = (_PAGES / f"{self.name}.md").read_text(encoding="utf-8")
+        block = "```rap\n(.*?)```"
+        form = rf"(.*?)\n\n## Example\n\n{block}\n\n## Use instead\n\n{block}\n"
+        found = re.fullmatch(form, text, re.DOTALL)
+        if found is None:
+            raise ValueError(f"the page of rule `{self.name}` lacks a section")
+        return RulePage(text, *found.groups())
 
     def at(
         self,

@@ -66,12 +66,13 @@ def _find(word: str) -> Rule:
 
 def _page(one: Rule) -> str:
     """Return a rule's page in Markdown."""
+    page = one.page
     return (
         f"## {one.name}\n\n"
         f"{one.code}, {one.severity.word}{', opt-in' * one.opt_in}: {one.summary}.\n\n"
-        f"{one.why}\n\n"
-        f"For example:\n\n```rap\n{one.example}```\n\n"
-        f"Better:\n\n```rap\n{one.better}```\n\n"
+        f"{page.why}\n\n"
+        f"For example:\n\n```rap\n{page.example}```\n\n"
+        f"Better:\n\n```rap\n{page.better}```\n\n"
         + "\n".join(f"- {name}: {said}." for name, said in _advice(one).items())
         + "\n"
     )
@@ -87,12 +88,20 @@ def _advice(one: Rule) -> dict[str, str]:
 
 
 def _json(chosen: list[Rule], *, one: bool) -> str:
-    pages = [
-        {
-            **msgspec.structs.asdict(rule),
-            "severity": rule.severity.word,
-            "why": " ".join(rule.why.split()),
-        }
-        for rule in chosen
-    ]
+    pages = [_fields(rule) for rule in chosen]
     return json.dumps(pages[0] if one else pages, indent=2, ensure_ascii=False)
+
+
+def _fields(one: Rule) -> dict[str, object]:
+    """Return a rule and its page as JSON has them."""
+    page = one.page
+    return {
+        "code": one.code,
+        "name": one.name,
+        "summary": one.summary,
+        "why": " ".join(page.why.split()),
+        "example": page.example,
+        "better": page.better,
+        **msgspec.structs.asdict(one),
+        "severity": one.severity.word,
+    }

@@ -139,13 +139,14 @@ def sarif(report: CheckReport) -> str:
 
 
 def _sarif_rule(rule: Rule) -> dict[str, Any]:
-    page = f"{rule.why}\n\nFor example:\n\n{rule.example}\nBetter:\n\n{rule.better}"
+    page = rule.page
+    text = f"{page.why}\n\nFor example:\n\n{page.example}\nBetter:\n\n{page.better}"
     return {
         "id": rule.code,
         "name": rule.name,
         "shortDescription": {"text": rule.summary},
-        "fullDescription": {"text": rule.why},
-        "help": {"text": page},
+        "fullDescription": {"text": page.why},
+        "help": {"text": text},
         "defaultConfiguration": {
             "enabled": not rule.opt_in,
             "level": _SARIF_LEVELS[rule.severity],

@@ -28,34 +28,14 @@ DUPLICATE = Rule(
     code="RAP060",
     name="duplicate-definition",
     summary="two definitions of one kind have one name",
-    why="""A name means one thing in a library: the second definition would never be
-used, or would change what every use of the first means. Propositions, properties,
-functions and queries share their names, for a formula does not say which it means.""",
     source="T 3.1.1",
-    example="""\
-(define-rap (wait))
-(define-rap (wait ?time))
-""",
-    better="""\
-(define-rap (wait))
-(define-rap (wait-for-time ?time))
-""",
 )
 
 BUILTIN = Rule(
     code="RAP061",
     name="builtin-name",
     summary="a declaration takes a name that the language keeps for itself",
-    why="""Connectives, comparisons, arithmetic, questions about the task and `count`
-mean the same in every library; a declared fact or function of that name could never be
-asked for. So do the kinds `number`, `text`, `item` and `symbol`.""",
     source="T 4.1",
-    example="""\
-(declare-memory-proposition member (?club ?person))
-""",
-    better="""\
-(declare-memory-proposition belongs-to (?club ?person))
-""",
 )
 
 _RESERVED = {"predicate": BUILTIN_NAMES, "kind": frozenset(KNOWN_KINDS)}

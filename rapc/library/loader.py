@@ -76,16 +76,7 @@ UNRESOLVED = Rule(
     code="RAP062",
     name="unresolved-require",
     summary="a `require` names neither a file, nor a folder, nor a standard library",
-    why="""`(require "name")` means the file `name.rap` or the folder `name` beside the
-requiring file, else the standard library of that name. What it should have brought in
-is missing, so most of what uses it would be reported as unknown too.""",
     source="L 1",
-    example="""\
-(require "no-such-library")
-""",
-    better="""\
-(declare-memory-proposition seen (?thing))
-""",
 )
 
 RULES = (UNRESOLVED,)

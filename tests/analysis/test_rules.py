@@ -1,4 +1,4 @@
-"""Every rule is its own manual page: the example breaks it, the better one nothing."""
+"""Rules and their pages: the example breaks the rule, the better program is clean."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+import rapc
 from rapc.analysis.driver import check_library
 from rapc.analysis.registry import rules
 from rapc.analysis.selection import Selection, by_default
@@ -41,11 +42,11 @@ def _found(text: str, rule: Rule, folder: Path) -> list[str]:
 
 
 def test_example_breaks_the_rule_and_no_other(rule: Rule, tmp_path: Path) -> None:
-    assert _found(rule.example, rule, tmp_path) == [rule.name]
+    assert _found(rule.page.example, rule, tmp_path) == [rule.name]
 
 
 def test_better_program_is_clean(rule: Rule, tmp_path: Path) -> None:
-    assert _found(rule.better, rule, tmp_path) == []
+    assert _found(rule.page.better, rule, tmp_path) == []
 
 
 def test_page_is_written_in_house_style(rule: Rule) -> None:
@@ -53,7 +54,7 @@ def test_page_is_written_in_house_style(rule: Rule) -> None:
     assert re.fullmatch(r"[a-z]+(-[a-z]+)*", rule.name)
     assert rule.summary
     assert not rule.summary.endswith(".")
-    assert rule.why.rstrip().endswith((".", ")"))
+    assert rule.page.why.rstrip().endswith((".", ")"))
 
 
 def test_page_says_when_to_ignore_it_and_where_to_read_on(rule: Rule) -> None:
@@ -66,17 +67,22 @@ def test_page_says_when_to_ignore_it_and_where_to_read_on(rule: Rule) -> None:
 
 def test_page_tells_of_the_fixes_of_its_example(rule: Rule) -> None:
     selection = Selection(by_default() | {rule.name})
-    for finding in check_library(load_text(rule.example), selection).findings:
+    for finding in check_library(load_text(rule.page.example), selection).findings:
         assert_page_tells_of_the_fix(finding)
 
 
 def test_messages_are_written_in_house_style(rule: Rule) -> None:
     selection = Selection(by_default() | {rule.name})
-    for finding in check_library(load_text(rule.example), selection).findings:
+    for finding in check_library(load_text(rule.page.example), selection).findings:
         said = finding.diagnostic
         for text in (said.message, said.label, *(one.message for one in said.labels)):
             assert not text.endswith(".")
             assert text[:1] == text[:1].lower() or text.startswith("RAP")
+
+
+def test_rules_and_pages_match() -> None:
+    folder = Path(rapc.__file__).parent / "rules"
+    assert {path.stem for path in folder.iterdir()} == {rule.name for rule in RULES}
 
 
 def test_codes_and_names_are_unique() -> None:

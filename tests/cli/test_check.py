@@ -101,7 +101,7 @@ def test_rules_are_selected_by_code_and_name(
 
 
 def test_select_all_reports_opt_in_rules(program: Path) -> None:
-    program.write_text(rules()["joined-by-unknown"].example)
+    program.write_text(rules()["joined-by-unknown"].page.example)
     check = ("check", str(program), "--output-format", "json")
     assert "joined-by-unknown" not in rapc(*check).stdout
     found = json.loads(rapc(*check, "--select", "ALL").stdout)

@@ -20,9 +20,9 @@ def test_page_is_found_by_name_and_code(name: str) -> None:
     rule = rules()["unbound-variable"]
     assert done.returncode == 0
     assert done.stdout.startswith("## unbound-variable\n\nRAP012, error: ")
-    assert rule.why in done.stdout
-    assert rule.example in done.stdout
-    assert rule.better in done.stdout
+    assert rule.page.why in done.stdout
+    assert rule.page.example in done.stdout
+    assert rule.page.better in done.stdout
 
 
 def test_list_has_a_line_for_each_rule() -> None:

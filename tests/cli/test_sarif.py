@@ -48,7 +48,7 @@ def test_the_schema_is_one_and_refuses_what_is_none() -> None:
 
 @pytest.mark.parametrize("rule", RULES, ids=lambda rule: rule.name)
 def test_every_rule_can_be_told(rule: Rule) -> None:
-    report = check_library(load_text(rule.example))
+    report = check_library(load_text(rule.page.example))
     run = _held(report)
     codes = [rule.code for rule in registry.rules().values()]
     told = [(codes[r["ruleIndex"]], r["ruleId"]) for r in run["results"]]

@@ -81,6 +81,8 @@ def test_wheel_holds_libraries_examples_and_types(built: Path) -> None:
     names = set(zipfile.ZipFile(wheel).namelist())
     needed = {f"rapc/{name}" for name in _data_files()}
     needed |= {"rapc/py.typed", "rapc/language/rap.lark"}
+    pages = (CHECKOUT / "rapc" / "rules").iterdir()
+    needed |= {path.relative_to(CHECKOUT).as_posix() for path in pages}
     assert needed <= names
     assert any(name.endswith("licenses/LICENSE") for name in names)
     others = {name.partition("/")[0] for name in names} - {"rapc"}

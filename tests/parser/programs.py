@@ -32,8 +32,8 @@ def texts() -> dict[str, str]:
         for path in FILES
     }
     for rule in rules().values():
-        found[f"{rule.name} example"] = rule.example
-        found[f"{rule.name} better"] = rule.better
+        found[f"{rule.name} example"] = rule.page.example
+        found[f"{rule.name} better"] = rule.page.better
     for page in sorted((CHECKOUT / "docs").rglob("*.md")):
         blocks = _BLOCK.findall(page.read_text(encoding="utf-8"))
         for at, block in enumerate(blocks, start=1):

@@ -147,7 +147,7 @@ def test_two_methods_of_one_name() -> None:
 
 @pytest.mark.parametrize("rule", RULES, ids=[rule.name for rule in RULES])
 def test_safe_fix_of_an_example_leaves_nothing_to_find(rule: object) -> None:
-    (example,) = (one.example for one in RULES if one is rule)
+    (example,) = (one.page.example for one in RULES if one is rule)
     fix = only(example).fix
     if fix is not None and fix.applicability is SAFE:
         assert rules(fixed(example)) == []

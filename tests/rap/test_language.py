@@ -179,7 +179,7 @@ def test_the_tests_pass_whatever_the_seed(file: Path) -> None:
 def test_rules_find_what_their_sentences_state(number: str) -> None:
     known = rules()
     for name in RULES[number]:
-        report = check_library(load_text(known[name].example))
+        report = check_library(load_text(known[name].page.example))
         assert [finding.rule.name for finding in report.findings] == [name]
 
 

@@ -18,63 +18,23 @@ from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 from rapc.ir.walk import steps
 
-_STANDING_BY = """\
-(declare-memory-property battery (?level) unknown)
-(declare-primitive drive (?place) (okay))
-(declare-primitive plug-in () (okay))
-(define-rap (go ?place) (method (primitive (drive ?place))))
-(define-rap (keep-charged)
-  (succeed nil)
-  (monitor-state (and (battery ?level) (< ?level 20)))
-  (method (primitive (plug-in))))
-(define-agenda day
-  (task (keep-charged){} :background true)
-  (task (go home) :priority 2))
-"""
-"""An agenda with a standing task, without a priority."""
-
 LOW = Rule(
     code="RAP130",
     name="powerless-reaction",
     severity=Severity.WARNING,
     summary="a standing task is no more urgent than the work that it is to interrupt",
-    why="""A task that stands by wakes while something else is under way. It comes up
-before that only if its priority is higher; at the same priority whatever is under way
-goes on, and the reaction comes when it may be too late (T 5.4.1).""",
     ignore="where the reaction may well wait until the work is done",
     source="T 5.4.1",
-    example=_STANDING_BY.format(""),
-    better=_STANDING_BY.format(" :priority 4"),
 )
 
-_WITH_STEPS = """\
-(declare-memory-property battery (?level) unknown)
-(declare-primitive drive (?place) (okay))
-(declare-primitive plug-in () (okay))
-(define-rap (drive-to ?place) (method (primitive (drive ?place))))
-(define-rap (go ?place) (method (task-net (t1 {} (drive-to ?place)))))
-(define-rap (keep-charged)
-  (succeed nil)
-  (monitor-state (and (battery ?level) (< ?level 20)))
-  (method (primitive (plug-in))))
-(define-agenda day
-  (task (keep-charged) :priority 4 :background true)
-  (task (go home)))
-"""
-"""The same agenda with a step, without a priority."""
 
 REACHES = Rule(
     code="RAP131",
     name="priority-out-of-band",
     severity=Severity.WARNING,
     summary="a step is more urgent than a standing task that stands above its own task",
-    why="""The priority of a step adds to that of the task above it. Where it reaches
-the priority of a standing task that was given a higher one, the work can hold up the
-reaction (T 5.4.1): leave room between the priorities of an agenda for the steps.""",
     ignore="where the step must come before the reaction, as waking up does",
     source="T 5.4.1",
-    example=_WITH_STEPS.format("9"),
-    better=_WITH_STEPS.format("1"),
 )
 
 ENDS = Rule(
@@ -82,31 +42,8 @@ ENDS = Rule(
     name="standing-task-ends",
     severity=Severity.WARNING,
     summary="a task that stands by in the background is done once it has reacted",
-    why="""A task with a monitor and without `succeed` ends when a method has ended
-well (T figure 4.3), one with another `succeed` when that holds: it reacts once, or for
-a while, and is gone for good. One that is to stand by says so with `(succeed nil)`, and
-asks in its monitor and in `repeat-while` for what it is to go on for.""",
     ignore="where the task is to end",
     source="T 4.7.1, figure 4.3",
-    example="""\
-(declare-memory-property battery (?level) unknown)
-(declare-primitive plug-in () (okay))
-(define-rap (keep-charged)
-  (monitor-state (and (battery ?level) (< ?level 20)))
-  (method (primitive (plug-in))))
-(define-agenda day
-  (task (keep-charged) :priority 4 :background true))
-""",
-    better="""\
-(declare-memory-property battery (?level) unknown)
-(declare-primitive plug-in () (okay))
-(define-rap (keep-charged)
-  (succeed nil)
-  (monitor-state (and (battery ?level) (< ?level 20)))
-  (method (primitive (plug-in))))
-(define-agenda day
-  (task (keep-charged) :priority 4 :background true))
-""",
 )
 
 

@@ -55,28 +55,8 @@ CONTRADICTION = Rule(
     name="contradiction",
     severity=Severity.WARNING,
     summary="two parts of a formula never hold together",
-    why="""A property has one value at a time; what is asked cannot be denied as well;
-no number is below 3 and above 5. A conjunction, or a branch of an `or`, with two such
-parts never holds, whatever happens: mostly `or` was meant, or one of the two speaks of
-another thing (T 4.1).""",
     ignore="where a method is switched off on purpose: write `nil` as its context",
     source="T 4.1.3",
-    example="""\
-(declare-memory-property door-state (?door ?state) unknown)
-(define-rap (go-through ?door))
-(define-rap (pass ?door)
-  (method
-    (context (and (door-state ?door open) (door-state ?door ajar)))
-    (task-net (t1 (go-through ?door)))))
-""",
-    better="""\
-(declare-memory-property door-state (?door ?state) unknown)
-(define-rap (go-through ?door))
-(define-rap (pass ?door)
-  (method
-    (context (or (door-state ?door open) (door-state ?door ajar)))
-    (task-net (t1 (go-through ?door)))))
-""",
 )
 
 
@@ -228,33 +208,9 @@ UNREACHABLE = Rule(
     name="unreachable-method",
     severity=Severity.WARNING,
     summary="a method is never chosen, whatever happens",
-    why="""A method is chosen when `succeed` has no solution and the monitor, the
-preconditions and the constraints of its RAP hold (T 3.2.3). A context that contradicts
-one of these, or from which `succeed` follows, never holds then; nor does `otherwise`
-behind a method without a context. Where these clauses contradict each other no method
-is ever chosen. The plan for that situation is missing, though it stands in the
-text.""",
     ignore="where a method is kept for a situation that other libraries will bring "
     "about",
     source="T 3.2.2",
-    example="""\
-(declare-memory-proposition cart-at (?place))
-(declare-primitive drive (?place) (okay))
-(declare-primitive turn-round () (okay))
-(define-rap (go-to ?place)
-  (succeed (cart-at ?place))
-  (method (context (not (cart-at ?place))) (primitive (drive ?place)))
-  (method (context (cart-at ?place)) (primitive (turn-round))))
-""",
-    better="""\
-(declare-memory-proposition cart-at (?place))
-(declare-primitive drive (?place) (okay))
-(declare-primitive turn-round () (okay))
-(define-rap (go-to ?place)
-  (succeed (cart-at ?place))
-  (method (context (not (cart-at home))) (primitive (drive ?place)))
-  (method (context (cart-at home)) (primitive (turn-round))))
-""",
 )
 
 
@@ -521,27 +477,9 @@ TWICE = Rule(
     name="said-twice",
     severity=Severity.WARNING,
     summary="an `and` or `or` has the same part twice",
-    why="""The second one asks nothing new. It was mostly copied to be changed: another
-argument or another fact was meant, and that is not asked.""",
     fix="safe: takes the second one away",
     ignore="never: the second one asks nothing",
     source="T 4.1.3",
-    example="""\
-(declare-memory-property door (?door ?state) unknown)
-(declare-primitive drive (?from ?to) (okay))
-(define-rap (pass ?one ?other)
-  (method
-    (context (and (door ?one open) (door ?one open)))
-    (primitive (drive ?one ?other))))
-""",
-    better="""\
-(declare-memory-property door (?door ?state) unknown)
-(declare-primitive drive (?from ?to) (okay))
-(define-rap (pass ?one ?other)
-  (method
-    (context (and (door ?one open) (door ?other open)))
-    (primitive (drive ?one ?other))))
-""",
 )
 
 
@@ -617,28 +555,8 @@ JOINED = Rule(
     severity=Severity.INFO,
     opt_in=True,
     summary="two properties are to have the same value, which may be `unknown`",
-    why="""A property of which nothing is known has its default, and that binds a
-variable like any value [L 2.22]. So two things of which nobody knows where they are
-lie at the same place, `unknown`. Ask that the value is none. Where something is always
-known of one of the two the test is not needed; the rule is opt-in for that reason.""",
     ignore="where something is always known of one of the two",
     source="T 2.2.2",
-    example="""\
-(declare-memory-property place-of (?thing ?place) unknown)
-(declare-primitive join (?one ?other) (okay))
-(define-rap (put-together ?one ?other)
-  (method
-    (context (and (place-of ?one ?here) (place-of ?other ?here)))
-    (primitive (join ?one ?other))))
-""",
-    better="""\
-(declare-memory-property place-of (?thing ?place) unknown)
-(declare-primitive join (?one ?other) (okay))
-(define-rap (put-together ?one ?other)
-  (method
-    (context (and (place-of ?one ?here) (n= ?here unknown) (place-of ?other ?here)))
-    (primitive (join ?one ?other))))
-""",
 )
 
 
@@ -717,32 +635,13 @@ def _value(run: Pass, part: Literal) -> str | None:
     return None if last.anonymous else last.name
 
 
-_WORLD = """\
-(declare-primitive grasp ((?thing item)) (okay))
-(declare-primitive scan () (okay))
-(declare-memory-proposition held ((?thing item)))
-(define-rap (take (?thing item))
-  (succeed (held ?thing))
-  (method look
-    (context (know-sensor-name ?thing false))
-    (primitive (scan)))
-  (method take
-    {}(primitive (grasp ?thing))))
-"""
-
 UNNAMED = Rule(
     code="RAP153",
     name="unnamed-item",
     severity=Severity.WARNING,
     summary="a request is about an item whose sensor name may not be known",
-    why="""The hardware knows a thing by the name that the sensors have for it now, and
-a request about an item without one fails before it is made (T 2.3.2). The RAP has a
-method for the case that the name is not known, but this method may be chosen then too:
-ask `(know-sensor-name ?thing true)` in its context.""",
     ignore="where the robot has the thing in sight whenever the method is chosen",
     source="T 2.3.2",
-    example=_WORLD.format(""),
-    better=_WORLD.format("(context (know-sensor-name ?thing true))\n    "),
 )
 
 

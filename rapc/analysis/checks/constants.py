@@ -53,33 +53,9 @@ MISSPELT = Rule(
     name="misspelt-constant",
     severity=Severity.WARNING,
     summary="a constant is used only once, and another one there is spelled almost so",
-    why="""A constant that nobody else uses is a value that never comes up: a fact with
-it is never found, a test of it never passes. Where a constant that differs by one slip
-of the pen stands at the same place, or is a value of the same kind, that one was meant;
-where the form has a variable of that name, the question mark is missing. A closed kind
-(`declare-kind`) makes sure.""",
     fix="unsafe: writes the constant that is spelled almost so, or the variable",
     ignore="where the value comes from outside, and another one is spelled almost so",
     source="T 4.1",
-    example="""\
-(declare-memory-property door-state (?door ?state) unknown)
-(declare-primitive push (?door) (okay))
-(declare-primitive free (?door) (okay))
-(define-rap (open ?door)
-  (preconditions (not (door-state ?door locked)))
-  (method (context (not (door-state ?door jammed))) (primitive (push ?door)))
-  (method (context (door-state ?door jamed)) (primitive (free ?door)))
-  (method (context (door-state ?door jammed)) (primitive (free ?door))))
-""",
-    better="""\
-(declare-memory-property door-state (?door ?state) unknown)
-(declare-primitive push (?door) (okay))
-(declare-primitive free (?door) (okay))
-(define-rap (open ?door)
-  (preconditions (not (door-state ?door locked)))
-  (method (context (not (door-state ?door jammed))) (primitive (push ?door)))
-  (method (context (door-state ?door jammed)) (primitive (free ?door))))
-""",
 )
 
 FOREIGN = Rule(
@@ -87,28 +63,8 @@ FOREIGN = Rule(
     name="foreign-constant",
     severity=Severity.WARNING,
     summary="a constant of one kind stands where values of another are wanted",
-    why="""A symbol that a closed kind lists, or that the library uses as a value of one
-kind, is hardly one of another kind: an arm is no class of things. Mostly an argument
-was left out, or stands in another's place. If the symbol is meant to be of both kinds,
-say so with `:is`.""",
     ignore="where one word is a value of both kinds: say so with `:is`",
     source="L 7",
-    example="""\
-(declare-kind arm (left-arm right-arm))
-(declare-kind class)
-(declare-memory-property class-of (?thing (?class class)) unknown)
-(declare-memory-proposition holding ((?arm arm) ?thing))
-(define-rap (show ?thing)
-  (preconditions (and (holding ? ?thing) (class-of ?thing left-arm))))
-""",
-    better="""\
-(declare-kind arm (left-arm right-arm))
-(declare-kind class)
-(declare-memory-property class-of (?thing (?class class)) unknown)
-(declare-memory-proposition holding ((?arm arm) ?thing))
-(define-rap (show ?thing)
-  (preconditions (and (holding left-arm ?thing) (class-of ?thing cup))))
-""",
 )
 
 MIXED = Rule(
@@ -116,25 +72,8 @@ MIXED = Rule(
     name="mixed-values",
     severity=Severity.WARNING,
     summary="a number, word or truth value stands where all others are of another sort",
-    why="""No number equals a word. Where words stand everywhere else in the library, a
-fact with a number, or with `true`, is never found; and the other way round. `unknown`
-goes with all.""",
     ignore="where a place takes values of several sorts on purpose, as a label may",
     source="L 2",
-    example="""\
-(declare-memory-property door-state (?door ?state) unknown)
-(define-rap (pass ?door)
-  (preconditions (not (door-state ?door locked)))
-  (constraints (not (door-state ?door shut)))
-  (succeed (door-state ?door 1)))
-""",
-    better="""\
-(declare-memory-property door-state (?door ?state) unknown)
-(define-rap (pass ?door)
-  (preconditions (not (door-state ?door locked)))
-  (constraints (not (door-state ?door shut)))
-  (succeed (door-state ?door open)))
-""",
 )
 
 
@@ -296,32 +235,10 @@ MARKED = Rule(
     name="marked-constant",
     severity=Severity.WARNING,
     summary="a variable is used only once, and its name is a constant of that place",
-    why="""A variable that occurs once matches anything: `(door front ?open)` holds of a
-door that is shut. Where the library has a constant of that name at the same place, or a
-closed kind lists it, the constant was meant, and the question mark is one too many. If
-anything will do, write a bare `?`, or another name; then nothing is reported.""",
     fix="unsafe: takes the question mark away",
     ignore="where anything will do and the name is to say what stands there: write "
     "another name",
     source="T 4.1",
-    example="""\
-(declare-memory-property door (?door ?state) unknown)
-(declare-primitive drive (?door) (okay))
-(declare-primitive push (?door) (okay))
-(define-rap (pass ?door)
-  (method (context (door ?door ?open)) (primitive (drive ?door))))
-(define-rap (shut ?door)
-  (method (context (door ?door open)) (primitive (push ?door))))
-""",
-    better="""\
-(declare-memory-property door (?door ?state) unknown)
-(declare-primitive drive (?door) (okay))
-(declare-primitive push (?door) (okay))
-(define-rap (pass ?door)
-  (method (context (door ?door open)) (primitive (drive ?door))))
-(define-rap (shut ?door)
-  (method (context (door ?door open)) (primitive (push ?door))))
-""",
 )
 
 
@@ -376,40 +293,14 @@ def _marked(variable: nodes.Var, other: Span | None) -> Diagnostic:
     )
 
 
-_BOXES = """\
-(declare-memory-proposition inside (?thing ?box))
-(declare-primitive open (?box) (okay))
-(declare-primitive lift (?thing) (okay))
-(define-rap (unpack ?thing)
-  (method (context (inside ?thing ?box)) (primitive (open ?box))))
-(define-rap (take ?thing)
-  (preconditions (inside ?thing ?))
-  (method (primitive (lift ?thing))))
-(define-rap (free ?thing)
-  (method (context (inside ?thing ?box)) (primitive (open ?box))))
-(define-rap (empty-out ?box)
-  (method one
-    (context (inside {}))
-    (task-net (t1 (unpack ?thing) (for t2)) (t2 (take ?thing))))
-  (method shake (primitive (open ?box))))
-"""
-"""Things in boxes; the condition of one method is left open."""
-
 SWAPPED = Rule(
     code="RAP101",
     name="swapped-arguments",
     severity=Severity.WARNING,
     summary="two arguments seem to stand in each other's places",
-    why="""Nothing tells a fact with its arguments swapped from another fact: it is
-asked and asserted, and never means what was meant. Two arguments are told of if in all
-of the library the first is otherwise used like the second, and the second like the
-first. Say the kinds of arguments in their declarations (`(?room room)`), and no guess
-is needed.""",
     fix="unsafe: swaps the two",
     ignore="where a relation holds both ways, so that either order is meant",
     source="T 4.1",
-    example=_BOXES.format("?box ?thing"),
-    better=_BOXES.format("?thing ?box"),
 )
 
 _Pair = tuple[Place, Place]

@@ -34,35 +34,14 @@ from rapc.ir.printer import format_formula
 from rapc.ir.walk import ways
 from rapc.library.library import Library
 
-_WORLD = """\
-(declare-memory-proposition lamp-lit (?lamp))
-(declare-primitive press (?lamp) (okay) :on (okay ({0}lamp-lit ?lamp{1})))
-"""
-
 HOPELESS = Rule(
     code="RAP140",
     name="hopeless-goal",
     severity=Severity.WARNING,
     summary="nothing that a RAP does brings its `succeed` about",
-    why="""The methods are carried out, end well, and `succeed` still does not hold, so
-they are tried again until the task is given up as futile (T 3.2.5). What primitives and
-data do to memory is said behind `:on`: either the wrong primitive is asked for, or the
-declaration lacks something, or `succeed` asks for the contrary.""",
     ignore="where the world brings it about by itself, and the methods only pass the "
     "time",
     source="T 3.2.5",
-    example=_WORLD.format("not (", ")")
-    + """\
-(define-rap (light ?lamp)
-  (succeed (lamp-lit ?lamp))
-  (method (primitive (press ?lamp))))
-""",
-    better=_WORLD.format("", "")
-    + """\
-(define-rap (light ?lamp)
-  (succeed (lamp-lit ?lamp))
-  (method (primitive (press ?lamp))))
-""",
 )
 
 ENDLESS = Rule(
@@ -70,33 +49,8 @@ ENDLESS = Rule(
     name="endless-reaction",
     severity=Severity.WARNING,
     summary="nothing that a standing task does ends the state that wakes it",
-    why="""A standing task sleeps until its monitor holds, and reacts (T 4.7.1). If
-nothing that it does has to do with the monitor, the state goes on, and so does the
-task, without a pause, until nothing changes and it fails.""",
     ignore="where the state ends by itself while the task is at work",
     source="T 4.7.1",
-    example="""\
-(declare-memory-proposition lamp-lit (?lamp))
-(declare-memory-proposition bell-rung ())
-(declare-primitive press (?lamp) (okay) :on (okay (lamp-lit ?lamp)))
-(declare-primitive ring () (okay) :on (okay (bell-rung)))
-(define-rap (light ?lamp) (method (primitive (press ?lamp))))
-(define-rap (warn)
-  (succeed nil)
-  (monitor-state (lamp-lit red))
-  (method (primitive (ring))))
-""",
-    better="""\
-(declare-memory-proposition lamp-lit (?lamp))
-(declare-memory-proposition bell-rung ())
-(declare-primitive press (?lamp) (okay) :on (okay (lamp-lit ?lamp)))
-(declare-primitive ring () (okay) :on (okay (bell-rung)))
-(define-rap (light ?lamp) (method (primitive (press ?lamp))))
-(define-rap (warn)
-  (succeed nil)
-  (monitor-state (and (lamp-lit red) (not (bell-rung))))
-  (method (primitive (ring))))
-""",
 )
 
 EMPTY = Rule(
@@ -104,24 +58,8 @@ EMPTY = Rule(
     name="empty-promise",
     severity=Severity.WARNING,
     summary="a RAP declares an effect that nothing it does has, or that it denies",
-    why="""A planner builds on `effects` (T 7.4.1). One that no primitive below has, or
-the contrary of which `succeed` asks for, leads to plans that fail.""",
     ignore="where the world brings the effect about, and the primitive cannot say so",
     source="T 7.4.1",
-    example=_WORLD.format("", "")
-    + """\
-(define-rap (light ?lamp)
-  (effects (not (lamp-lit ?lamp)))
-  (succeed (lamp-lit ?lamp))
-  (method (primitive (press ?lamp))))
-""",
-    better=_WORLD.format("", "")
-    + """\
-(define-rap (light ?lamp)
-  (effects (lamp-lit ?lamp))
-  (succeed (lamp-lit ?lamp))
-  (method (primitive (press ?lamp))))
-""",
 )
 
 
@@ -304,40 +242,16 @@ def _empty(
             )
 
 
-_LAMP = """\
-(declare-memory-proposition lamp-lit (?lamp))
-(declare-memory-proposition dark (?lamp))
-(declare-primitive press (?lamp) (okay)
-  :on (okay (lamp-lit ?lamp) (not (dark ?lamp))))
-(define-rap (light ?lamp)
-  (effects (lamp-lit ?lamp){})
-  (method (primitive (press ?lamp))))
-"""
-
 LACKING = Rule(
     code="RAP144",
     name="lacking-effect",
     severity=Severity.INFO,
     opt_in=True,
     summary="a RAP declares effects, and lacks one that all its methods have",
-    why="""A planner that reads `effects` takes what they do not name for unchanged (T
-7.4.1). Here every method of the RAP, when it ends well, changes one more fact. Not all
-that a RAP changes need matter to a planner; the rule is opt-in for that reason.""",
     ignore="where a planner has no use for the effect",
     source="T 7.4.1",
-    example=_LAMP.format(""),
-    better=_LAMP.format(" (not (dark ?lamp))"),
 )
 
-_BOX = """\
-(declare-memory-proposition lid-open (?box))
-(declare-primitive lift (?box) (okay) :on (okay (lid-open ?box)))
-(declare-primitive shake (?box) (okay){})
-(define-rap (open ?box)
-  (effects (lid-open ?box))
-  (method (primitive (lift ?box)))
-  (method (primitive (shake ?box))))
-"""
 
 UNCONFIRMED = Rule(
     code="RAP145",
@@ -345,17 +259,8 @@ UNCONFIRMED = Rule(
     severity=Severity.INFO,
     opt_in=True,
     summary="a RAP declares an effect that one of its methods is not known to have",
-    why="""A planner counts on `effects` whichever method was chosen (T 7.4.1). Here a
-method ends well, and nothing that is declared of what it asks for brings the effect
-about, nor does `succeed` ask for it: the method leaves it out, or a primitive does not
-say what it does. Told of a RAP some of whose methods are known to have the effect, and
-of one of which not all is known; what surely never comes is `empty-promise`. As
-much as a library says of its primitives can be confirmed; the rule is opt-in for that
-reason.""",
     ignore="where the world brings the effect about, and the primitive cannot say so",
     source="T 7.4.1",
-    example=_BOX.format(""),
-    better=_BOX.format(" :on (okay (lid-open ?box))"),
 )
 
 

@@ -32,19 +32,8 @@ UNKNOWN = Rule(
     name="unknown-kind",
     severity=Severity.ERROR,
     summary="a kind of values is not declared, or is of itself",
-    why="""`number`, `text`, `item` and `symbol` are known; other kinds are declared
-with `declare-kind`. A kind that is of itself, through others or at once, says
-nothing.""",
     fix="unsafe: writes the name that is spelled almost so, where there is one",
     source="L 7",
-    example="""\
-(declare-kind door (front back))
-(declare-memory-property open ((?door dor) ?is) unknown)
-""",
-    better="""\
-(declare-kind door (front back))
-(declare-memory-property open ((?door door) ?is) unknown)
-""",
 )
 
 WRONG = Rule(
@@ -52,23 +41,8 @@ WRONG = Rule(
     name="wrong-kind",
     severity=Severity.ERROR,
     summary="a constant is not of the kind that is wanted where it stands",
-    why="""An argument that was declared with a kind has values of that kind and no
-others: a closed kind lists them. A fact or a goal with another value means nothing, and
-a question about one finds nothing. `unknown` is of every kind.""",
     fix="unsafe: writes the value of the kind that is spelled almost so",
     source="L 7",
-    example="""\
-(declare-kind door (front back))
-(declare-memory-property open ((?door door) ?is) unknown)
-(define-rap (pass)
-  (preconditions (open frnt true)))
-""",
-    better="""\
-(declare-kind door (front back))
-(declare-memory-property open ((?door door) ?is) unknown)
-(define-rap (pass)
-  (preconditions (open front true)))
-""",
 )
 
 APART = Rule(
@@ -76,24 +50,8 @@ APART = Rule(
     name="kinds-apart",
     severity=Severity.WARNING,
     summary="a variable of one kind is used as one of another",
-    why="""No value is meant to be of both kinds, unless one of them `:is` the other:
-most likely two variables were mixed up.""",
     ignore="where a value is of both kinds: say so with `:is`",
     source="L 7",
-    example="""\
-(declare-kind door)
-(declare-kind room)
-(declare-memory-property open ((?door door) ?is) unknown)
-(define-rap (enter (?door door) (?room room))
-  (preconditions (open ?room true)))
-""",
-    better="""\
-(declare-kind door)
-(declare-kind room)
-(declare-memory-property open ((?door door) ?is) unknown)
-(define-rap (enter (?door door) (?room room))
-  (preconditions (open ?door true)))
-""",
 )
 
 
@@ -301,20 +259,7 @@ NOT_A_NUMBER = Rule(
     name="not-a-number",
     severity=Severity.ERROR,
     summary="a constant that is no number stands where one is needed, or zero divides",
-    why="""Arithmetic, times and amounts need numbers: with anything else the query
-fails, and so does a division by zero. `<`, `>`, `<=` and `>=` never hold of anything
-but two numbers, and a number never equals a symbol.""",
     source="T 4.1",
-    example="""\
-(declare-memory-property size (?thing ?size) unknown)
-(define-rap (lift ?thing)
-  (preconditions (and (size ?thing ?size) (< ?size small))))
-""",
-    better="""\
-(declare-memory-property size (?thing ?size) unknown)
-(define-rap (lift ?thing)
-  (preconditions (and (size ?thing ?size) (< ?size 10))))
-""",
 )
 
 ARITHMETIC = ("+", "-", "*", "/")

@@ -51,33 +51,14 @@ from rapc.ir.walk import (
 )
 from rapc.library.library import Library
 
-_SWEEP = """\
-(declare-memory-proposition dirty (?room))
-(declare-primitive sweep (?room) (okay) :on (okay (not (dirty ?room))))
-(define-rap (clean ?room) (method (primitive (sweep ?room))))
-(define-rap (clean-everything)
-{}  (repeat-while (dirty ?room))
-  (method (task-net (t1 (clean ?room)))))
-"""
-
 IDLE = Rule(
     code="RAP118",
     name="idle-loop",
     severity=Severity.WARNING,
     summary="`repeat-while` repeats nothing, or takes the same thing in each round",
-    why="""A task chooses methods as long as `succeed` does not hold and `repeat-while`
-does (T 3.2.3). Without `succeed` it is done as soon as one method has ended well, so
-nothing is repeated. Where the methods change nothing that `repeat-while` or a context
-asks for, each round finds what the one before has found; the third time the task fails,
-`futile-loop` (T 3.2.5). A `repeat-while` that binds nothing is a condition for trying
-again, and not looked at; nor is one without `succeed` behind a monitor. Say in
-`succeed` when the work is done, and let each round take away what it has dealt with, or
-remember it in a set.""",
     fix="unsafe: adds a `succeed` for when there is nothing left to repeat",
     ignore="where another task changes what is asked for in between",
     source="T 4.6",
-    example=_SWEEP.format(""),
-    better=_SWEEP.format("  (succeed (not (dirty ?)))\n"),
 )
 
 
@@ -201,21 +182,8 @@ ITSELF = Rule(
     name="needs-itself",
     severity=Severity.WARNING,
     summary="a RAP needs itself, with the inputs that it was given",
-    why="""A task that has an equal one among those above it can never be done: the
-method that asks for it fails before it starts, `futile-loop` (T 3.2.5). A step may ask
-for its own RAP with other inputs: to clear what lies below by clearing what lies on
-top.""",
     ignore="never: the step fails as futile each time",
     source="T 3.2.5",
-    example="""\
-(define-rap (find ?thing)
-  (method (task-net (t1 (find ?thing)))))
-""",
-    better="""\
-(define-rap (look-for ?thing))
-(define-rap (find ?thing)
-  (method (task-net (t1 (look-for ?thing)))))
-""",
 )
 
 

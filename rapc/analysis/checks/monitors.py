@@ -55,26 +55,8 @@ AGE_IN_MONITOR = Rule(
     name="age-in-monitor",
     severity=Severity.WARNING,
     summary="a monitor binds an age, and so is tested whenever the clock moves",
-    why="""A monitor is woken by changes of memory, and `believe` with a number by the
-time at which the fact goes stale. An age that is bound changes with every tick and
-announces nothing: the formula is tested again each time the clock has moved, and sets
-no time of its own, so the task may wake late or not at all.""",
     ignore="where the task has a monitor of time too, which wakes it",
     source="T 4.1.1, 4.7.1",
-    example="""\
-(declare-memory-proposition seen (?thing))
-(define-rap (look))
-(define-rap (keep-looking)
-  (monitor-state (and (believe (seen box) ?age) (> ?age 30)))
-  (method (task-net (t1 (look)))))
-""",
-    better="""\
-(declare-memory-proposition seen (?thing))
-(define-rap (look))
-(define-rap (keep-looking)
-  (monitor-state (not (believe (seen box) 30)))
-  (method (task-net (t1 (look)))))
-""",
 )
 
 
@@ -90,129 +72,44 @@ def age_in_monitor(run: Pass) -> Iterator[Diagnostic]:
         )
 
 
-_GARDEN = """\
-(declare-memory-property soil (?plant ?state) unknown)
-(declare-primitive pour (?plant) (okay) :on (okay (soil ?plant wet)))
-(define-rap (water ?plant) (method (primitive (pour ?plant))))
-(define-rap (keep-wet)
-  (succeed nil)
-  (monitor-state (soil ?plant dry))
-  (repeat-while (soil ?plant dry))
-  (method (task-net (t1 (water ?plant)))))
-(define-agenda day (task (keep-wet){}) (task (water rose)))
-"""
-
 ENDLESS_TASK = Rule(
     code="RAP134",
     name="endless-task",
     severity=Severity.WARNING,
     summary="an agenda gives a task as work that is never done",
-    why="""A run ends when all tasks have ended but those of the background. A task that
-is never done, for its RAP has `(succeed nil)` or a step that has, keeps the run going
-for good: nothing tells any more whether the work was done. Give it
-`:background true`, beside a task that is done one day: a run for which tasks in the
-background alone are given is over at once. Where the run is ended by a time, as in a
-test or with `--until`, ignore the rule there.""",
     fix="unsafe: writes `:background true`",
     ignore="where the run is ended by a time, or from outside",
     source="T 5.4",
-    example=_GARDEN.format(" :priority 4"),
-    better=_GARDEN.format(" :priority 4 :background true"),
 )
 
-_CALL = """\
-(declare-memory-property battery (?level) unknown)
-(declare-memory-proposition called ())
-(declare-primitive plug-in () (okay) :on (okay (battery 100)))
-(declare-primitive look () (okay) :tells (gauge) :on (okay))
-(declare-sensor-datum gauge (?level) :on ((battery ?level)))
-(define-rap (watch-gauge) (succeed nil) (monitor-time now 5 9)
-  (method (primitive (look))))
-"""
 
 UNHEARD_MONITOR = Rule(
     code="RAP135",
     name="unheard-monitor",
     severity=Severity.WARNING,
     summary="a monitor asks for what nothing in the library ever changes",
-    why="""A monitor is passive: it notices what comes into memory while others act, and
-senses nothing itself (T 4.7.1). Where no primitive, datum, rule or notation changes any
-of the facts that it asks for, or only primitives that no RAP asks for, it never wakes,
-or it always holds: another fact was meant, a RAP that looks is missing, or what a datum
-does to memory is not declared. Told
-where the library says of its primitives what they do; what comes from the host's own
-program is not seen.""",
     ignore="where a host program asserts the fact",
     source="T 4.7.2",
-    example=_CALL
-    + """\
-(define-rap (answer)
-  (succeed nil)
-  (monitor-state (called))
-  (method (primitive (plug-in))))
-""",
-    better=_CALL
-    + """\
-(define-rap (answer)
-  (succeed nil)
-  (monitor-state (and (battery ?level) (< ?level 20)))
-  (method (primitive (plug-in))))
-""",
 )
 
-_UNREADY = """\
-(declare-memory-property battery (?level) unknown)
-(declare-memory-proposition at-dock ())
-(declare-primitive plug-in () (okay) :on (okay (battery 100)))
-(declare-primitive drive () (okay) :on (okay (at-dock)))
-(define-rap (recharge)
-  (succeed nil)
-  (monitor-state (and (battery ?level) (< ?level 20)))
-  (method (context (at-dock)) (primitive (plug-in))){})
-"""
 
 UNREADY_REACTION = Rule(
     code="RAP138",
     name="unready-reaction",
     severity=Severity.WARNING,
     summary="a standing task has no method for some of the states that wake it",
-    why="""A task that wakes and has no method that fits fails with `no-method`, and a
-standing task that has failed is gone for good. Here every method asks for a fact that
-the monitor does not ask for, and that does change: give a method with `otherwise`, or
-let the monitor ask for the fact as well.""",
     ignore="where the fact holds whenever the monitor does, as the world is made",
     source="T 4.7.1",
-    example=_UNREADY.format(""),
-    better=_UNREADY.format("\n  (method (context otherwise) (primitive (drive)))"),
 )
 
-_CONDITION = """\
-(declare-memory-property battery (?level) unknown)
-(declare-memory-proposition at-dock ())
-(declare-primitive plug-in () (okay) :on (okay (battery 100)))
-(declare-primitive drive () (okay) :on (okay (at-dock)))
-(define-rap (dock) (method (primitive (drive))))
-(define-rap (recharge)
-  (succeed nil)
-  (monitor-state (and (battery ?level) (< ?level 20){}))
-  {}(method (primitive (plug-in))))
-"""
 
 FAILING_REACTION = Rule(
     code="RAP139",
     name="failing-reaction",
     severity=Severity.WARNING,
     summary="a standing task fails for good where a condition of its RAP does not hold",
-    why="""A condition is asked when the monitor has woken the task, and one that does
-not hold is no reason to sleep on: the task fails, `interference` or, for
-`repeat-while`, `no-method`, and a standing task that has failed is gone for good (T
-4.4.2). Here the condition asks for a fact that changes, and that the monitor does not
-ask for. Ask for it in the monitor, or in the contexts, with a method for the case that
-it does not hold.""",
     ignore="where the task is to end for good then",
     source="T 4.4.2, 4.7.1",
-    example=_CONDITION.format("", "(preconditions (at-dock))\n  "),
-    better=_CONDITION.format(" (at-dock)", ""),
 )
 
 
@@ -394,70 +291,23 @@ def _unheard(
         )
 
 
-_CART = """\
-(declare-memory-property battery (?level) unknown)
-(declare-memory-proposition called (?room))
-(declare-primitive drive (?room) (okay) :uses (wheels))
-(declare-primitive plug-in () (okay) :uses (wheels))
-(define-rap (go ?room) (method (primitive (drive ?room))))
-(define-rap (answer)
-  (succeed nil)
-  (monitor-state (and (called ?room) (battery ?level) (> ?level 10)))
-  (repeat-while (called ?room))
-  (method (task-net (t1 (go ?room)))))
-(define-rap (recharge)
-  (succeed nil)
-  (monitor-state (and (battery ?level) (< ?level 20)))
-  (method (primitive (plug-in))))
-(define-agenda day
-  (task (answer) :priority 4 :background true)
-  (task (recharge) :priority {} :background true))
-"""
-
 RIVAL_REACTIONS = Rule(
     code="RAP136",
     name="rival-reactions",
     severity=Severity.WARNING,
     summary="two standing tasks of one priority wake by one fact and need one thing",
-    why="""Standing tasks that one fact can wake are often awake together. Of one
-priority, neither interrupts the other: which of them gets the thing that both need is
-chance, and the other waits until it is free (T 5.4.1). Say by priorities which one is
-more urgent.""",
     ignore="where either of the two may wait for the other",
     source="T 5.4.1",
-    example=_CART.format(4),
-    better=_CART.format(6),
 )
 
-_LAMP = """\
-(declare-memory-proposition lit (?lamp))
-(declare-primitive press (?lamp) (okay) :on (okay (lit ?lamp)))
-(declare-primitive release (?lamp) (okay) :on (okay (not (lit ?lamp))))
-(define-rap (keep-lit)
-  (succeed nil)
-  (monitor-state (not (lit hall)))
-  (method (primitive (press hall))))
-(define-rap (keep-dark)
-  (succeed nil)
-  (monitor-state (lit {}))
-  (method (primitive (release {}))))
-(define-agenda night
-  (task (keep-lit) :priority 4 :background true)
-  (task (keep-dark) :priority 6 :background true))
-"""
 
 UNDOING_REACTIONS = Rule(
     code="RAP137",
     name="undoing-reactions",
     severity=Severity.WARNING,
     summary="each of two standing tasks brings about what wakes the other one",
-    why="""What one of the two does wakes the other, and the other way round: they undo
-each other's work for good, as fast as the world lets them (T 4.7.1). Let the monitor of
-one of them ask for more, so that there is a state in which both sleep.""",
     ignore="where the two take turns on purpose, as a lamp that blinks",
     source="T 4.7.1",
-    example=_LAMP.format("hall", "hall"),
-    better=_LAMP.format("attic", "attic"),
 )
 
 
@@ -575,39 +425,13 @@ def _wakes(run: Pass, one: nodes.Goal, other: nodes.Goal) -> bool:
     )
 
 
-_GAUGE = """\
-(declare-memory-property pressure (?bar) unknown)
-(declare-primitive read-gauge () (okay) :tells (gauge) :on (okay))
-(declare-sensor-datum gauge (?bar) :on ((pressure ?bar)))
-(declare-primitive open-valve () (okay) :on (okay))
-(define-rap (watch-gauge)
-  (succeed nil)
-  (monitor-time now 60 90)
-  (method (primitive (read-gauge))))
-(define-rap (let-off-steam)
-  (preconditions (believe (pressure ?) {}))
-  (method (primitive (open-valve))))
-(define-agenda day
-  (task (watch-gauge) :priority 4 :background true)
-  (task (let-off-steam)))
-"""
-
 FRESHER_THAN_SENSED = Rule(
     code="RAP157",
     name="fresher-than-sensed",
     severity=Severity.WARNING,
     summary="a belief is to be younger than the time between two sensings of the fact",
-    why="""`(believe fact n)` holds if the fact came less than n time units ago (T
-4.1.1). Here only standing tasks look, and they wait longer than that between two looks:
-most of the time the belief is too old, whatever the world is like. Ask for an older
-one, look more often, or look in the RAP itself before it asks. Told of contexts,
-conditions and `repeat-while`, where the times are numbers; not of monitors, which may
-well wait for the next look, nor of facts that data bring unasked or that a RAP senses
-which anybody may ask for.""",
     ignore="where the belief is to hold only just after a look",
     source="T 4.1.1",
-    example=_GAUGE.format(10),
-    better=_GAUGE.format(90),
 )
 
 

@@ -48,22 +48,10 @@ UNKNOWN_RAP = Rule(
     name="unknown-rap",
     severity=Severity.ERROR,
     summary="a step, a rule or a test names a RAP that the library does not define",
-    why="""A step asks for a RAP by its name. If no file that was read defines one of
-that name, the method fails whenever it is chosen.""",
     fix="unsafe: writes the name that is spelled almost so, where there is one",
     ignore="where a host program or a problem solver brings the RAP, and says so when "
     "it runs",
     source="T 3.1.4",
-    example="""\
-(define-rap (go-to ?place))
-(define-rap (go-home)
-  (method (task-net (t1 (goto depot)))))
-""",
-    better="""\
-(define-rap (go-to ?place))
-(define-rap (go-home)
-  (method (task-net (t1 (go-to depot)))))
-""",
 )
 
 WRONG_STEP_ARITY = Rule(
@@ -71,19 +59,7 @@ WRONG_STEP_ARITY = Rule(
     name="wrong-step-arity",
     severity=Severity.ERROR,
     summary="a RAP is given another number of inputs or outputs than its index has",
-    why="""A step has to match the index of the RAP it asks for: as many inputs, and
-after `=>` as many outputs. An output that is not needed is written `?`.""",
     source="T 4.2",
-    example="""\
-(define-rap (look-for ?thing => ?place))
-(define-rap (look)
-  (method (task-net (t1 (look-for)))))
-""",
-    better="""\
-(define-rap (look-for ?thing => ?place))
-(define-rap (look)
-  (method (task-net (t1 (look-for box => ?)))))
-""",
 )
 
 
@@ -92,21 +68,8 @@ UNDECLARED_PREDICATE = Rule(
     name="undeclared-predicate",
     severity=Severity.ERROR,
     summary="a fact, property or test is not declared",
-    why="""Every proposition, property and function is declared, so that a slip of the
-pen is not taken for a fact that just never holds. Rows of comparators, `:reads` and
-`:excludes` name declared predicates too.""",
     fix="unsafe: writes the name that is spelled almost so, where there is one",
     source="T A.1",
-    example="""\
-(declare-memory-property location (?thing ?place) unknown)
-(define-rap (fetch ?thing)
-  (succeed (loction ?thing arm)))
-""",
-    better="""\
-(declare-memory-property location (?thing ?place) unknown)
-(define-rap (fetch ?thing)
-  (succeed (location ?thing arm)))
-""",
 )
 
 NOT_A_FACT = Rule(
@@ -114,20 +77,7 @@ NOT_A_FACT = Rule(
     name="not-a-fact",
     severity=Severity.ERROR,
     summary="a function or a query is asserted, noted or believed as if it were a fact",
-    why="""A declared function is computed when it is asked, and a named query is a
-formula. Neither is in memory, so nothing can put it there or take it away, be it an
-effect or an `:on`, and it has no age.""",
     source="T A.1",
-    example="""\
-(declare-memory-function near (?this ?that) "Whether two things are near.")
-(define-rap (stay ?thing)
-  (succeed (believe (near ?thing truck) 10)))
-""",
-    better="""\
-(declare-memory-function near (?this ?that) "Whether two things are near.")
-(define-rap (stay ?thing)
-  (succeed (near ?thing truck)))
-""",
 )
 
 UNDECLARED_FUNCTION = Rule(
@@ -135,23 +85,8 @@ UNDECLARED_FUNCTION = Rule(
     name="undeclared-function",
     severity=Severity.ERROR,
     summary="a term is computed by a function that is not declared",
-    why="""A list that stands as an argument is computed. Besides arithmetic, `size-of`
-and `value` only declared functions can do that; a proposition or property has no value
-there.""",
     fix="unsafe: writes the name that is spelled almost so, where there is one",
     source="T A.1",
-    example="""\
-(declare-memory-property size (?thing ?size) unknown)
-(declare-memory-property room (?box ?size) unknown)
-(define-rap (pack ?thing ?box)
-  (preconditions (room ?box (size ?thing))))
-""",
-    better="""\
-(declare-memory-property size (?thing ?size) unknown)
-(declare-memory-property room (?box ?size) unknown)
-(define-rap (pack ?thing ?box)
-  (preconditions (and (size ?thing ?size) (room ?box ?size))))
-""",
 )
 
 WRONG_FUNCTION_ARITY = Rule(
@@ -159,19 +94,7 @@ WRONG_FUNCTION_ARITY = Rule(
     name="wrong-function-arity",
     severity=Severity.ERROR,
     summary="a declared function gets another number of arguments than was declared",
-    why="""The function that the world or the host registers is called with what the
-term gives it; with too much or too little the query fails.""",
     source="T A.1",
-    example="""\
-(declare-memory-function distance (?from ?to))
-(define-rap (go ?from ?to)
-  (duration (distance ?to)))
-""",
-    better="""\
-(declare-memory-function distance (?from ?to))
-(define-rap (go ?from ?to)
-  (duration (distance ?from ?to)))
-""",
 )
 
 
@@ -180,21 +103,8 @@ UNDECLARED_PRIMITIVE = Rule(
     name="undeclared-primitive",
     severity=Severity.ERROR,
     summary="a method or a test names a primitive that is not declared",
-    why="""A primitive is a request to the world. What the world offers is declared, so
-that a library can be checked without the world; what is not declared nobody answers. A
-step of a task-net is no primitive: it names a RAP.""",
     fix="unsafe: writes the name that is spelled almost so, where there is one",
     source="T 4.5.3",
-    example="""\
-(declare-primitive arm-grasp (?arm ?thing) (okay))
-(define-rap (grasp ?arm ?thing)
-  (method (primitive (arm-grsp ?arm ?thing))))
-""",
-    better="""\
-(declare-primitive arm-grasp (?arm ?thing) (okay))
-(define-rap (grasp ?arm ?thing)
-  (method (primitive (arm-grasp ?arm ?thing))))
-""",
 )
 
 WRONG_PRIMITIVE_ARITY = Rule(
@@ -202,50 +112,17 @@ WRONG_PRIMITIVE_ARITY = Rule(
     name="wrong-primitive-arity",
     severity=Severity.ERROR,
     summary="a request has another number of arguments than its primitive",
-    why="""The world takes a request with the arguments that were declared for it and
-no others.""",
     source="T 4.5.3",
-    example="""\
-(declare-primitive arm-grasp (?arm ?thing) (okay))
-(define-rap (grasp ?thing)
-  (method (primitive (arm-grasp ?thing))))
-""",
-    better="""\
-(declare-primitive arm-grasp (?arm ?thing) (okay))
-(define-rap (grasp ?thing)
-  (method (primitive (arm-grasp left ?thing))))
-""",
 )
 
-
-_WALL = """\
-(declare-skill :follow-wall (?side))
-(declare-event :wall-ends ())
-(define-rap (follow ?side)
-  (method (primitive
-    (enable (:follow-wall ?side))
-    (wait-for (:wall-ends) :succeed))))
-"""
 
 UNDECLARED_SIGNAL = Rule(
     code="RAP023",
     name="undeclared-signal",
     severity=Severity.ERROR,
     summary="a skill or an event is not declared",
-    why="""Skills and events are what a world offers besides primitives. A skill that it
-does not have cannot be enabled, and an event that it never sends is awaited for
-ever.""",
     fix="unsafe: writes the name that is spelled almost so, where there is one",
     source="S 2",
-    example="""\
-(declare-skill :follow-wall (?side))
-(declare-event :wall-ends ())
-(define-rap (follow ?side)
-  (method (primitive
-    (enable (:follow-wall ?side))
-    (wait-for (:wall-end) :succeed))))
-""",
-    better=_WALL,
 )
 
 WRONG_SIGNAL_ARITY = Rule(
@@ -253,51 +130,17 @@ WRONG_SIGNAL_ARITY = Rule(
     name="wrong-signal-arity",
     severity=Severity.ERROR,
     summary="a skill or an event has another number of arguments than was declared",
-    why="""A skill is enabled with the arguments it was declared with, and an event is
-sent with those it was declared with: another number of them never matches.""",
     source="S 2",
-    example="""\
-(declare-skill :follow-wall (?side))
-(declare-event :wall-ends ())
-(define-rap (follow ?side)
-  (method (primitive
-    (enable (:follow-wall))
-    (wait-for (:wall-ends) :succeed))))
-""",
-    better=_WALL,
 )
 
-
-_LOOK = """\
-(declare-primitive look () (okay))
-(declare-sensor-datum seen (?thing))
-(define-rap (look-around) (method (primitive (look))))
-(define-test sees-the-box
-  (world truck)
-  (script ((look) :data ((seen box))))
-  (task (look-around)))
-"""
 
 UNDECLARED_DATUM = Rule(
     code="RAP075",
     name="undeclared-datum",
     severity=Severity.ERROR,
     summary="a test sends, or a primitive tells, a sensor datum that is not declared",
-    why="""A row of a script may send sensor data with `:data`, and a primitive says
-with `:tells` which may come with it. What a world sends is declared in the library that
-is to take it in; no handler is called for anything else.""",
     fix="unsafe: writes the name that is spelled almost so, where there is one",
     source="T 3.3.1",
-    example="""\
-(declare-primitive look () (okay))
-(declare-sensor-datum seen (?thing))
-(define-rap (look-around) (method (primitive (look))))
-(define-test sees-the-box
-  (world truck)
-  (script ((look) :data ((sene box))))
-  (task (look-around)))
-""",
-    better=_LOOK,
 )
 
 WRONG_DATUM_ARITY = Rule(
@@ -305,19 +148,7 @@ WRONG_DATUM_ARITY = Rule(
     name="wrong-datum-arity",
     severity=Severity.ERROR,
     summary="a sensor datum has another number of arguments than was declared",
-    why="""A world sends a datum with the arguments it was declared with, and its
-handler takes those and no others.""",
     source="T 3.3.1",
-    example="""\
-(declare-primitive look () (okay))
-(declare-sensor-datum seen (?thing))
-(define-rap (look-around) (method (primitive (look))))
-(define-test sees-the-box
-  (world truck)
-  (script ((look) :data ((seen box here))))
-  (task (look-around)))
-""",
-    better=_LOOK,
 )
 
 
@@ -326,20 +157,7 @@ WRONG_FACT_ARITY = Rule(
     name="wrong-fact-arity",
     severity=Severity.ERROR,
     summary="a fact or test has another number of arguments than was declared",
-    why="""A fact with too many or too few arguments matches nothing in memory; a
-function called so fails. Erasing takes a prefix, which may be shorter but not longer
-than the facts it is to erase.""",
     source="T A.1",
-    example="""\
-(declare-memory-proposition road (?from ?to))
-(define-rap (drive ?from ?to)
-  (preconditions (road ?from ?to paved)))
-""",
-    better="""\
-(declare-memory-proposition road (?from ?to))
-(define-rap (drive ?from ?to)
-  (preconditions (road ?from ?to)))
-""",
 )
 
 _FACTS: tuple[Use, ...] = ("test", "believed", "asserted", "erased")
@@ -503,23 +321,7 @@ UNKNOWN_AGENDA = Rule(
     name="unknown-agenda",
     severity=Severity.ERROR,
     summary="a test names an agenda that the library does not define",
-    why="""The tasks of an agenda are given to the robot as the test begins. Without
-the agenda there would be none of them.""",
     source="T 5.4",
-    example="""\
-(define-rap (watch))
-(define-agenda night (task (watch) :background true))
-(define-test the-robot-watches
-  (agenda nigt)
-  (until 10))
-""",
-    better="""\
-(define-rap (watch))
-(define-agenda night (task (watch) :background true))
-(define-test the-robot-watches
-  (agenda night)
-  (until 10))
-""",
 )
 
 
@@ -546,27 +348,8 @@ UNKNOWN_METHOD = Rule(
     name="unknown-method",
     severity=Severity.ERROR,
     summary="a question or a test names a method that its RAP does not have",
-    why="""`method-tried` and `result-with-method` are about the methods of the RAP that
-asks them, by their names; so is `(method rap name)` in a test, where `#1` is the first
-method if it has no name. One that no method has was never tried and never had a result.
-(In a RAP without methods of its own, a problem solver may bring methods with any name,
-and so it may in a test that names a world.)""",
     fix="unsafe: writes the name that is spelled almost so, where there is one",
     source="T 4.1.2",
-    example="""\
-(define-rap (knock))
-(define-rap (ring))
-(define-rap (call)
-  (method bell (task-net (t1 (ring))))
-  (method door (context (method-tried bel)) (task-net (t1 (knock)))))
-""",
-    better="""\
-(define-rap (knock))
-(define-rap (ring))
-(define-rap (call)
-  (method bell (task-net (t1 (ring))))
-  (method door (context (method-tried bell)) (task-net (t1 (knock)))))
-""",
 )
 
 
@@ -629,22 +412,9 @@ IMPLIED_TRUE = Rule(
     name="implied-true",
     severity=Severity.INFO,
     summary="a property is used without its value, which then means `true`",
-    why="""`(class ?x box)` for `(class ?x box true)` is read as it was meant, but a
-reader cannot see whether the value was left out on purpose, and a property whose value
-is not true or false never holds so.""",
     fix="safe: writes the value `true`",
     ignore="where all of a library leaves out the value of its yes-or-no properties",
     source="T A.1",
-    example="""\
-(declare-memory-property open (?door ?is) unknown)
-(define-rap (pass ?door)
-  (preconditions (open ?door)))
-""",
-    better="""\
-(declare-memory-property open (?door ?is) unknown)
-(define-rap (pass ?door)
-  (preconditions (open ?door true)))
-""",
 )
 
 
@@ -653,27 +423,8 @@ MISSING_VALUE = Rule(
     name="missing-value",
     severity=Severity.WARNING,
     summary="a property is used without its value, and its value is never `true`",
-    why="""A property one argument short means the value `true` [L 2.25]. Where its kind
-has no such value, or the library gives it others and never this one, the fact is never
-found: the value was forgotten.""",
     ignore="where a world asserts `true` and the library does not say so",
     source="T A.1",
-    example="""\
-(declare-memory-property door (?door ?state) unknown)
-(declare-primitive push (?door) (okay) :on (okay (door ?door open)))
-(declare-primitive drive (?door) (okay))
-(define-rap (pass ?door)
-  (method (context (door ?door)) (primitive (drive ?door)))
-  (method (context (door ?door shut)) (primitive (push ?door))))
-""",
-    better="""\
-(declare-memory-property door (?door ?state) unknown)
-(declare-primitive push (?door) (okay) :on (okay (door ?door open)))
-(declare-primitive drive (?door) (okay))
-(define-rap (pass ?door)
-  (method (context (door ?door open)) (primitive (drive ?door)))
-  (method (context (door ?door shut)) (primitive (push ?door))))
-""",
 )
 
 
@@ -731,36 +482,14 @@ def _implied_value(run: Pass, used: NameUse, declared: Signature) -> Diagnostic:
     )
 
 
-_FILES = """\
-;;; house.rap
-(require "doors")
-(require "visits")
-;;; doors.rap
-(declare-primitive push (?door) (okay))
-(define-rap (open ?door) (method (primitive (push ?door))))
-;;; visits.rap
-{}(declare-primitive ring (?bell) (okay))
-(define-rap (call-at ?bell) (method (primitive (ring ?bell))))
-(define-rap (visit ?door)
-  (method (task-net (t1 (open ?door) (for t2)) (t2 (call-at ?door)))))
-"""
-
 MISSING_REQUIRE = Rule(
     code="RAP088",
     name="missing-require",
     severity=Severity.WARNING,
     summary="a file uses a name of another file that it does not require",
-    why="""A file that is required stands for itself: whoever requires it may count on
-all that it needs being there. One that uses a name of a file that neither it nor a file
-that it requires brings in works only as long as somebody else happens to require both;
-checked alone, or required from elsewhere, it has a name that nobody knows. Files that
-neither require anything nor are required are parts of one folder, and not looked
-at.""",
     fix="unsafe: writes the `require`, where one file alone has the name",
     ignore="where the files are always required together, and never alone",
     source="L 1",
-    example=_FILES.format(""),
-    better=_FILES.format('(require "doors")\n'),
 )
 
 

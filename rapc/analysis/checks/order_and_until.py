@@ -24,34 +24,13 @@ from rapc.ir import nodes
 from rapc.ir.walk import steps
 from rapc.library.library import word_span
 
-_IN_ORDER = """\
-(define-rap (lift))
-(define-rap (carry))
-(define-rap (deliver)
-  (method (task-net
-    (t1 (lift) (for t2))
-    (t2 (carry)))))
-"""
-
 UNKNOWN_TAG = Rule(
     code="RAP026",
     name="unknown-tag",
     severity=Severity.ERROR,
     summary="an annotation names a step that its task-net does not have",
-    why="""`for`, `until-start`, `until-end` and `window` speak of a step of the same
-task-net by its tag. One that no step carries orders nothing and protects nothing, and
-a formula meant for it is never checked.""",
     fix="unsafe: writes the name that is spelled almost so, where there is one",
     source="T 4.5.2",
-    example="""\
-(define-rap (lift))
-(define-rap (carry))
-(define-rap (deliver)
-  (method (task-net
-    (t1 (lift) (for t3))
-    (t2 (carry)))))
-""",
-    better=_IN_ORDER,
 )
 
 DUPLICATE_TAG = Rule(
@@ -59,18 +38,7 @@ DUPLICATE_TAG = Rule(
     name="duplicate-tag",
     severity=Severity.ERROR,
     summary="two steps of a task-net have one tag",
-    why="""A tag names one step: an annotation that speaks of a tag carried twice
-would mean either of them.""",
     source="T 4.5.2",
-    example="""\
-(define-rap (lift))
-(define-rap (carry))
-(define-rap (deliver)
-  (method (task-net
-    (t1 (lift))
-    (t1 (carry)))))
-""",
-    better=_IN_ORDER,
 )
 
 CYCLIC_TASK_NET = Rule(
@@ -78,19 +46,7 @@ CYCLIC_TASK_NET = Rule(
     name="cyclic-task-net",
     severity=Severity.ERROR,
     summary="steps of a task-net wait for each other in a circle",
-    why="""`for` and a window that names a step put steps in order. In a circle no step
-may begin before another of them has ended, so none ever begins, and the method never
-ends.""",
     source="T 4.5.2",
-    example="""\
-(define-rap (lift))
-(define-rap (carry))
-(define-rap (deliver)
-  (method (task-net
-    (t1 (lift) (for t2))
-    (t2 (carry) (for t1)))))
-""",
-    better=_IN_ORDER,
 )
 
 _SHOWN = 8
@@ -190,26 +146,13 @@ def _says(net: nodes.TaskNet, edge: StepOrder) -> str:
     return f"puts `{net.steps[edge.before].tag}` before `{net.steps[edge.after].tag}`"
 
 
-_WORK = """\
-(define-rap (watch))
-(define-rap (carry))
-(define-rap (deliver)
-  (method (task-net
-    {}
-    {})))
-"""
-
 UNTIL_ITSELF = Rule(
     code="RAP074",
     name="until-itself",
     severity=Severity.WARNING,
     summary="a step is to go on until it ends or starts itself",
-    why="""`until-end` and `until-start` end a step for what another step does. With
-its own tag such an annotation never does anything; another step is meant, or none.""",
     ignore="never: the annotation does nothing",
     source="T 4.5.2",
-    example=_WORK.format("(t1 (watch) (until-end t1))", "(t2 (carry))"),
-    better=_WORK.format("(t1 (watch) (until-end t2))", "(t2 (carry))"),
 )
 
 END_EACH_OTHER = Rule(
@@ -217,17 +160,8 @@ END_EACH_OTHER = Rule(
     name="end-each-other",
     severity=Severity.WARNING,
     summary="two steps that can begin at once end each other by starting",
-    why="""`until-start` takes a step away when the other one starts. Where each of two
-steps does so to the other and neither waits for anything, the first to be chosen ends
-the other before that has begun: one of the two is never carried out, and priority or
-chance decides which. Steps that wait for something by monitors, signals or windows may
-be alternatives of that form.""",
     ignore="where one of the two is to be dropped, whichever it is",
     source="T 4.5.2",
-    example=_WORK.format(
-        "(t1 (watch) (until-start t2))", "(t2 (carry) (until-start t1))"
-    ),
-    better=_WORK.format("(t1 (watch) (until-end t2))", "(t2 (carry))"),
 )
 
 IDLE_UNTIL = Rule(
@@ -235,14 +169,8 @@ IDLE_UNTIL = Rule(
     name="idle-until",
     severity=Severity.WARNING,
     summary="a step is to be ended by one that is never under way at the same time",
-    why="""`until-start` and `until-end` end a step that is at work beside another (T
-4.5.2). Where `for` or a window puts one of the two before the other, the first has
-ended when the second begins: the annotation does nothing, or takes away a step that has
-not begun. Leave out the order, or the `until`.""",
     ignore="never: the annotation ends nothing that is under way",
     source="T 4.5.2",
-    example=_WORK.format("(t1 (watch) (for t2) (until-end t2))", "(t2 (carry))"),
-    better=_WORK.format("(t1 (watch) (until-end t2))", "(t2 (carry))"),
 )
 
 ENDED_BY_START = Rule(
@@ -250,14 +178,8 @@ ENDED_BY_START = Rule(
     name="ended-by-start",
     severity=Severity.WARNING,
     summary="a step is taken away when another one starts, which can start at once",
-    why="""`until-start` takes a step away when the other one is first selected [L
-4.28]. Where that waits for nothing, no other step, window, signal or monitor, and is no
-less urgent, it may be selected first: the step is never carried out. Mostly `until-end`
-was meant; else say what the other one waits for.""",
     ignore="where the other step waits for something that the library does not tell",
     source="T 4.5.2",
-    example=_WORK.format("(t1 (watch) (until-start t2))", "(t2 (carry))"),
-    better=_WORK.format("(t1 (watch) (until-end t2))", "(t2 (carry))"),
 )
 
 UNTIL_NEVER = Rule(
@@ -265,40 +187,8 @@ UNTIL_NEVER = Rule(
     name="until-never",
     severity=Severity.WARNING,
     summary="a step is to go on until another one ends or starts, which never does",
-    why="""`until-end` and `until-start` end a step when another one has ended or begins
-(T 4.5.2). A step for a RAP that stands by for good, with `(succeed nil)`, never ends,
-unless something takes it away; what `for` puts behind such a step never begins. The
-step that waits for this goes on for good, and so does its method.""",
     ignore="where the step is to go on until its whole method is ended from above",
     source="T 4.5.2, 4.7.1",
-    example="""\
-(declare-memory-proposition smoke ())
-(declare-primitive ring () (okay))
-(declare-primitive drive () (okay))
-(define-rap (watch)
-  (succeed nil)
-  (monitor-state (smoke))
-  (method (primitive (ring))))
-(define-rap (carry) (method (primitive (drive))))
-(define-rap (deliver)
-  (method (task-net
-    (t1 (carry) (until-end t2))
-    (t2 (watch)))))
-""",
-    better="""\
-(declare-memory-proposition smoke ())
-(declare-primitive ring () (okay))
-(declare-primitive drive () (okay))
-(define-rap (watch)
-  (succeed nil)
-  (monitor-state (smoke))
-  (method (primitive (ring))))
-(define-rap (carry) (method (primitive (drive))))
-(define-rap (deliver)
-  (method (task-net
-    (t1 (carry))
-    (t2 (watch) (until-end t1)))))
-""",
 )
 
 _Until = nodes.UntilStart | nodes.UntilEnd

@@ -14,25 +14,7 @@ MISPLACED = Rule(
     name="misplaced-otherwise",
     severity=Severity.ERROR,
     summary="`otherwise` stands elsewhere than in a method's context",
-    why="""`otherwise` asks that no method before this one in the text holds now. That
-is a question about a choice between methods: it is asked once, apart from what else the
-context asks, so it stands alone in a context or beside what else has to hold there,
-never under `not` or `or`, and nowhere else.""",
     source="T 4.5.1",
-    example="""\
-(declare-memory-proposition road (?from ?to))
-(declare-primitive drive (?to) (okay))
-(define-rap (go ?from ?to)
-  (method (context (road ?from ?to)) (primitive (drive ?to)))
-  (method (context (not otherwise)) (primitive (drive home))))
-""",
-    better="""\
-(declare-memory-proposition road (?from ?to))
-(declare-primitive drive (?to) (okay))
-(define-rap (go ?from ?to)
-  (method (context (road ?from ?to)) (primitive (drive ?to)))
-  (method (context otherwise) (primitive (drive home))))
-""",
 )
 
 FIRST = Rule(
@@ -40,25 +22,8 @@ FIRST = Rule(
     name="first-otherwise",
     severity=Severity.WARNING,
     summary="the first method of a RAP asks for `otherwise`, which always holds there",
-    why="""`otherwise` asks that no method before this one in the text holds now [L
-7.11]. Before the first there is none: it may be chosen in every situation, also where
-a method behind it was meant. Put it behind the others.""",
     ignore="never: leave out the context if it is to hold always",
     source="T 4.5.1",
-    example="""\
-(declare-memory-proposition road (?from ?to))
-(declare-primitive drive (?to) (okay))
-(define-rap (go ?from ?to)
-  (method (context otherwise) (primitive (drive home)))
-  (method (context (road ?from ?to)) (primitive (drive ?to))))
-""",
-    better="""\
-(declare-memory-proposition road (?from ?to))
-(declare-primitive drive (?to) (okay))
-(define-rap (go ?from ?to)
-  (method (context (road ?from ?to)) (primitive (drive ?to)))
-  (method (context otherwise) (primitive (drive home))))
-""",
 )
 
 

@@ -52,45 +52,14 @@ from rapc.ir.printer import format_formula, format_goal
 from rapc.ir.walk import FormulaAt, formulas, input_terms, steps, variable_names
 from rapc.library.library import Library
 
-WORLD = """\
-(declare-memory-proposition bay-open ())
-(declare-primitive open-bay () (okay) :on (okay (bay-open)))
-(declare-primitive close-bay () (okay) :on (okay (not (bay-open))))
-(declare-primitive unload () (okay))
-(define-rap (open) (method (primitive (open-bay))))
-(define-rap (close) (method (primitive (close-bay))))
-(define-rap (empty) (method (primitive (unload))))
-"""
-"""A bay that opens and closes, for the examples of rules on undone facts."""
-
 THREAT = Rule(
     code="RAP126",
     name="threatened-protection",
     severity=Severity.WARNING,
     summary="a step may undo what another step protects with `for`",
-    why="""A formula with `for` has to hold until the step begins that it is for; if it
-does not, the work is done in vain. A step that surely makes it false, and that order
-allows in between, may come just then: only priority or chance tells. Put that step
-before the one that protects, or after the one that needs what is protected.""",
     ignore="where priorities, or things that both use, keep the step from coming "
     "between",
     source="T 4.7.3, 4.9",
-    example=WORLD
-    + """\
-(define-rap (deliver)
-  (method (task-net
-    (t1 (open) ((bay-open) for t2))
-    (t2 (empty))
-    (t3 (close)))))
-""",
-    better=WORLD
-    + """\
-(define-rap (deliver)
-  (method (task-net
-    (t1 (open) ((bay-open) for t2))
-    (t2 (empty) (for t3))
-    (t3 (close)))))
-""",
 )
 
 RACING = Rule(
@@ -98,29 +67,8 @@ RACING = Rule(
     name="racing-steps",
     severity=Severity.WARNING,
     summary="a step may undo what another step needs before it can begin",
-    why="""`preconditions` and `constraints` of a RAP are asked whenever its task comes
-up (T 4.4.2). Steps that no `for` puts in order come up as priority and chance have it:
-if the one that surely undoes such a fact comes first, the other one fails,
-`interference`. Put the step that needs the fact before the one that undoes it, or raise
-its priority.""",
     ignore="where what both use keeps the one back until the other is done",
     source="T 4.4.2, 4.5.2",
-    example=WORLD
-    + """\
-(define-rap (empty-well) (preconditions (bay-open)) (method (primitive (unload))))
-(define-rap (deliver)
-  (method (task-net
-    (t1 (empty-well))
-    (t2 (close)))))
-""",
-    better=WORLD
-    + """\
-(define-rap (empty-well) (preconditions (bay-open)) (method (primitive (unload))))
-(define-rap (deliver)
-  (method (task-net
-    (t1 (empty-well) (for t2))
-    (t2 (close)))))
-""",
 )
 
 
@@ -245,30 +193,8 @@ BROKEN = Rule(
     name="broken-constraint",
     severity=Severity.WARNING,
     summary="a step undoes what a constraint asks for while other steps are left",
-    why="""`constraints` have to hold for all that is done below (T 4.4.3). A step that
-surely makes one false is the end of those that come after it: they fail with
-`interference`. Ask for it in the context, if it has to hold at first only, or let the
-step come last.""",
     ignore="where the steps that are left are to be dropped then",
     source="T 4.4.3, 5.3.4",
-    example=WORLD
-    + """\
-(define-rap (deliver)
-  (method
-    (constraints (bay-open))
-    (task-net
-      (t1 (close) (for t2))
-      (t2 (empty)))))
-""",
-    better=WORLD
-    + """\
-(define-rap (deliver)
-  (method
-    (constraints (bay-open))
-    (task-net
-      (t1 (empty) (for t2))
-      (t2 (close)))))
-""",
 )
 
 
@@ -392,41 +318,13 @@ def _break(step: nodes.Step, wanted: Literal, by: nodes.Goal) -> Diagnostic:
     )
 
 
-_WORLD = """\
-(declare-memory-proposition bay-open ())
-(declare-memory-proposition hatch-open ())
-(declare-primitive open-bay () (okay) :on (okay (bay-open)))
-(declare-primitive unload () (okay) :on (okay (not (bay-open))))
-(define-rap (open) (method (primitive (open-bay))))
-(define-rap (empty) (method (primitive (unload))))
-"""
-
 VAIN = Rule(
     code="RAP143",
     name="vain-protection",
     severity=Severity.WARNING,
     summary="a formula with `for` asks for what no step up to there can bring about",
-    why="""A formula with `for` has to hold when its step has ended and until the other
-one begins; if it does not, the method fails with `interference` (T 4.7.3). Here neither
-the step nor one before it changes the fact in that way, as far as declarations say, and
-no clause of the RAP asks for it: it holds by luck alone. Another fact was meant, or an
-effect is not declared.""",
     ignore="where the fact holds from the start, and nothing is to take it away",
     source="T 4.7.3",
-    example=_WORLD
-    + """\
-(define-rap (deliver)
-  (method (task-net
-    (t1 (open) ((hatch-open) for t2))
-    (t2 (empty)))))
-""",
-    better=_WORLD
-    + """\
-(define-rap (deliver)
-  (method (task-net
-    (t1 (open) ((bay-open) for t2))
-    (t2 (empty)))))
-""",
 )
 
 
@@ -604,38 +502,13 @@ def _vain(one: Literal, step: nodes.Step) -> Diagnostic:
     )
 
 
-_WORK = """\
-(declare-primitive drive (?to) (okay) :uses (wheels))
-(declare-primitive grasp (?thing) (okay) :uses (arm))
-(define-rap (go ?to) (method (primitive (drive ?to))))
-(define-rap (take ?thing) (method (primitive (grasp ?thing))))
-(define-rap (fetch ?thing)
-  (method (claims wheels) (task-net (t1 (take ?thing)))))
-(define-agenda day (task (fetch cup)) (task (carry plate kitchen)))
-"""
-
 CROSSED = Rule(
     code="RAP133",
     name="crossed-claims",
     severity=Severity.WARNING,
     summary="two tasks of an agenda take the same two things in opposite orders",
-    why="""A method holds what it claims until it ends, while its steps wait too. One
-that holds a thing and wants a second, beside another of the same priority that holds
-the second and wants the first, can wait for it for good: nothing breaks the circle.
-Claim all that is needed at one place, where a method gets all of its claims or none; or
-claim in one order everywhere.""",
     ignore="where the two tasks are never under way together",
     source="T 7.2.1",
-    example=_WORK
-    + """\
-(define-rap (carry ?thing ?to)
-  (method (claims arm) (task-net (t1 (go ?to)))))
-""",
-    better=_WORK
-    + """\
-(define-rap (carry ?thing ?to)
-  (method (claims arm wheels) (task-net (t1 (go ?to)))))
-""",
 )
 
 _Things = frozenset[nodes.Thing]

@@ -14,21 +14,7 @@ CIRCLE = Rule(
     name="query-in-a-circle",
     severity=Severity.ERROR,
     summary="a named query asks itself",
-    why="""A named query stands for its formula, wherever its name stands. One that
-asks itself, be it through others, would stand for a formula without end.""",
     source="T 4.1",
-    example="""\
-(declare-memory-proposition road (?from ?to))
-(define-query (way ?from ?to)
-  (or (road ?from ?to)
-      (and (road ?from ?between) (way ?between ?to))))
-""",
-    better="""\
-(declare-memory-proposition road (?from ?to))
-(define-query (way ?from ?to)
-  (or (road ?from ?to)
-      (and (road ?from ?between) (road ?between ?to))))
-""",
 )
 
 

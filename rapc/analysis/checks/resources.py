@@ -44,22 +44,7 @@ WRONG_KIND = Rule(
     name="wrong-resource-kind",
     severity=Severity.ERROR,
     summary="a set is used as a counter, or a counter as a set",
-    why="""`set-add`, `set-sub`, `member`, `empty` and `size-of` work on sets;
-`counter-add`, `counter-sub` and `value` on counters. On the other kind a test fails,
-and an effect fails its step.""",
     source="T 4.8.1",
-    example="""\
-(define-rap (load ?thing))
-(define-rap (load-all ?thing)
-  (resources (set ?loaded))
-  (method (task-net (t1 (load ?thing) (counter-add ?loaded 1)))))
-""",
-    better="""\
-(define-rap (load ?thing))
-(define-rap (load-all ?thing)
-  (resources (set ?loaded))
-  (method (task-net (t1 (load ?thing) (set-add ?loaded ?thing)))))
-""",
 )
 
 NOT_A_RESOURCE = Rule(
@@ -67,28 +52,8 @@ NOT_A_RESOURCE = Rule(
     name="not-a-resource",
     severity=Severity.ERROR,
     summary="something is used as a set or counter that cannot be one",
-    why="""Only the `resources` clause makes sets and counters, and only inputs hand
-them on. What a formula or a step binds is a plain value: it cannot be added to, and has
-neither members nor a `value`.""",
     fix="unsafe: writes the resource that is spelled almost so, where there is one",
     source="T 4.8.1",
-    example="""\
-(declare-memory-proposition wanted (?number))
-(define-rap (load))
-(define-rap (load-all)
-  (method
-    (context (wanted ?number))
-    (task-net (t1 (load) (counter-add ?number 1)))))
-""",
-    better="""\
-(declare-memory-proposition wanted (?number))
-(define-rap (load))
-(define-rap (load-all)
-  (resources (counter ?count 0))
-  (method
-    (context (and (wanted ?number) (< (value ?count) ?number)))
-    (task-net (t1 (load) (counter-add ?count 1)))))
-""",
 )
 
 Kind = Literal["set", "counter"]
@@ -269,25 +234,8 @@ RESOURCE_AS_VALUE = Rule(
     name="resource-as-value",
     severity=Severity.ERROR,
     summary="a set or counter stands where a plain value is needed",
-    why="""A resource is a thing of its own, not the number or the members it holds now.
-It equals no number, stands in no fact, and a request that holds one fails. Steps and
-`resources` take it as it is, `value`, `size-of`, `member` and `empty` look into it.""",
     fix="unsafe: takes the `value` of a counter",
     source="T 4.8.1",
-    example="""\
-(define-rap (load))
-(define-rap (load-some ?number)
-  (resources (counter ?count 0))
-  (succeed (= ?count ?number))
-  (method (task-net (t1 (load) (counter-add ?count 1)))))
-""",
-    better="""\
-(define-rap (load))
-(define-rap (load-some ?number)
-  (resources (counter ?count 0))
-  (succeed (= (value ?count) ?number))
-  (method (task-net (t1 (load) (counter-add ?count 1)))))
-""",
 )
 
 
@@ -394,28 +342,8 @@ IDLE = Rule(
     name="idle-resource",
     severity=Severity.WARNING,
     summary="a set or counter is asked about, and nothing ever brings it there",
-    why="""A counter that nothing counts, or that is only counted up where `succeed`
-waits for it to fall, never gets there; a set that nothing is put into stays empty (T
-4.8). The effect on the step is missing, or its verb is the wrong one. A resource that
-nobody uses at all is left over.""",
     ignore="where a host or a problem solver changes the resource",
     source="T 4.8.1",
-    example="""\
-(declare-primitive load () (okay))
-(define-rap (lift) (method (primitive (load))))
-(define-rap (load-all ?number)
-  (resources (counter ?wanted ?number))
-  (succeed (<= (value ?wanted) 0))
-  (method (task-net (t1 (lift)))))
-""",
-    better="""\
-(declare-primitive load () (okay))
-(define-rap (lift) (method (primitive (load))))
-(define-rap (load-all ?number)
-  (resources (counter ?wanted ?number))
-  (succeed (<= (value ?wanted) 0))
-  (method (task-net (t1 (lift) (counter-sub ?wanted 1)))))
-""",
 )
 
 
@@ -425,28 +353,9 @@ UNREAD = Rule(
     severity=Severity.INFO,
     opt_in=True,
     summary="a set or counter is changed, and nobody asks about it",
-    why="""What a resource holds matters where a formula or a term asks for it, here or
-in a RAP that it is handed to (T 4.8). A counter may still be there to show the
-interpreter that a loop gets on, or to be seen in a trace. The rule is opt-in for that
-reason.""",
     ignore="where a counter shows the interpreter that a loop gets on, or is there to "
     "be seen",
     source="T 4.8",
-    example="""\
-(declare-primitive load () (okay))
-(define-rap (lift) (method (primitive (load))))
-(define-rap (load-some)
-  (resources (counter ?loaded))
-  (method (task-net (t1 (lift) (counter-add ?loaded 1)))))
-""",
-    better="""\
-(declare-primitive load () (okay))
-(define-rap (lift) (method (primitive (load))))
-(define-rap (load-some)
-  (resources (counter ?loaded))
-  (repeat-while (< (value ?loaded) 4))
-  (method (task-net (t1 (lift) (counter-add ?loaded 1)))))
-""",
 )
 
 

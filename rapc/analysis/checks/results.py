@@ -26,27 +26,8 @@ UNKNOWN = Rule(
     name="unknown-result",
     severity=Severity.ERROR,
     summary="a result is asked for, given or described that nothing can return",
-    why="""Results come from primitives, which declare theirs, from events that fail a
-step, and from the interpreter: `okay`, `no-method`, `interference`, `futile-loop` and
-`signal`. A test for any other symbol never holds. In the script of a test a row answers
-a request with one of the results of its primitive; an `:on` of that says what one of
-them changes.""",
     fix="unsafe: writes the name that is spelled almost so, where there is one",
     source="T 4.1.2",
-    example="""\
-(declare-primitive arm-grasp (?thing) (okay arm-dropped))
-(define-rap (grasp ?thing)
-  (method
-    (context (not (last-result arm-droped)))
-    (primitive (arm-grasp ?thing))))
-""",
-    better="""\
-(declare-primitive arm-grasp (?thing) (okay arm-dropped))
-(define-rap (grasp ?thing)
-  (method
-    (context (not (last-result arm-dropped)))
-    (primitive (arm-grasp ?thing))))
-""",
 )
 
 REASONS = ("okay", "no-method", "interference", "futile-loop", "signal")
@@ -126,28 +107,8 @@ OTHERS = Rule(
     name="impossible-result",
     severity=Severity.WARNING,
     summary="a RAP asks for a result that none of its own methods can have",
-    why="""`last-result` and `result-with-method` speak of what the methods of the same
-RAP ended with (T 4.1.2). A primitive ends with a result that it declares; one of
-another primitive never comes up here, so the test never holds. The result of another
-primitive was meant, or the test stands in the wrong RAP.""",
     ignore="where a problem solver brings a method that ends so",
     source="T 4.1.2",
-    example="""\
-(declare-primitive grasp (?thing) (okay slipped))
-(declare-primitive drive (?place) (okay blocked))
-(define-rap (go ?place) (method (primitive (drive ?place))))
-(define-rap (take ?thing)
-  (preconditions (not (last-result blocked)))
-  (method (primitive (grasp ?thing))))
-""",
-    better="""\
-(declare-primitive grasp (?thing) (okay slipped))
-(declare-primitive drive (?place) (okay blocked))
-(define-rap (go ?place) (method (primitive (drive ?place))))
-(define-rap (take ?thing)
-  (preconditions (not (last-result slipped)))
-  (method (primitive (grasp ?thing))))
-""",
 )
 
 
@@ -234,34 +195,14 @@ def _impossible_result(
     )
 
 
-_DOOR = """\
-(declare-primitive turn-handle (?door) (okay locked stuck))
-(declare-primitive kick (?door) (okay))
-(declare-primitive unlock (?door) (okay))
-(define-rap (open ?door)
-  (method by-hand (primitive (turn-handle ?door)))
-  (method with-force{} (primitive (kick ?door)))
-  (method with-a-key{} (primitive (unlock ?door))))
-"""
-
 ALIKE = Rule(
     code="RAP156",
     name="failures-alike",
     severity=Severity.INFO,
     opt_in=True,
     summary="a RAP has other methods, and never asks how its primitive has failed",
-    why="""A primitive that declares several failures says that there are several things
-to do about them. Where they leave memory alike, only `last-result` and
-`result-with-method` tell them apart (T 4.1.2); a RAP whose other methods do not ask
-tries these in turn, whatever went wrong: a door that is locked is kicked. Methods that
-serve against any failure need not ask; the rule is opt-in for that reason.""",
     ignore="where each method serves against any failure",
     source="T 4.1.2",
-    example=_DOOR.format("", ""),
-    better=_DOOR.format(
-        "\n    (context (last-result stuck))\n   ",
-        "\n    (context (last-result locked))\n   ",
-    ),
 )
 
 
@@ -325,34 +266,8 @@ DEAD = Rule(
     name="dead-case",
     severity=Severity.WARNING,
     summary="a case of a memory rule can never be taken",
-    why="""Of the cases of a `match-result` the first that matches is taken alone, so
-what stands behind a case that matches everything, or behind the same case, is never
-reached. A task ends with a result, not with a signal; an event is a signal, and has no
-result. A task that ends well has the result `succeed`; one that fails has a result of a
-primitive of its RAP or of one below it, the name of an event that fails one of them, or
-a reason of the interpreter. An event that skills tell is heard by the rules of a RAP
-only if such skills are on for it or for one below it. Methods that a problem solver
-adds are not looked at.""",
     ignore="where a problem solver brings methods that end so",
     source="S 4.2",
-    example="""\
-(declare-memory-proposition at (?place))
-(declare-primitive drive (?place) (okay stuck))
-(define-rap (go ?place) (method (primitive (drive ?place))))
-(define-memory-rule (go ?place) :finish
-  (match-result
-    (?result (rule (true (mem-del (at)))))
-    (succeed (rule (true (mem-add (at ?place)))))))
-""",
-    better="""\
-(declare-memory-proposition at (?place))
-(declare-primitive drive (?place) (okay stuck))
-(define-rap (go ?place) (method (primitive (drive ?place))))
-(define-memory-rule (go ?place) :finish
-  (match-result
-    (succeed (rule (true (mem-add (at ?place)))))
-    (?result (rule (true (mem-del (at)))))))
-""",
 )
 
 

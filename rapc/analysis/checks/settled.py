@@ -38,24 +38,8 @@ COPY = Rule(
     name="copied-method",
     severity=Severity.WARNING,
     summary="two methods of a RAP say the same",
-    why="""A second method is another way to do a thing: it is chosen when the first has
-failed (T 3.2.2). One that says the same in the same situation is no other way, and its
-tries only put off the failure. Mostly it was copied to be changed.""",
     ignore="where the second one is there to be tried once more",
     source="T 3.2.2",
-    example="""\
-(declare-primitive push (?door) (okay))
-(define-rap (open ?door)
-  (method push (primitive (push ?door)))
-  (method pull (primitive (push ?door))))
-""",
-    better="""\
-(declare-primitive push (?door) (okay))
-(declare-primitive pull (?door) (okay))
-(define-rap (open ?door)
-  (method push (primitive (push ?door)))
-  (method pull (primitive (pull ?door))))
-""",
 )
 
 AT_ONCE = Rule(
@@ -63,25 +47,8 @@ AT_ONCE = Rule(
     name="succeeds-at-once",
     severity=Severity.WARNING,
     summary="a RAP has succeeded before any of its methods can be chosen",
-    why="""`succeed` is asked before a method is chosen (T 3.2.3). One that holds
-whatever happens, because nothing in it can fail, makes the methods idle. A property has
-a value even if nothing is known, its default: `(battery ?level)` always holds.""",
     ignore="never: leave the methods out if nothing is to be done",
     source="T 3.2.3",
-    example="""\
-(declare-memory-property battery (?level) unknown)
-(declare-primitive read-gauge () (okay))
-(define-rap (look-at-battery => ?level)
-  (succeed (battery ?level))
-  (method (primitive (read-gauge))))
-""",
-    better="""\
-(declare-memory-property battery (?level) unknown)
-(declare-primitive read-gauge () (okay))
-(define-rap (look-at-battery => ?level)
-  (succeed (and (battery ?level) (n= ?level unknown)))
-  (method (primitive (read-gauge))))
-""",
 )
 
 NEVER = Rule(
@@ -89,25 +56,8 @@ NEVER = Rule(
     name="never-succeeds",
     severity=Severity.WARNING,
     summary="a RAP can never succeed, and no monitor lets it wait",
-    why="""`(succeed nil)` makes a standing task: it acts whenever its monitor wakes it
-and is never done (T 4.7.1). Without a monitor, and without a step that waits for a
-signal or a time, its methods follow each other without a pause, until nothing changes
-any more and the task fails.""",
     ignore="where the task is to go on until it fails as futile, as in a test",
     source="T 4.7.1",
-    example="""\
-(declare-primitive look () (okay))
-(define-rap (keep-looking)
-  (succeed nil)
-  (method (primitive (look))))
-""",
-    better="""\
-(declare-primitive look () (okay))
-(define-rap (keep-looking)
-  (succeed nil)
-  (monitor-time now 10 15)
-  (method (primitive (look))))
-""",
 )
 
 ALWAYS = Rule(
@@ -115,28 +65,8 @@ ALWAYS = Rule(
     name="monitor-always-holds",
     severity=Severity.WARNING,
     summary="a monitor holds whatever happens, so that it lets nothing wait",
-    why="""A monitor keeps a task asleep until its formula holds (T 4.7.1). One in which
-nothing can fail keeps nobody asleep: the methods follow each other without a pause. A
-property has a value even if nothing is known, its default, so a fact that asks for it
-with a fresh variable always holds; a test of the value is missing.""",
     ignore="never: leave the monitor out if the task is to wait for nothing",
     source="T 4.7.1",
-    example="""\
-(declare-memory-property battery (?level) unknown)
-(define-rap (charge))
-(define-rap (keep-charged)
-  (succeed nil)
-  (monitor-state (battery ?level))
-  (method (task-net (t1 (charge)))))
-""",
-    better="""\
-(declare-memory-property battery (?level) unknown)
-(define-rap (charge))
-(define-rap (keep-charged)
-  (succeed nil)
-  (monitor-state (and (battery ?level) (< ?level 20)))
-  (method (task-net (t1 (charge)))))
-""",
 )
 
 NOT_AT_FIRST = Rule(
@@ -144,33 +74,8 @@ NOT_AT_FIRST = Rule(
     name="never-begins",
     severity=Severity.WARNING,
     summary="a clause does not hold of a new set or counter, so no method begins",
-    why="""`repeat-while`, `preconditions` and `constraints` have to hold before a
-method is chosen. A set that the RAP declares is empty then, and a counter is where it
-was set, for only the methods change them (T 4.8). A clause that asks for a member, or
-for a number that counting would have to bring, never lets anything begin: mostly the
-test is the wrong way round.""",
     ignore="where a host fills the set or sets the counter before the task begins",
     source="T 4.8.1",
-    example="""\
-(declare-memory-proposition room (?room))
-(declare-memory-proposition seen (?thing))
-(define-rap (look-in ?room))
-(define-rap (look-everywhere)
-  (succeed (seen keys))
-  (resources (set ?seen))
-  (repeat-while (and (room ?room) (member ?seen ?room)))
-  (method (task-net (t1 (look-in ?room) (set-add ?seen ?room)))))
-""",
-    better="""\
-(declare-memory-proposition room (?room))
-(declare-memory-proposition seen (?thing))
-(define-rap (look-in ?room))
-(define-rap (look-everywhere)
-  (succeed (seen keys))
-  (resources (set ?seen))
-  (repeat-while (and (room ?room) (not (member ?seen ?room))))
-  (method (task-net (t1 (look-in ?room) (set-add ?seen ?room)))))
-""",
 )
 
 
@@ -279,24 +184,8 @@ SETTLED_COMPARISON = Rule(
     name="settled-comparison",
     severity=Severity.WARNING,
     summary="a comparison holds always, or never, as it is written",
-    why="""Two constants, or a variable and the same one with a number added, compare in
-one way whatever happens; so do the age of a belief, a number, and a word. Mostly one of
-the two was to be another variable: a test is missing, or stands in the way of all that
-depends on it.""",
     ignore="never: write `true` or `nil` if that is meant",
     source="T 4.1",
-    example="""\
-(declare-memory-property tank (?level) unknown)
-(declare-memory-property room-for (?litres) unknown)
-(define-query (tank-full)
-  (and (tank ?level) (room-for ?litres) (> (+ ?level 5) ?level)))
-""",
-    better="""\
-(declare-memory-property tank (?level) unknown)
-(declare-memory-property room-for (?litres) unknown)
-(define-query (tank-full)
-  (and (tank ?level) (room-for ?litres) (> (+ ?level 5) ?litres)))
-""",
 )
 
 

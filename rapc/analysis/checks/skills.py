@@ -15,27 +15,8 @@ UNTOLD_EVENT = Rule(
     name="untold-event",
     severity=Severity.WARNING,
     summary="a primitive waits for an event that none of its skills tells",
-    why="""The event is one that skills tell, by their `:events`, but neither a skill of
-this primitive nor one of the `skills` of a method does. So it can only come from
-elsewhere, or never.""",
     ignore="where a host or another task has the skill on that tells it",
     source="S 3.2, 4.1",
-    example="""\
-(declare-event :seen ())
-(declare-event :arrived ())
-(declare-skill :look-out () :events (:seen))
-(declare-skill :drive () :events (:arrived))
-(define-rap (go) (method (primitive (enable (:drive)) (wait-for (:seen) :succeed))))
-(define-rap (see) (method (primitive (enable (:look-out)) (wait-for (:seen) :succeed))))
-""",
-    better="""\
-(declare-event :seen ())
-(declare-event :arrived ())
-(declare-skill :look-out () :events (:seen))
-(declare-skill :drive () :events (:arrived))
-(define-rap (go) (method (primitive (enable (:drive)) (wait-for (:arrived) :succeed))))
-(define-rap (see) (method (primitive (enable (:look-out)) (wait-for (:seen) :succeed))))
-""",
 )
 
 UNUSED_SKILL = Rule(
@@ -43,23 +24,8 @@ UNUSED_SKILL = Rule(
     name="unused-skill",
     severity=Severity.INFO,
     summary="a skill is declared that nothing enables, though others are enabled",
-    why="""The world must offer every skill that is declared, or the library is refused
-in it; and a skill that nothing enables may have been forgotten. A file without RAPs
-may list all that a world offers (as `rapc worlds NAME --declare` prints it) for
-libraries that use a part of it: its skills are not told of.""",
     ignore="where the file lists all that a world offers",
     source="S 2",
-    example="""\
-(declare-event :arrived ())
-(declare-skill :drive () :events (:arrived))
-(declare-skill :look-out ())
-(define-rap (go) (method (primitive (enable (:drive)) (wait-for (:arrived) :succeed))))
-""",
-    better="""\
-(declare-event :arrived ())
-(declare-skill :drive () :events (:arrived))
-(define-rap (go) (method (primitive (enable (:drive)) (wait-for (:arrived) :succeed))))
-""",
 )
 
 VAIN_DISABLE = Rule(
@@ -67,33 +33,8 @@ VAIN_DISABLE = Rule(
     name="vain-disable",
     severity=Severity.WARNING,
     summary="a primitive disables a skill that it does not enable",
-    why="""The skills of a primitive go off when it ends; `disable` says so for the
-reader. It switches no others off: those of another task, or the `skills` of a method,
-stay on.""",
     ignore="never: the skill that is named stays as it was",
     source="S 3.2",
-    example="""\
-(declare-event :arrived ())
-(declare-skill :drive () :events (:arrived))
-(declare-skill :look-out ())
-(define-rap (go)
-  (method
-    (primitive (enable (:drive)) (wait-for (:arrived) :succeed) (disable (:look-out)))))
-(define-rap (guard)
-  (method
-    (primitive (enable (:look-out)) (wait-for (:arrived) :succeed))))
-""",
-    better="""\
-(declare-event :arrived ())
-(declare-skill :drive () :events (:arrived))
-(declare-skill :look-out ())
-(define-rap (go)
-  (method
-    (primitive (enable (:drive)) (wait-for (:arrived) :succeed) (disable (:drive)))))
-(define-rap (guard)
-  (method
-    (primitive (enable (:look-out)) (wait-for (:arrived) :succeed))))
-""",
 )
 
 
@@ -182,24 +123,8 @@ NOTHING_AWAITED = Rule(
     name="nothing-awaited",
     severity=Severity.WARNING,
     summary="a primitive enables skills and waits for no event",
-    why="""Such a primitive ends well at once, and what it enabled is switched off with
-it: the skills hardly run. To let them run, wait for the event that says that they are
-done.""",
     ignore="where the skill does its work at once when it is switched on",
     source="S 3.2",
-    example="""\
-(declare-skill :follow-wall (?side))
-(define-rap (follow ?side)
-  (method (primitive (enable (:follow-wall ?side)))))
-""",
-    better="""\
-(declare-skill :follow-wall (?side))
-(declare-event :wall-ends ())
-(define-rap (follow ?side)
-  (method (primitive
-    (enable (:follow-wall ?side))
-    (wait-for (:wall-ends) :succeed))))
-""",
 )
 
 

@@ -20,25 +20,7 @@ WORLDLESS_TEST = Rule(
     name="worldless-test",
     severity=Severity.ERROR,
     summary="a test names no world, but needs what only a world brings along",
-    why="""Handlers of sensor data, comparators and the options of a world come from the
-world that a test names by `(world name)`; so do the functions of a library, unless
-`answers` says what they return. Without them the test cannot be run.""",
     source="L 1",
-    example="""\
-(declare-memory-function distance (?from ?to))
-(define-rap (wait))
-(define-test waits
-  (task (wait))
-  (expect (succeeds (wait))))
-""",
-    better="""\
-(declare-memory-function distance (?from ?to))
-(define-rap (wait))
-(define-test waits
-  (answers ((distance ? ?) 3))
-  (task (wait))
-  (expect (succeeds (wait))))
-""",
 )
 
 
@@ -84,27 +66,7 @@ IMPOSSIBLE_ROW = Rule(
     name="impossible-row",
     severity=Severity.ERROR,
     summary="a row of a script says what its request or skill cannot do",
-    why="""An atomic primitive holds the interpreter until it ends [L 3.72], so it does
-not end `:after` it was asked for. A skill has no result and sends no data; only a skill
-tells its signals with waits between them, or again and again; what goes off neither
-waits nor is refused.""",
     source="L 3.72",
-    example="""\
-(declare-primitive drive (?place) (okay))
-(define-rap (go ?place) (method (primitive (drive ?place))))
-(define-test it-gets-there
-  (script ((drive dock) :after 5))
-  (task (go dock))
-  (expect (succeeds (go dock))))
-""",
-    better="""\
-(declare-primitive drive (?place) (okay) :atomic false)
-(define-rap (go ?place) (method (primitive (drive ?place))))
-(define-test it-gets-there
-  (script ((drive dock) :after 5))
-  (task (go dock))
-  (expect (succeeds (go dock))))
-""",
 )
 
 
@@ -159,23 +121,8 @@ UNKNOWN_EVENT = Rule(
     name="unknown-event",
     severity=Severity.ERROR,
     summary="a test expects an event, or a key of one, that no trace ever holds",
-    why="""`(trace (event :key value...)...)` holds if the trace has such events in that
-order. The names of events and of their keys are those of the trace; one that is spelled
-otherwise is never found.""",
     fix="unsafe: writes the event or key that is spelled almost so",
     source="L 1",
-    example="""\
-(define-rap (wait))
-(define-test waits
-  (task (wait))
-  (expect (trace (task-succeded :goal (wait)))))
-""",
-    better="""\
-(define-rap (wait))
-(define-test waits
-  (task (wait))
-  (expect (trace (task-succeeded :goal (wait)))))
-""",
 )
 
 

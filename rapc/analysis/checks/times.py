@@ -25,23 +25,9 @@ WINDOW = Rule(
     name="empty-window",
     severity=Severity.WARNING,
     summary="a window closes before it opens, or before its step can be done",
-    why="""A window says when a step may begin and by when it is to be done (T 4.5.2), a
-`monitor-time` the same of a whole task (T 4.7.1). One that closes before it opens, or
-sooner after it opens than the RAP of the step says that it takes, is missed each
-time.""",
     fix="unsafe: swaps the two times",
     ignore="never: the step is never done in time",
     source="T 4.5.2, 4.7.1",
-    example="""\
-(define-rap (rest))
-(define-rap (work)
-  (method (task-net (t1 (rest) (window now 30 20)))))
-""",
-    better="""\
-(define-rap (rest))
-(define-rap (work)
-  (method (task-net (t1 (rest) (window now 20 30)))))
-""",
 )
 
 RESTLESS = Rule(
@@ -49,25 +35,8 @@ RESTLESS = Rule(
     name="restless-monitor",
     severity=Severity.WARNING,
     summary="a standing task waits for no time at all between its methods",
-    why="""`(monitor-time now 0 ...)` lets a task go on as soon as its method has ended.
-A task that never succeeds and waits for nothing else then does nothing but that, and
-whatever has a lower priority never comes up (T 4.7.2).""",
     ignore="where every method takes its time, as one that drives does",
     source="T 4.7.2",
-    example="""\
-(declare-primitive look () (okay))
-(define-rap (keep-looking)
-  (succeed nil)
-  (monitor-time now 0 15)
-  (method (primitive (look))))
-""",
-    better="""\
-(declare-primitive look () (okay))
-(define-rap (keep-looking)
-  (succeed nil)
-  (monitor-time now 10 15)
-  (method (primitive (look))))
-""",
 )
 
 STALE = Rule(
@@ -75,24 +44,8 @@ STALE = Rule(
     name="never-fresh",
     severity=Severity.WARNING,
     summary="a belief is asked for that is younger than no time at all",
-    why="""`(believe fact n)` holds if the fact came less than n time units ago (T
-4.1.1). Nothing is younger than 0: such a belief rests on a default, if at all.""",
     ignore="never: ask for the default itself if that is meant",
     source="T 4.1.1",
-    example="""\
-(declare-memory-proposition seen (?thing))
-(declare-primitive look () (okay))
-(define-rap (see ?thing)
-  (succeed (believe (seen ?thing) 0))
-  (method (primitive (look))))
-""",
-    better="""\
-(declare-memory-proposition seen (?thing))
-(declare-primitive look () (okay))
-(define-rap (see ?thing)
-  (succeed (believe (seen ?thing) 10))
-  (method (primitive (look))))
-""",
 )
 
 

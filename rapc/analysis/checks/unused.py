@@ -27,22 +27,8 @@ UNUSED_INPUT = Rule(
     severity=Severity.INFO,
     opt_in=True,
     summary="a RAP that has methods never uses one of its inputs",
-    why="""Every step that asks for the RAP has to give a value for the input, and
-nothing comes of it; a constant or another variable may stand where the input was meant.
-Where several RAPs are to be asked for in one way, an input may be left unused on
-purpose. The rule is opt-in for that reason.""",
     ignore="where several RAPs are to be asked for in one way",
     source="T 4.2",
-    example="""\
-(declare-primitive drive (?place) (okay))
-(define-rap (go ?place)
-  (method (primitive (drive dock))))
-""",
-    better="""\
-(declare-primitive drive (?place) (okay))
-(define-rap (go ?place)
-  (method (primitive (drive ?place))))
-""",
 )
 
 UNREACHED_RAP = Rule(
@@ -51,28 +37,9 @@ UNREACHED_RAP = Rule(
     severity=Severity.INFO,
     opt_in=True,
     summary="no task of an agenda leads to a RAP, though the library has agendas",
-    why="""Agendas say what is to be done; what none of them asks for, directly or
-through other RAPs, is never carried out: it is left over, or a step is missing that
-should ask for it. Tasks of tests in the same file count too. What is given on a command
-line, by a program, or by a test file of its own is not seen here. The rule is opt-in
-for that reason.""",
     ignore="where the RAP is asked for on a command line, by a program or by other "
     "libraries",
     source="T 5.4",
-    example="""\
-(declare-primitive drive (?place) (okay))
-(declare-primitive dock () (okay))
-(define-rap (go ?place) (method (primitive (drive ?place))))
-(define-rap (recharge) (method (primitive (dock))))
-(define-agenda day (task (go home)))
-""",
-    better="""\
-(declare-primitive drive (?place) (okay))
-(declare-primitive dock () (okay))
-(define-rap (go ?place) (method (primitive (drive ?place))))
-(define-rap (recharge) (method (primitive (dock))))
-(define-agenda day (task (go home)) (task (recharge)))
-""",
 )
 
 
@@ -126,26 +93,8 @@ SINGLETON_VARIABLE = Rule(
     severity=Severity.INFO,
     opt_in=True,
     summary="a variable occurs once in its form, where a bare `?` would do",
-    why="""A variable that occurs once matches anything and hands nothing on. Often
-another one was meant: an input, or one bound in another clause. Where anything will do
-a bare `?` says so. A name may still tell a reader what stands there; the rule is opt-in
-for that reason.""",
     ignore="where the name tells a reader what stands there",
     source="T 4.1",
-    example="""\
-(declare-memory-proposition inside (?thing ?box))
-(declare-primitive open (?box) (okay))
-(define-rap (take-out ?thing)
-  (preconditions (inside ?thing ?case))
-  (method (primitive (open ?thing))))
-""",
-    better="""\
-(declare-memory-proposition inside (?thing ?box))
-(declare-primitive open (?box) (okay))
-(define-rap (take-out ?thing)
-  (preconditions (inside ?thing ?))
-  (method (primitive (open ?thing))))
-""",
 )
 
 UNUSED_DECLARATION = Rule(
@@ -154,27 +103,8 @@ UNUSED_DECLARATION = Rule(
     severity=Severity.INFO,
     opt_in=True,
     summary="something is declared that nothing in the library uses",
-    why="""A proposition, property, function, query, primitive or datum that nobody
-names, or a fact that is told and that nobody asks for, is left over, or its use was
-forgotten. A file of declarations for several libraries holds more than each of them
-uses; the rule is opt-in for that reason.""",
     ignore="where the file declares what several libraries use",
     source="T A.1",
-    example="""\
-(declare-memory-proposition inside (?thing ?box))
-(declare-memory-proposition on-top-of (?thing ?other))
-(declare-primitive open (?box) (okay))
-(define-rap (take-out ?thing ?box)
-  (preconditions (inside ?thing ?box))
-  (method (primitive (open ?box))))
-""",
-    better="""\
-(declare-memory-proposition inside (?thing ?box))
-(declare-primitive open (?box) (okay))
-(define-rap (take-out ?thing ?box)
-  (preconditions (inside ?thing ?box))
-  (method (primitive (open ?box))))
-""",
 )
 
 
@@ -221,33 +151,14 @@ def _unused_declarations(run: Pass, index: Index) -> Iterator[tuple[Signature, s
             yield declared, "tells"
 
 
-_DOOR = """\
-(declare-memory-property door (?door ?state) unknown)
-(declare-memory-proposition heard (?sound))
-(declare-primitive push (?door) (okay)
-  :on (okay (door ?door open){}))
-(define-rap (open ?door)
-  (succeed (door ?door open))
-  (method{}(primitive (push ?door))))
-"""
-
 UNREAD_FACT = Rule(
     code="RAP165",
     name="unread-fact",
     severity=Severity.INFO,
     opt_in=True,
     summary="a fact is put into memory, and nothing asks for it",
-    why="""What is kept of a world serves those who ask for it: formulas, functions that
-read it (`:reads`), comparators. A fact that nobody asks for costs memory and time, and
-often shows that a test is missing, or asks for another fact. A library that describes a
-whole world for others tells more than it asks itself; the rule is opt-in for that
-reason.""",
     ignore="where the library describes a world for others",
     source="T 2.2",
-    example=_DOOR.format(" (heard creaking)", " "),
-    better=_DOOR.format(
-        " (heard creaking)", "\n    (context (not (heard creaking)))\n    "
-    ),
 )
 
 UNASSERTED_FACT = Rule(
@@ -256,16 +167,8 @@ UNASSERTED_FACT = Rule(
     severity=Severity.INFO,
     opt_in=True,
     summary="a fact is asked for, and nothing in the library brings it there",
-    why="""A fact that no primitive, datum, rule, notation or test brings there is what
-it was at the start: its default, or what the host or the world has given. For maps and
-other things that never change this is as it should be, and the rule is opt-in for that
-reason; elsewhere another fact was meant, or an effect is not declared.""",
     ignore="where the host or the world gives the fact at the start, as it gives a map",
     source="T 2.2",
-    example=_DOOR.format("", "\n    (context (not (heard creaking)))\n    "),
-    better=_DOOR.format(
-        " (heard creaking)", "\n    (context (not (heard creaking)))\n    "
-    ),
 )
 
 
@@ -364,28 +267,9 @@ UNUSED_CLAIM = Rule(
     name="unused-claim",
     severity=Severity.WARNING,
     summary="a RAP that runs once claims a thing that nothing else uses or claims",
-    why="""A claim keeps other tasks from a thing that they use or claim. Things are not
-declared. Here one task of an agenda leads to the RAP, by one step each, so that no
-second task of the RAP claims the thing; no other RAP, primitive or skill names it with
-as many arguments. The claim has no effect: another name was meant, or another RAP or
-primitive lacks the thing.""",
     fix="unsafe: writes the thing that is spelled almost so, where there is one",
     ignore="where another library uses the thing, and runs beside this one",
     source="L 8",
-    example="""\
-(declare-primitive drive (?to) (okay) :uses (wheels))
-(define-rap (go ?to) (method (primitive (drive ?to))))
-(define-rap (visit ?to)
-  (method (claims robot) (task-net (t1 (go ?to)))))
-(define-agenda day (task (visit lab)))
-""",
-    better="""\
-(declare-primitive drive (?to) (okay) :uses (wheels))
-(define-rap (go ?to) (method (primitive (drive ?to))))
-(define-rap (visit ?to)
-  (method (claims wheels) (task-net (t1 (go ?to)))))
-(define-agenda day (task (visit lab)))
-""",
 )
 
 MISSPELT_THING = Rule(
@@ -393,24 +277,10 @@ MISSPELT_THING = Rule(
     name="misspelt-thing",
     severity=Severity.WARNING,
     summary="a thing is named only once, and another one is spelled almost so",
-    why="""Things are not declared: whoever uses or claims one keeps others off who name
-it in the same way. One that nobody else names keeps nobody off, so two primitives that
-need the same arm are under way at once. If it is another thing, give it a name that
-shows so.""",
     fix="unsafe: writes the thing that is spelled almost so",
     ignore="where the two things are meant: give one of them a name that is less like "
     "the other",
     source="L 8",
-    example="""\
-(declare-primitive drive (?to) (okay) :uses (wheels))
-(declare-primitive turn (?to) (okay) :uses (wheels))
-(declare-primitive dock () (okay) :uses (wheles))
-""",
-    better="""\
-(declare-primitive drive (?to) (okay) :uses (wheels))
-(declare-primitive turn (?to) (okay) :uses (wheels))
-(declare-primitive dock () (okay) :uses (wheels))
-""",
 )
 
 

@@ -32,31 +32,8 @@ UNBOUND_VARIABLE = Rule(
     name="unbound-variable",
     severity=Severity.ERROR,
     summary="a variable has no value where one is needed, in some order of the steps",
-    why="""An input of a step, a request to the world, a notation, an amount, a test or
-a computed term needs a value when its turn comes. Inputs and resources have one
-everywhere. In a method, `repeat-while` and `context` bind; in a step, what steps
-ordered before it hand out and the `for` formulas that point at it or at those. What
-only one branch of an `or` binds, or a step that `until` or a signal may end early, is
-not surely bound; `not` hands out nothing. Without a value the query or the task
-fails.""",
     ignore="never: let a query or a function ask for what a host knows",
     source="T 4.2, 4.5.2",
-    example="""\
-(define-rap (look-for ?thing => ?place))
-(define-rap (go-to ?place))
-(define-rap (fetch ?thing)
-  (method (task-net
-    (t1 (look-for ?thing => ?place))
-    (t2 (go-to ?place)))))
-""",
-    better="""\
-(define-rap (look-for ?thing => ?place))
-(define-rap (go-to ?place))
-(define-rap (fetch ?thing)
-  (method (task-net
-    (t1 (look-for ?thing => ?place) (for t2))
-    (t2 (go-to ?place)))))
-""",
 )
 
 _SHOWN = 3
@@ -326,23 +303,7 @@ ANONYMOUS_VARIABLE = Rule(
     name="anonymous-variable",
     severity=Severity.ERROR,
     summary="a bare `?` stands where a value is needed",
-    why="""`?` matches anything and is a new variable at each place, so it never has a
-value. In queries and patterns that is what is wanted; as an input of a step, in a
-request, a test or a sum there is nothing it could stand for.""",
     source="T 4.1",
-    example="""\
-(define-rap (go-to ?place))
-(define-rap (wander)
-  (method (task-net (t1 (go-to ?)))))
-""",
-    better="""\
-(declare-memory-proposition place (?place))
-(define-rap (go-to ?place))
-(define-rap (wander)
-  (method
-    (context (place ?place))
-    (task-net (t1 (go-to ?place)))))
-""",
 )
 
 
@@ -363,31 +324,10 @@ MISSPELT_VARIABLE = Rule(
     name="misspelt-variable",
     severity=Severity.WARNING,
     summary="a variable is used only once, and another one is spelled almost so",
-    why="""A variable that occurs once matches anything, so one variable spelled two
-ways is two variables, and neither means what was meant. If anything will do, write a
-bare `?`, or a name of its own.""",
     fix="unsafe: writes the variable that is spelled almost so",
     ignore="where the two names are meant: give one of them a name that is less like "
     "the other",
     source="T 4.1",
-    example="""\
-(declare-memory-proposition inside (?thing ?box))
-(define-rap (open ?container))
-(define-rap (take-out ?thing)
-  (preconditions (inside ?thing ?contaner))
-  (method
-    (context (inside ?thing ?container))
-    (task-net (t1 (open ?container)))))
-""",
-    better="""\
-(declare-memory-proposition inside (?thing ?box))
-(define-rap (open ?container))
-(define-rap (take-out ?thing)
-  (preconditions (inside ?thing ?))
-  (method
-    (context (inside ?thing ?container))
-    (task-net (t1 (open ?container)))))
-""",
 )
 
 
@@ -453,23 +393,8 @@ OUTPUT_IS_INPUT = Rule(
     name="output-is-input",
     severity=Severity.WARNING,
     summary="a step is to hand out its result in an input, which has a value already",
-    why="""An output that meets a variable with another value fails the step, with
-`interference` [L 3.59]: it changes nothing. An input of the RAP, or of the very step,
-has its value from the start, so the step ends well only if it finds that and nothing
-else. Mostly another variable was meant; to make sure of a value, compare it in
-`succeed` or in a context.""",
     ignore="where the step is to fail unless it finds this very value",
     source="T 4.2",
-    example="""\
-(define-rap (find ?thing => ?place))
-(define-rap (fetch ?thing)
-  (method (task-net (t1 (find ?thing => ?thing)))))
-""",
-    better="""\
-(define-rap (find ?thing => ?place))
-(define-rap (fetch ?thing)
-  (method (task-net (t1 (find ?thing => ?)))))
-""",
 )
 
 
@@ -505,26 +430,8 @@ UNBINDABLE_OUTPUT = Rule(
     name="unbindable-output",
     severity=Severity.WARNING,
     summary="an output variable is bound neither by `succeed` nor by any method",
-    why="""Outputs take the bindings of `succeed`, else those of the method that
-succeeded last. One that occurs in neither stays unbound, and so does the variable of
-whoever asked for it. (A RAP without methods may get them from a problem solver; there
-nothing is said.)""",
     ignore="where a problem solver adds methods that bind the output",
     source="T 4.2",
-    example="""\
-(declare-memory-proposition at (?thing ?place))
-(define-rap (look-around))
-(define-rap (look-for ?thing => ?place)
-  (succeed (at ?thing ?spot))
-  (method (task-net (t1 (look-around)))))
-""",
-    better="""\
-(declare-memory-proposition at (?thing ?place))
-(define-rap (look-around))
-(define-rap (look-for ?thing => ?place)
-  (succeed (at ?thing ?place))
-  (method (task-net (t1 (look-around)))))
-""",
 )
 
 _LOST = {c.word for c in clauses.RAP if c.required and not c.hands_on}
