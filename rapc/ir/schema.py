@@ -133,6 +133,11 @@ PARTS: Mapping[type, tuple[str, ...]] = {
 }
 """For each kind of formula, the fields with formulas."""
 
+CONNECTIVES = frozenset(
+    kind for kind, (used, matched, *_) in _FIELDS.items() if not (used or matched)
+)
+"""The kinds of formulas without terms of their own."""
+
 
 def _history_test(formula: nodes.HistoryTest) -> Operands:
     """Return the operands of a history test: the method is used, the result matched."""

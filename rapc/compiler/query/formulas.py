@@ -22,7 +22,7 @@ from rapc.compiler.query.plan_steps import AccessPath
 from rapc.compiler.query.term_code import argument_code, attempt, known_value, match
 from rapc.compiler.watches import Watch, of_age, of_call, of_proposition, of_resources
 from rapc.ir import nodes
-from rapc.ir.schema import CHILDREN
+from rapc.ir.schema import CHILDREN, CONNECTIVES
 from rapc.ir.walk import variable_names
 from rapc.library.signatures import Signatures
 
@@ -62,7 +62,7 @@ def write(fn: FunctionWriter, formula: nodes.Formula) -> None:
     if query is not None and isinstance(formula, nodes.Proposition):
         named.write_use(fn, formula, query, write)
         return
-    if type(formula) in _CONNECTIVES:
+    if type(formula) in CONNECTIVES:
         _KINDS[type(formula)].write(fn, formula)
         return
     names = variable_names(formula)
@@ -300,9 +300,6 @@ def _count(fn: FunctionWriter, formula: nodes.Count) -> None:
     size = fn.code.fresh("t")
     fn.line(f"{size} = ctx.count({args[0]}, {args[1]})")
     match(fn, formula.number, size)
-
-
-_CONNECTIVES = (nodes.And, nodes.Or, nodes.Not, nodes.Truth)
 
 
 class _Kind(NamedTuple):
