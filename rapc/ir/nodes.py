@@ -228,7 +228,11 @@ Formula = (
 )
 
 Closed = Formula
-"""A part with local bindings, which are not visible outside the part."""
+"""A part with local bindings.
+
+The `Closed` fields of a formula are one scope, which the formula's other fields and the
+text after the formula do not see: a part sees the bindings of the preceding parts.
+"""
 
 
 # --- RAPs: clauses, methods, task-nets, annotations [T 4], [S 3] ----------------

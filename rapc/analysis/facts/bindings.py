@@ -266,8 +266,9 @@ def _as_declared(walker: BindingWalker, formula: nodes.Formula, bound: Bound) ->
         walker.values(inner.used, bound)
     if inner.matched:
         walker.match(inner.matched, bound)
+    scope = Bound(bound)
     for part in inner.closed:
-        walker.formula(part, Bound(bound))
+        walker.formula(part, scope)
     possible = True
     for part in inner.parts:
         possible = walker.formula(part, bound) and possible
