@@ -1,14 +1,22 @@
-"""Run the checks on a loaded library and filter the findings.
+"""Run the checks on loaded libraries and filter the findings.
 
-The driver runs each check that owns a selected rule. Then the driver leaves out
-findings about forms with syntax errors, applies suppressions and the user's selection,
-and sorts. The driver neither executes nor imports checked code, and prints no output.
+The driver runs each check that owns a selected rule. A finding is left out for the
+first of these reasons that applies:
+
+1. An equal finding is already reported.
+2. Another finding hides the finding (`rapc.analysis.hiding`).
+3. A syntax error may cause the finding (`rapc.analysis.damage`).
+4. A comment suppresses the finding (`rapc.analysis.suppressions`).
+5. The user has not selected the rule for the file (`rapc.analysis.selection`).
+6. Another of the libraries decides about the file.
+
+The driver neither executes nor imports checked code, and prints no output.
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
 import msgspec
 
@@ -18,12 +26,13 @@ from rapc.analysis.damage import Damage
 from rapc.analysis.hiding import visible
 from rapc.analysis.selection import Selection, by_default
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
+from rapc.base.files import lies_in
 from rapc.base.gc_paused import gc_paused
 from rapc.base.source import SourceFile, Span
 from rapc.ir import nodes
 from rapc.ir.nodes import DefineTest
 from rapc.library.library import Library
-from rapc.library.loader import UNRESOLVED, Loaded
+from rapc.library.loader import STANDARD_INPUT, UNRESOLVED, Loaded
 
 
 class Finding(msgspec.Struct, frozen=True):
@@ -57,7 +66,6 @@ class CheckReport(msgspec.Struct, frozen=True):
         return max((finding.severity for finding in self.findings), default=None)
 
 
-@gc_paused()
 def check_library(loaded: Loaded, selection: Selection | None = None) -> CheckReport:
     """Check a loaded library; the report includes the diagnostics of loading.
 
@@ -65,7 +73,39 @@ def check_library(loaded: Loaded, selection: Selection | None = None) -> CheckRe
         loaded: the result of `rapc.library.loader`.
         selection: the rules that may report; None for all rules that are not opt-in.
     """
+    return check_libraries([loaded], selection)
+
+
+def check_libraries(
+    libraries: Iterable[Loaded],
+    selection: Selection | None = None,
+    paths: Sequence[str] | None = None,
+) -> CheckReport:
+    """Check libraries that share files; each finding is reported once.
+
+    Args:
+        libraries: the libraries; the first decides about its files. From another
+            library, only errors in these files are reported.
+        selection: the rules that may report; None for all rules that are not opt-in.
+        paths: the files and folders whose unused suppressions are reported; None for
+            all files. A suppression in a required file may silence a finding that
+            depends on files outside the paths.
+    """
     chosen = selection or Selection(by_default())
+    checked = [(one, _findings(one, chosen)) for one in libraries]
+    files = {name: file for one, _ in checked for name, file in one.files.items()}
+    raps: dict[str, int] = {}
+    for one, _ in checked:
+        forms = one.library.forms
+        raps |= Counter(f.span.file for f in forms if isinstance(f, nodes.DefineRap))
+    order = {name: at for at, name in enumerate(files)}
+    found = sorted(_merged(checked, paths), key=lambda one: _order_of(order, one))
+    return CheckReport(tuple(found), files, raps)
+
+
+@gc_paused()
+def _findings(loaded: Loaded, chosen: Selection) -> list[Finding]:
+    """Return the findings of one library, filtered by the reasons 1 to 5."""
     damage = Damage(loaded.units)
     complete = all(d.rule != UNRESOLVED.name for d in loaded.diagnostics)
     run = Pass(loaded.library, complete, damage.reaches, loaded.required)
@@ -76,14 +116,38 @@ def check_library(loaded: Loaded, selection: Selection | None = None) -> CheckRe
     ]
     rules = registry.rules(errors_only=registry.are_errors(chosen.enabled))
     found = _unsuppressed(loaded, [*loaded.diagnostics, *sure], rules, chosen, damage)
-    findings = [
+    return [
         Finding(chosen.graded(rules[d.rule]), d) for d in found if chosen.chooses(d)
     ]
-    order = {name: at for at, name in enumerate(loaded.files)}
-    findings.sort(key=lambda finding: order_of(order, finding))
-    forms = loaded.library.forms
-    raps = Counter(f.span.file for f in forms if isinstance(f, nodes.DefineRap))
-    return CheckReport(tuple(findings), loaded.files, raps)
+
+
+def _merged(
+    checked: Sequence[tuple[Loaded, Sequence[Finding]]], paths: Sequence[str] | None
+) -> Iterable[Finding]:
+    """Return the findings of libraries that share files, filtered by the reason 6.
+
+    A suppression is unused if it is unused in every library that holds its file.
+    """
+    found: dict[_Key, Finding] = {}
+    for at, (_, findings) in enumerate(checked):
+        for one in findings:
+            file, rule = one.diagnostic.span.file, one.rule.name
+            if at and file in checked[0][0].files and rule not in registry.errors():
+                continue
+            if rule == suppressions.UNUSED.name and not (
+                _is_given(file, paths)
+                and all(one in other for lib, other in checked if file in lib.files)
+            ):
+                continue
+            found.setdefault(_key(one.diagnostic), one)
+    return found.values()
+
+
+def _is_given(file: str, paths: Sequence[str] | None) -> bool:
+    """Return whether a file is among the paths or below a path."""
+    if paths is None or file == STANDARD_INPUT:
+        return True
+    return any(lies_in(file, path) for path in paths)
 
 
 def _unsuppressed(
@@ -128,18 +192,26 @@ def _found(run: Pass, enabled: Collection[str]) -> Iterator[tuple[Diagnostic, Wh
 
     The findings about declarations shared by all tests of a file are yielded once.
     """
-    found: dict[tuple[str, Span, str], Diagnostic] = {}
+    found: dict[_Key, Diagnostic] = {}
     whole: dict[str, Whole] = {}
     for check in registry.checks_for(enabled):
         whole.update((rule.name, check.needs_whole) for rule in check.rules)
         for one in check.find(run):
-            found.setdefault((one.rule, one.span, one.message), one)
+            found.setdefault(_key(one), one)
     forms = (*run.library.forms, *run.library.tests)
     for one in visible(list(found.values()), [form.span for form in forms]):
         yield one, whole[one.rule]
 
 
-def order_of(order: Mapping[str, int], finding: Finding) -> tuple[int, int, int, str]:
+_Key = tuple[str, Span, str]
+"""The rule, span and message of a finding."""
+
+
+def _key(one: Diagnostic) -> _Key:
+    return one.rule, one.span, one.message
+
+
+def _order_of(order: Mapping[str, int], finding: Finding) -> tuple[int, int, int, str]:
     """Return the sort key of a finding: the `order` of its file, then the position."""
     span = finding.diagnostic.span
     return order.get(span.file, -1), span.start, span.end, finding.rule.code

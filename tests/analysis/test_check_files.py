@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from rapc.analysis import driver
 from rapc.analysis.check_files import check_files
-from rapc.analysis.driver import CheckReport, Finding, check_library
+from rapc.analysis.driver import Finding
 from rapc.analysis.selection import Selection
 from rapc.base.diagnostics import Severity
 from rapc.library.loader import Loaded
@@ -253,11 +254,13 @@ def test_files_of_tests_that_require_the_same_are_checked_at_once(
         (tmp_path / name).write_text('(require "doors") (define-test it)')
     seen: list[list[str]] = []
 
-    def check(loaded: Loaded, selection: Selection) -> CheckReport:
-        seen.append(list(loaded.files))
-        return check_library(loaded, selection)
+    findings = driver._findings
 
-    monkeypatch.setattr("rapc.analysis.check_files.check_library", check)
+    def check(loaded: Loaded, selection: Selection) -> list[Finding]:
+        seen.append(list(loaded.files))
+        return findings(loaded, selection)
+
+    monkeypatch.setattr(driver, "_findings", check)
     check_files(["doors.rap", *suite])
     assert seen == [["doors.rap"], ["doors.rap", *suite]]
 

@@ -134,3 +134,9 @@ def test_a_rap_defined_twice_with_other_inputs_is_told_of_only() -> None:
         (define-rap (c ?z) (method (task-net (t1 (a ?z)))))
         """
     ) == ["duplicate-definition"]
+
+
+def test_equal_findings_are_reported_once() -> None:
+    """Both tests require the file of the defaults."""
+    text = '(define-test-defaults (require "apart")) (define-test a) (define-test b)'
+    assert _found(text) == ["unresolved-require"]
