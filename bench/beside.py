@@ -39,7 +39,7 @@ from bench.targets import table
 
 CHECKOUT = Path(__file__).parents[1]
 ADAPTER = CHECKOUT / "bench" / "rapc_adapter.py"
-PAGE = CHECKOUT / "docs" / "performance.md"
+PAGE = CHECKOUT / "docs" / "developers" / "performance.md"
 FIGURES = CHECKOUT / "docs" / "figures"
 MARKERS = "<!-- {}: begin -->\n", "<!-- {}: end -->\n"
 

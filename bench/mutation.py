@@ -1,7 +1,7 @@
 """Which single slips in real libraries `check` finds, how near, and in how many words.
 
     python -m bench.mutation [KIND]... [--each N] [--seed N] [--missed]
-    python -m bench.mutation --page --each 40 > docs/slips.md
+    python -m bench.mutation --page --each 40 > docs/developers/slips.md
 
 Each slip is made in a library in which nothing is found before; what is found then is
 due to the slip. A slip that leaves the nodes of the library as they were is none, and
@@ -262,7 +262,7 @@ not counted. Nor is one that is not found and changes no trace of any of the lib
 own tests, so that the library is as good as it was: another is made in its place. (Of
 the single files there are no such tests, so all of their slips count.)
 
-    python -m bench.mutation --page --each {each} > docs/slips.md
+    python -m bench.mutation --page --each {each} > docs/developers/slips.md
 
 writes this page, and `python -m bench.mutation KIND --missed` tells what is missed of a
 kind.
@@ -273,7 +273,7 @@ kind.
 
 
 def page(benches: Sequence[Bench], each: int, seed: int) -> Iterator[str]:
-    """Yield the lines of docs/slips.md."""
+    """Yield the lines of docs/developers/slips.md."""
     names = ", ".join(f"`{path}`" for paths in LIBRARIES for path in paths)
     yield PAGE.format(libraries=names, each=each, head=HEAD).rstrip("\n")
     surely: list[Outcome] = []
@@ -298,7 +298,9 @@ def main() -> None:
     parser.add_argument("kind", nargs="*", help="part of the name of a kind")
     parser.add_argument("--each", type=int, default=10, help="slips of each kind")
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--page", action="store_true", help="print docs/slips.md")
+    parser.add_argument(
+        "--page", action="store_true", help="print docs/developers/slips.md"
+    )
     parser.add_argument("--missed", action="store_true", help="print what is missed")
     args = parser.parse_args()
     benches = [Bench(paths) for paths in LIBRARIES]

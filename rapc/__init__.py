@@ -7,7 +7,7 @@
 `load` and `loads` read a library, `check` returns a report of its findings, `run` runs
 tasks of the library, and `CheckedLibrary.start` starts a run for stepping and queries.
 `rapc.world` has the base classes of new worlds. Every error that a caller can cause is
-a `rapc.Error`. The Python API is described in docs/python.md.
+a `rapc.Error`. The Python API is described in docs/how-to/embed.md.
 """
 
 # Each name is imported at its first use, so that the command line starts fast.

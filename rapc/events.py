@@ -1,7 +1,7 @@
 """Events of a run, one frozen record for each kind of event.
 
-The fields are the keys of the trace format (`docs/trace.md`) after `event`, `n`,
-`cycle` and `time`. An event's name in the trace is its tag.
+The fields are the keys of the trace format (`docs/reference/trace.md`) after `event`,
+`n`, `cycle` and `time`. An event's name in the trace is its tag.
 
 Events hold values: goals, facts, bindings. A value is a symbol or a string of the
 language (`str`, `Text`), a number, or a tuple for a list; a variable without a value is

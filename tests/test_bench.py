@@ -1,4 +1,4 @@
-"""The benchmarks run; what they measure is in docs/performance.md."""
+"""The benchmarks run; what they measure is in docs/developers/performance.md."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rapc.analysis.driver import check_library
 from rapc.library.loader import load_text
 
 CHECKOUT = Path(__file__).parents[1]
-PAGE = (CHECKOUT / "docs" / "performance.md").read_text(encoding="utf-8")
+PAGE = (CHECKOUT / "docs" / "developers" / "performance.md").read_text(encoding="utf-8")
 
 
 def _rows(text: str) -> list[tuple[str, str, str]]:

@@ -1,7 +1,7 @@
 """House rules that neither ruff, mypy nor import-linter can hold us to.
 
 Which way imports may point is in pyproject.toml, `[tool.importlinter]`; why, in
-docs/architecture.md.
+docs/developers/architecture.md.
 """
 
 from __future__ import annotations
@@ -109,7 +109,7 @@ def _python_files() -> list[Path]:
 def _sentences() -> set[str]:
     return {
         number
-        for page in LANGUAGE.glob("*.md")
+        for page in LANGUAGE.glob("[0-9]*.md")
         for number in re.findall(
             r'<a id="(\d+\.\d+)"></a>', page.read_text(encoding="utf-8")
         )
@@ -119,7 +119,7 @@ def _sentences() -> set[str]:
 def test_references_name_sentences_of_the_language() -> None:
     """L with two numbers is a sentence of docs/language, with one a page."""
     sentences = _sentences()
-    known = sentences | {page.name[0] for page in LANGUAGE.glob("*.md")}
+    known = sentences | {page.name[0] for page in LANGUAGE.glob("[0-9]*.md")}
     unknown = [
         f"{path.relative_to(CHECKOUT).as_posix()}: [L {number}]"
         for path in _python_files()

@@ -1,4 +1,4 @@
-"""Slips in real libraries are found; docs/slips.md tells how many of which kind."""
+"""Slips in real libraries are found; docs/developers/slips.md counts them by kind."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from bench.mutation import KINDS, LIBRARIES, NOT_SURE, Bench, Outcome, outcomes
 from bench.mutation_runs import Runs
 from rapc.base.source import SourceFile
 
-PAGE = Path(__file__).parents[1] / "docs" / "slips.md"
+PAGE = Path(__file__).parents[1] / "docs" / "developers" / "slips.md"
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,7 @@ Nodes are frozen, and sequences are tuples. The span is the last field and is no
 compared: two spellings of a definition are equal.
 Not here: the meaning of names (`rapc.library.library` and `rapc.analysis`).
 
-Sources: [T 4], [T A], [S 3], [S 4]; for tests: docs/testing.md.
+Sources: [T 4], [T A], [S 3], [S 4]; for tests: docs/reference/tests.md.
 """
 
 from __future__ import annotations
@@ -428,7 +428,7 @@ class DeclareKind(Node, frozen=True, eq=False):
 
 
 class Exclusion(Node, frozen=True, eq=False):
-    """`:excludes value (pattern)` of a property (docs/memory.md)."""
+    """`:excludes value (pattern)` of a property (docs/explanation/memory.md)."""
 
     value: Atom
     pattern: Proposition

@@ -16,7 +16,7 @@ pytestmark = pytest.mark.xdist_group("compile")
 
 CHECKOUT = Path(__file__).parents[2]
 KITCHEN = CHECKOUT / "tests" / "library" / "kitchen.rap"
-PAGE = (CHECKOUT / "docs" / "compile.md").read_text(encoding="utf-8")
+PAGE = (CHECKOUT / "docs" / "how-to" / "compile.md").read_text(encoding="utf-8")
 FAULTY = """\
 (declare-primitive push (?thing) (okay))
 (declare-memory-proposition big (?thing))

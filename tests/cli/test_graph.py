@@ -184,7 +184,7 @@ def test_every_rap_of_the_standard_library_is_drawn() -> None:
 
 
 def test_the_manual_shows_what_is_printed() -> None:
-    page = (ROOT / "docs" / "cli.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "reference" / "cli.md").read_text(encoding="utf-8")
     shown = re.findall(r"^```mermaid\n(.*?)^```", page, re.MULTILINE | re.DOTALL)
     library = str(ROOT / "stdlib" / "truck")
     done = rapc("graph", library, "--rap", "fill-order", "--format", "mermaid")

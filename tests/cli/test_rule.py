@@ -11,7 +11,7 @@ from rapc.analysis.registry import rules
 
 from .command import rapc
 
-MANUAL = Path(__file__).parents[2] / "docs" / "rules.md"
+MANUAL = Path(__file__).parents[2] / "docs" / "reference" / "rules.md"
 
 
 @pytest.mark.parametrize("name", ["unbound-variable", "RAP012", "rap012"])
@@ -58,5 +58,5 @@ def test_unknown_rule_is_a_usage_error() -> None:
 
 
 def test_manual_is_what_the_command_prints() -> None:
-    """If this fails: `rapc rule --all > docs/rules.md`."""
+    """If this fails: `rapc rule --all > docs/reference/rules.md`."""
     assert MANUAL.read_text(encoding="utf-8") == rapc("rule", "--all").stdout

@@ -13,7 +13,9 @@ from tests.claims import claimants_of, users_of
 from tests.courier.shifts import CLAIM, COURIER, library, work_a_shift
 from tests.effort import first
 
-PAGE = (Path(__file__).parents[2] / "docs" / "courier.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs" / "reference" / "courier.md").read_text(
+    encoding="utf-8"
+)
 
 
 @pytest.mark.parametrize("seed", first(5, range(60)))

@@ -25,7 +25,9 @@ STILL: Mapping[str, Atom | bool] = {
 }
 """Options under which nothing is left to chance but how long people take."""
 
-PAGE = (Path(__file__).parents[2] / "docs" / "courier.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs" / "reference" / "courier.md").read_text(
+    encoding="utf-8"
+)
 
 
 def make(seed: int = 1, **options: Atom | bool) -> CourierWorld:

@@ -10,7 +10,7 @@ import msgspec
 
 CHECKOUT = Path(__file__).parents[2]
 
-_BLOCK = re.compile(r"^```(\w+) ?(\S*)\n(.*?)^```$", re.M | re.S)
+_BLOCK = re.compile(r'^```(\w+)(?: title="(\S+)")?\n(.*?)^```$', re.M | re.S)
 
 
 class Block(msgspec.Struct, frozen=True):
@@ -33,7 +33,7 @@ def section(text: str, heading: str, end: str = "\n#") -> str:
 
 def blocks(text: str, language: str = "") -> tuple[Block, ...]:
     """Return the blocks of a page, or those of one language, in order."""
-    found = [Block(*match.groups()) for match in _BLOCK.finditer(text)]
+    found = [Block(*match.groups("")) for match in _BLOCK.finditer(text)]
     return tuple([one for one in found if language in ("", one.language)])
 
 

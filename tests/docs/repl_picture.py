@@ -1,4 +1,4 @@
-"""Draws docs/figures/repl.svg: a terminal with a part of docs/tutorial/repl.md.
+"""Draws docs/figures/repl.svg: a terminal with a part of docs/tutorials/debugger.md.
 
 `python -m tests.docs.repl_picture` writes it anew.
 """

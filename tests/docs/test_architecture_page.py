@@ -1,4 +1,4 @@
-"""The layers in docs/architecture.md are those of the import contract."""
+"""The layers in docs/developers/architecture.md are those of the import contract."""
 
 from __future__ import annotations
 
@@ -10,7 +10,9 @@ CHECKOUT = Path(__file__).parents[2]
 
 
 def _drawing() -> str:
-    page = (CHECKOUT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    page = (CHECKOUT / "docs" / "developers" / "architecture.md").read_text(
+        encoding="utf-8"
+    )
     return page.split("```")[1]
 
 

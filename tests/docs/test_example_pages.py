@@ -1,13 +1,10 @@
-"""The pages made of examples: each program of a folder stands on its page as it is.
+"""The examples of the how-to pages: each program is shown as it is, or linked.
 
 Every folder is one library that the checker has nothing to say against, and its tests
 hold whatever chance does.
 """
 
 from __future__ import annotations
-
-import re
-from pathlib import Path
 
 import pytest
 
@@ -16,12 +13,12 @@ from rapc.console.testing.explain import failure_lines
 from rapc.testing.discover import find
 from rapc.testing.run import Case, Status, run_case
 
-CHECKOUT = Path(__file__).parents[2]
+from .pages import CHECKOUT, blocks
+
 EXAMPLES = CHECKOUT / "examples"
+HOW_TO = CHECKOUT / "docs" / "how-to"
 FOLDERS = ("cookbook", "idioms")
 SEEDS = range(5)
-
-_BLOCK = re.compile(r"^```rap (\S+)\n(.*?)^```$", re.M | re.S)
 
 
 def _cases() -> list[Case]:
@@ -34,15 +31,17 @@ def _name(case: Case) -> str:
 
 
 @pytest.mark.parametrize("folder", FOLDERS)
-def test_programs_stand_on_their_page_as_they_are(folder: str) -> None:
-    page = (CHECKOUT / "docs" / f"{folder}.md").read_text(encoding="utf-8")
-    shown = _BLOCK.findall(page)
-    files = [
-        (file.name, file.read_text(encoding="utf-8"))
-        for file in (EXAMPLES / folder).glob("*.rap")
-        if not file.name.endswith(".test.rap")
-    ]
-    assert sorted(shown) == sorted(files)
+def test_how_to_pages_show_or_link_each_program(folder: str) -> None:
+    """A page shows the whole file, or links to the file in the repository."""
+    pages = [file.read_text(encoding="utf-8") for file in HOW_TO.glob("*.md")]
+    shown = [block for page in pages for block in blocks(page, "rap")]
+    for file in (EXAMPLES / folder).glob("*.rap"):
+        if file.name.endswith(".test.rap"):
+            continue
+        texts = {block.text for block in shown if block.name == file.name}
+        if not any(f"examples/{folder}/{file.name})" in page for page in pages):
+            assert texts, file.name
+        assert texts <= {file.read_text(encoding="utf-8")}, file.name
 
 
 @pytest.mark.parametrize("folder", FOLDERS)

@@ -1,4 +1,4 @@
-"""docs/experiments.md: its example runs, and its query finds the results."""
+"""docs/how-to/experiments.md: its example runs, and its query finds the results."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 from ..cli.command import rapc
 from .pages import CHECKOUT, page
 
-PAGE = page("experiments")
+PAGE = page("how-to/experiments")
 
 
 @pytest.fixture

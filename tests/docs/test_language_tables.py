@@ -18,7 +18,7 @@ DOCS = Path(__file__).parents[2] / "docs"
 PAGES = {
     "language/1-text.md": ["_rap_clause", "_any_clause", "annotation", "_form"],
     "language/2-queries.md": ["formula", "call"],
-    "testing.md": ["_test_clause", "expectation"],
+    "reference/tests.md": ["_test_clause", "expectation"],
 }
 """The pages with the groups of the grammar that they have tables of."""
 

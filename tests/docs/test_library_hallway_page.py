@@ -1,4 +1,4 @@
-"""docs/library-hallway.md names tests of each paragraph, and shows a frame.
+"""docs/libraries/hallway.md names tests of each paragraph, and shows a frame.
 
 python -m tests.docs.test_library_hallway_page    writes the frame anew
 """
@@ -13,7 +13,7 @@ from tests.cli.command import rapc
 from tests.docs.pages import rows, ticked
 
 ROOT = Path(__file__).parents[2]
-FILE = ROOT / "docs" / "library-hallway.md"
+FILE = ROOT / "docs" / "libraries" / "hallway.md"
 PAGE = FILE.read_text(encoding="utf-8")
 FRAME = re.compile(r"(?<=^```text\n).*?(?=^```$)", re.M | re.S)
 

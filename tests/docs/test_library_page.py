@@ -1,4 +1,4 @@
-"""docs/library-truck.md counts the RAPs of the truck library rightly."""
+"""docs/libraries/truck.md counts the RAPs of the truck library rightly."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rapc.library.loader import load
 
 from .pages import CHECKOUT, page, ticked
 
-PAGE = page("library-truck")
+PAGE = page("libraries/truck")
 RAPS = load([CHECKOUT / "stdlib" / "truck"]).library.raps
 _JOB = re.compile(r"^\| [^|]+ \| \d+ \| (\d+) \| (\d+) \| (.*) \|$", re.M)
 

@@ -1,4 +1,4 @@
-"""docs/memory.md: the world with items is checked, run and held to the port as told."""
+"""docs/explanation/memory.md: the world with items passes check, run and contract."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 from ..cli.command import rapc
 from .pages import agrees, blocks, commands, page
 
-PAGE = page("memory")
+PAGE = page("explanation/memory")
 
 
 def test_the_world_with_items_does_as_it_is_told(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""docs/python.md names all that `import rapc` gives, and what it shows works."""
+"""docs/how-to/embed.md names all that `import rapc` gives, and what it shows works."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import pytest
 import rapc
 
 CHECKOUT = Path(__file__).parents[2]
-PAGE = (CHECKOUT / "docs" / "python.md").read_text(encoding="utf-8")
+PAGE = (CHECKOUT / "docs" / "how-to" / "embed.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"^```python\n(.*?)^```$", PAGE, re.M | re.S)
 
 

@@ -1,4 +1,4 @@
-"""docs/tutorial/repl.md is true: its files are written and its inputs typed."""
+"""docs/tutorials/debugger.md is true: its files are written and its inputs typed."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def test_tutorial_does_as_it_says(
 
 def blocks() -> tuple[pages.Block, ...]:
     """Return the blocks of the page."""
-    return pages.blocks(pages.page("tutorial/repl"))
+    return pages.blocks(pages.page("tutorials/debugger"))
 
 
 def begun(command: str) -> Shell:

@@ -23,7 +23,11 @@ from rapc.testing.coverage import COLUMNS
 
 from .pages import CHECKOUT, first_words, page, rows, section, ticked
 
-CLI, TESTING, EXPERIMENTS = page("cli"), page("testing"), page("experiments")
+CLI, TESTING, EXPERIMENTS = (
+    page("reference/cli"),
+    page("reference/tests"),
+    page("how-to/experiments"),
+)
 COMMON = set(first_words(CLI.partition("\n## ")[0], r"`(-[a-z-]+)"))
 _KEY = r"`([a-z-]+)`"
 
@@ -54,7 +58,7 @@ def _of_commands() -> Iterator[tuple[str, object, object]]:
 
 def _of_traces() -> Iterator[tuple[str, object, object]]:
     common = _keys(events.Event)
-    found = re.findall(r"^\| `([a-z-]+)` \| (`.*?`) \| ", page("trace"), re.M)
+    found = re.findall(r"^\| `([a-z-]+)` \| (`.*?`) \| ", page("reference/trace"), re.M)
     known = {name: {*events.keys(k)} - common for name, k in events.kinds().items()}
     yield "keys of all events", common, {"n", "cycle", "time"}
     yield "events", {event: {*re.findall(_KEY, keys)} for event, keys in found}, known
@@ -87,7 +91,7 @@ def _of_experiments() -> Iterator[tuple[str, object, object]]:
 
 
 def _of_the_debugger() -> Iterator[tuple[str, object, object]]:
-    text = page("repl")
+    text = page("reference/repl")
     told = re.findall(r"`:([a-z][a-z-]*)", text)
     yield "commands of the debugger", {*told}, {one.name for one in commands()}
     stopping = text.partition("## Stopping")[2].partition("`:watch")[0]
@@ -103,7 +107,7 @@ def _of_libraries() -> Iterator[tuple[str, object, object]]:
     ):
         told: dict[str, str] = {}
         file = ""
-        for row in rows(page(f"library-{name}"), first):
+        for row in rows(page(f"libraries/{name}"), first):
             file = "".join(ticked(row[column - 1])) or file
             told |= dict.fromkeys(ticked(row[column]), file)
         raps = load([CHECKOUT / "stdlib" / name]).library.raps

@@ -1,4 +1,4 @@
-"""docs/testing.md: its example runs as printed."""
+"""docs/reference/tests.md: its example runs as printed."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 from ..cli.command import rapc
 from .pages import page
 
-PAGE = page("testing")
+PAGE = page("reference/tests")
 
 
 @pytest.fixture

@@ -1,6 +1,6 @@
-"""docs/tutorial.md is true: its files are written, its commands typed, its output read.
+"""docs/tutorials/standard-library.md does as printed: files, commands and output.
 
-A block ` ```rap name ` or ` ```python name ` is the file of that name. In a `console`
+A block with `title="NAME"` is the file of that name. In a `console`
 block a line after `$ ` is a command, and what follows is all that it prints, with `...`
 for any lines left out. The `sh` block that installs rapc is what tests/packaging does.
 """
@@ -15,7 +15,7 @@ from pathlib import Path
 
 from .pages import agrees, blocks, commands, page
 
-PAGE = page("tutorial")
+PAGE = page("tutorials/standard-library")
 
 
 def _type(command: str, folder: Path, status: int) -> tuple[int, list[str]]:

@@ -1,8 +1,8 @@
 """The basic experiment in a still world comes out as T's did (T 6.3.1, table 6.2).
 
 The simulator is calibrated on this, and on nothing else. The runs are the thirty of
-docs/experiments.md: a dozen would not do, for the means of seeds 0 to 11 and of these
-differ by two per cent. They take some twelve seconds of processor time.
+docs/how-to/experiments.md: a dozen would not do, for the means of seeds 0 to 11 and of
+these differ by two per cent. They take some twelve seconds of processor time.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The networks drawn in docs/hallway.md are those of the commands and code beside them.
+"""The networks in docs/reference/hallway.md are those of the commands beside them.
 
 python -m tests.hallway.test_figures    draws them anew; needs Graphviz
 """
@@ -22,13 +22,14 @@ from tests.cli.command import rapc
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
-PAGE = (DOCS / "hallway.md").read_text(encoding="utf-8")
+PAGE = (DOCS / "reference" / "hallway.md").read_text(encoding="utf-8")
 SVG = "{http://www.w3.org/2000/svg}"
 
 FIGURES: dict[str, list[str]] = {
     name: shlex.split(command)
     for command, name in re.findall(
-        r"^rapc (graph .*?) \| dot -Tsvg\n```\n\n!\[.*?\]\((figures/s-figure\d.svg)\)",
+        r"^rapc (graph .*?) \| dot -Tsvg\n```\n\n"
+        r"!\[.*?\]\(\.\./(figures/s-figure\d.svg)\)",
         PAGE,
         re.M,
     )

@@ -1,4 +1,4 @@
-"""What docs/hallway.md says is so."""
+"""What docs/reference/hallway.md says is so."""
 
 from __future__ import annotations
 
@@ -14,7 +14,9 @@ from rapc.worlds.skills.catalogue import Catalogue, SkillRequest
 from rapc.worlds.skills.declarations import Skill
 from rapc.worlds.skills.runtime import SkillRuntime
 
-PAGE = (Path(__file__).parents[2] / "docs" / "hallway.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs" / "reference" / "hallway.md").read_text(
+    encoding="utf-8"
+)
 
 
 def _block(language: str) -> str:

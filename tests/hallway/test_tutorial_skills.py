@@ -1,4 +1,4 @@
-"""docs/tutorial/skills.md leads to a library that does what the page says."""
+"""docs/tutorials/skills.md leads to a library that does what the page says."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import rapc
 from rapc.worlds.hallway import HallwayWorld
 from rapc.worlds.registry import build_world
 
-PAGE = Path(__file__).parents[2] / "docs" / "tutorial" / "skills.md"
+PAGE = Path(__file__).parents[2] / "docs" / "tutorials" / "skills.md"
 
 
 def test_the_watchman_looks_around_where_he_was_sent() -> None:

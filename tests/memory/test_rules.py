@@ -1,4 +1,4 @@
-"""docs/memory.md beyond the examples of T: comparators, stamps, forgetting."""
+"""Memory beyond the examples of T: comparators, stamps, forgetting."""
 
 from __future__ import annotations
 

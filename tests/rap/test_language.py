@@ -85,8 +85,8 @@ IN_PYTHON = {
 }
 """The sentences with tests in Python, by file."""
 
-INDEX = DOCS / "language.md"
-PAGES = tuple(sorted((DOCS / "language").glob("*.md")))
+INDEX = DOCS / "language" / "index.md"
+PAGES = tuple(sorted((DOCS / "language").glob("[0-9]*.md")))
 FILES = tuple(sorted(HERE.glob("*.test.rap")))
 SEEDS = range(3)
 
@@ -94,7 +94,8 @@ _NUMBER = re.compile(r'<a id="([\d.]+)"></a>\*\*([\d.]+)\*\*')
 _LINK = re.compile(r"\]\(([^)#]*)(?:#([^)]*))?\)")
 _RAP = re.compile(r"^```rap\n(.*?)^```$", re.M | re.S)
 _TYPED = re.compile(
-    r"^```rap (\S+)\n(.*?)^```\n\n```console\n\$ rapc (.*?)\n(.*?)^```$", re.M | re.S
+    r'^```rap title="(\S+)"\n(.*?)^```\n\n```console\n\$ rapc (.*?)\n(.*?)^```$',
+    re.M | re.S,
 )
 
 
@@ -211,5 +212,5 @@ def test_every_block_of_a_page_is_tried(page: Path) -> None:
 
 
 def test_the_index_lists_all_pages() -> None:
-    listed = [f"language/{page.name}" for page in PAGES]
+    listed = [page.name for page in PAGES]
     assert [t for t, _ in _LINK.findall(text(INDEX)) if t in listed] == listed

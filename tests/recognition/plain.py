@@ -1,4 +1,4 @@
-"""Recognition written a second time, plainly, from docs/memory.md and [T 2.3].
+"""Recognition, written a second time from docs/explanation/memory.md and [T 2.3].
 
 It knows nothing of the memory under test. Facts are one dict, sets are lists of
 views, and everything is tried: all pairs of views, all groups, all collections. What

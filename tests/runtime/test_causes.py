@@ -1,6 +1,6 @@
 """Why tasks fail: every way there is, with its clause, line, culprit and bindings.
 
-The table of docs/trace.md lists the same ways.
+The table of docs/reference/trace.md lists the same ways.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Runs: submissions, how a run ends, and its trace [L 4] (docs/testing.md)."""
+"""Runs: submissions, how a run ends, and its trace [L 4] (docs/reference/tests.md)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What docs/truck.md and docs/worlds.md show is what there is."""
+"""The pages docs/reference/truck.md and docs/how-to/write-a-world.md are true."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ from . import script_of_the_manual
 from .drive import Driver
 
 DOCS = Path(__file__).parents[2] / "docs"
-TRUCK = (DOCS / "truck.md").read_text(encoding="utf-8")
-WORLDS = (DOCS / "worlds.md").read_text(encoding="utf-8")
+TRUCK = (DOCS / "reference" / "truck.md").read_text(encoding="utf-8")
+WORLDS = (DOCS / "how-to" / "write-a-world.md").read_text(encoding="utf-8")
 
 
 def row(option: Option) -> str:

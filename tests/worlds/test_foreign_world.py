@@ -1,4 +1,4 @@
-"""The world of docs/worlds.md, installed as a package of its own."""
+"""The world of docs/how-to/write-a-world.md, installed as a package of its own."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ pytestmark = pytest.mark.xdist_group("lamps")
 
 HERE = Path(__file__).parent
 PACKAGE = HERE / "lamps"
-DOCS = HERE.parents[1] / "docs" / "worlds.md"
+DOCS = HERE.parents[1] / "docs" / "how-to" / "write-a-world.md"
 
 SCRIPT = """
 import json, sys

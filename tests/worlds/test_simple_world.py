@@ -26,7 +26,9 @@ from rapc.world import (
 from rapc.worlds.registry import build_world, find_world, refuse_incomplete
 from tests.cli.command import rapc as command
 
-PAGE = (Path(__file__).parents[2] / "docs" / "worlds.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs" / "how-to" / "write-a-world.md").read_text(
+    encoding="utf-8"
+)
 
 
 def test_the_simple_world_of_the_manual_keeps_to_the_port(tmp_path: Path) -> None:

@@ -142,7 +142,9 @@ def unknown_event(run: Pass) -> Iterator[Diagnostic]:
                 near_kinds.near(pattern.event),
                 [place],
             )
-            help_ = near_kinds.did_you_mean(pattern.event, "`docs/trace.md` lists them")
+            help_ = near_kinds.did_you_mean(
+                pattern.event, "`docs/reference/trace.md` lists them"
+            )
             message = f"no event is called `{pattern.event}`"
             yield UNKNOWN_EVENT.at(place, message, help=help_, fix=fix)
             continue

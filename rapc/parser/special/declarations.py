@@ -33,7 +33,7 @@ def results(ctx: Context, datum: Datum) -> tuple[str, ...] | None:
 
 
 def excludes(ctx: Context, option: List) -> nodes.Exclusion | None:
-    """Read `:excludes value (pattern)` (docs/memory.md)."""
+    """Read `:excludes value (pattern)` (docs/explanation/memory.md)."""
     _, first, second = option.items
     value = constant(first)
     if value is None:

@@ -1,7 +1,7 @@
 """Readers of `define-test` and `define-agenda`, with scripts and timed actions.
 
 Not here: expectations (`rapc.parser.special.expectations`), and the meaning of a test
-(docs/testing.md).
+(docs/reference/tests.md).
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Traces: events written as JSON Lines, or as text in the manner of T 6.2.1.
 
 Both forms go to any text stream, one line at a time: an aborted run leaves a readable
-trace. docs/trace.md lists the keys of the JSON form; `rapc.events` defines the written
-fields of an event.
+trace. docs/reference/trace.md lists the keys of the JSON form; `rapc.events` defines
+the written fields of an event.
 """
 
 from __future__ import annotations

@@ -1,4 +1,6 @@
-"""Exclusions: pairs of facts that cannot be in memory together (docs/memory.md).
+"""Exclusions: pairs of facts that cannot be in memory together.
+
+docs/explanation/memory.md describes them.
 
 A property that has a value excludes the facts of a pattern; the arguments of the
 property are the pattern's variables, every other variable is free. An exclusion works

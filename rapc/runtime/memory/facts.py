@@ -20,7 +20,7 @@ from rapc.library.signature import Signature
 from rapc.world import Time
 
 NEVER: Time = float("-inf")
-"""The stamp of a fact that was never asserted: older than any (docs/memory.md)."""
+"""The stamp of a fact that was never asserted: older than any other stamp."""
 
 PREFIX = "item-"
 """The prefix of the memory names of items of indistinct classes."""

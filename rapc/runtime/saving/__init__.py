@@ -1,1 +1,1 @@
-"""A whole run as bytes, and back [docs/python.md]: capture, rebuild, and the format."""
+"""A whole run as bytes, and back: capture, rebuild, and the format."""

@@ -3,7 +3,7 @@
 The picture names the facts of memory that hold the robot's beliefs. Some facts come
 from the world at the start (`rapc.worlds.hallway.facts`). stdlib/hallway declares the
 fact `found-closed`; in a library without this fact no door is believed closed. The page
-docs/library-hallway.md names the same facts.
+docs/libraries/hallway.md names the same facts.
 """
 
 from __future__ import annotations

@@ -90,7 +90,7 @@ class WayOut(msgspec.Struct, frozen=True):
 
 
 class Map(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """A map in its written form: see docs/truck.md."""
+    """A map in its written form: see docs/reference/truck.md."""
 
     start: str
     places: tuple[MapPlace, ...]

@@ -1,6 +1,6 @@
 """The table of the truck's primitives (T B.1) and data (T B.2): the world's offer.
 
-docs/truck.md has the results beyond T's lists, with reasons.
+docs/reference/truck.md has the results beyond T's lists, with reasons.
 """
 
 from __future__ import annotations

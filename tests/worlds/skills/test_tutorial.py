@@ -1,4 +1,4 @@
-"""docs/tutorial/skill-world.md, followed word by word in an empty folder."""
+"""docs/tutorials/skill-world.md, followed word by word in an empty folder."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 
 from tests.cli.command import rapc
 
-PAGE = (Path(__file__).parents[3] / "docs" / "tutorial" / "skill-world.md").read_text(
+PAGE = (Path(__file__).parents[3] / "docs" / "tutorials" / "skill-world.md").read_text(
     encoding="utf-8"
 )
 

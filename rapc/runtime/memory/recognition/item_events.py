@@ -1,4 +1,4 @@
-"""The events about items of indistinct classes (docs/trace.md, `item-merged`)."""
+"""The events about items of indistinct classes, as in docs/reference/trace.md."""
 
 from __future__ import annotations
 

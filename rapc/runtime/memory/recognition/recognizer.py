@@ -2,8 +2,8 @@
 
 A robot that comes back sees a drum under another sensor name. Which of the remembered
 drums is it? Memory compares the known properties of the drums, and waits where the
-comparison does not decide. docs/memory.md describes the rules; this text describes the
-implementation.
+comparison does not decide. docs/explanation/memory.md describes the rules; this text
+describes the implementation.
 
 *Descriptions.* Each introduced item of an indistinct class gets a description: a memory
 name (`item-7`), a sensor name as long as the item is in reach, and its properties,
