@@ -11,7 +11,7 @@ import re
 import sys
 from bisect import bisect_left
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any
 
 from rapc.base.diagnostics import Diagnostic, Edit, Fix
@@ -124,7 +124,7 @@ def tokens(
             kind = match.lastindex
             if kind is None:
                 return
-            start, end = match.span(kind)
+            start, end = match.start(kind), match.end()
             if kind == STRING:
                 found = string.match(text, start)
                 if found is None:
@@ -142,6 +142,15 @@ def tokens(
             if kind >= CUT or kind in (STRING, BLOCK):
                 at, again = end, True
                 break
+
+
+@lru_cache(maxsize=10_000)
+def _atom(raw: str) -> tuple[_Make, str, Number | str | None]:
+    """Return the constructor of an atom, its kind, and its value; None if invalid."""
+    match = lexicon().atom.match(raw)
+    kind = (match and match.lastgroup) or "WORD"
+    make: _Make = Arrow if raw == ARROW else MAKERS[kind]
+    return make, kind, atom_value(kind, raw)
 
 
 def atom_value(kind: str, raw: str) -> Number | str | None:
@@ -167,7 +176,6 @@ class ReadLog:
 
     def __init__(self, source: SourceFile) -> None:
         self.source = source
-        self._known: dict[str, tuple[_Make, Any]] = {}
         self.comments: list[Comment] = []
         self.diagnostics: list[Diagnostic] = []
         self.damage = []
@@ -191,15 +199,8 @@ class ReadLog:
 
     def atom(self, raw: str, start: int, end: int) -> Datum:
         """Return the datum of an atom; report an invalid atom."""
-        known = self._known.get(raw)
-        if known is not None:
-            return known[0](known[1], start, end)
-        match = lexicon().atom.match(raw)
-        kind = (match and match.lastgroup) or "WORD"
-        value = atom_value(kind, raw)
+        make, kind, value = _atom(raw)
         if value is not None:
-            make: _Make = Arrow if raw == ARROW else MAKERS[kind]
-            self._known[raw] = make, value
             return make(value, start, end)
         if kind == "NUMBER":
             self._too_long("number", MAX_NUMBER, start, end)

@@ -281,15 +281,16 @@ def _unclosed(
 
 def _build(log: ReadLog, tokens: Sequence[Token], repair: Repair) -> list[Datum]:
     """Return the data of repaired tokens; add the comments to the log."""
-    closes = Counter(at for at, _ in repair.closes)
+    closes = dict(Counter(at for at, _ in repair.closes))
     opens = frozenset(repair.opens)
     drops = {*repair.extra, *(at for at, _ in repair.drops)}
     text, atom = log.source.text, log.atom
     items: list[Datum] = []
     stack: list[tuple[list[Datum], int]] = []
     for index, (kind, start, end) in enumerate(tokens):
-        for _ in range(closes[index] if closes else 0):
-            items = _close(stack, items, tokens[index - 1][2])
+        if index in closes:
+            for _ in range(closes[index]):
+                items = _close(stack, items, tokens[index - 1][2])
         if index in opens or (kind == OPEN and index not in drops):
             stack.append((items, start))
             items = []
