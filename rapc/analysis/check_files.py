@@ -14,8 +14,7 @@ from rapc.analysis.driver import CheckReport, check_libraries
 from rapc.analysis.selection import Selection
 from rapc.base.files import TEST_SUFFIX, path_of
 from rapc.library import loader
-from rapc.library.loader import Loaded, Names, Parse, alike, load_tests
-from rapc.parser.parse import parse
+from rapc.library.loader import Loaded, Names, Parse, Units, alike, load_tests
 
 
 def check_files(
@@ -23,7 +22,7 @@ def check_files(
     selection: Selection | None = None,
     texts: Mapping[str, str] | None = None,
     *,
-    parser: Parse = parse,
+    parser: Parse | None = None,
 ) -> CheckReport:
     """Check files and folders; a test file is checked as it is run.
 
@@ -31,13 +30,13 @@ def check_files(
         paths: files, folders (all `.rap` files below), `-` for standard input.
         selection: the rules that may report; None for all rules that are not opt-in.
         texts: by file name, a text that replaces the text of the file.
-        parser: the function that parses a file.
+        parser: the function that parses a file; None to parse each file once.
 
     Raises:
         LoadError: if a path cannot be read.
     """
     given = list(paths)
-    return check_libraries(_loads(given, texts, parser), selection, given)
+    return check_libraries(_loads(given, texts, parser or Units()), selection, given)
 
 
 def _loads(

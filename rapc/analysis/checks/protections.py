@@ -265,8 +265,13 @@ class _Search:
         if rap is None or not far or not rap.methods:
             return None
         given = input_terms(rap, goal)
-        found = [self._in_method(method, given, left, far) for method in rap.methods]
-        return found[0] if all(one is not None for one in found) else None
+        first = None
+        for method in rap.methods:
+            found = self._in_method(method, given, left, far)
+            if found is None:
+                return None
+            first = first or found
+        return first
 
     def _in_method(
         self,
