@@ -532,9 +532,8 @@ class Interpreter(Run):
         # In each turn, the loop queries a world that may end the run by itself.
         ended, may_end = port.ended, port.may_end
         last = -1 if most is None else cycle + most
-        # The last cycle without a move of the clock: `patience` cycles after the last
-        # move.
-        limit = cycle - state.idle + patience
+        # The last cycle that the clock may stand still, as far as the loop knows.
+        limit = state.moved_at + patience
         reason: str | None = None
         self.turning = True
         while cycle != last and not state.over:
@@ -556,17 +555,16 @@ class Interpreter(Run):
                 or not state.foreground
                 or (may_end and ended() is not None)
             ):
-                state.idle = cycle - limit + patience
                 reason = self._why_over()
                 if reason is not None:
                     break
+                limit = state.moved_at + patience
             task = eligible.choose() if choose else None
             if task is None:
                 if not wait or len(eligible):
                     break
-                state.idle = cycle - limit + patience
                 reason = self._wait()
-                limit = cycle - state.idle + patience
+                limit = state.moved_at + patience
                 if reason is not None:
                     break
                 continue
@@ -575,9 +573,6 @@ class Interpreter(Run):
             run_cycle(self, task)
             if cost:
                 self._spend(cost)
-            if recorder.time != now:
-                limit = cycle + patience
-        state.idle = cycle - limit + patience
         self.turning = self.broken = False
         return reason
 
@@ -590,7 +585,8 @@ class Interpreter(Run):
             return "world"
         if not (state.foreground or state.expected or self.host_timers):
             return "done"
-        return "runaway" if state.idle > self.settings.idle_cycles else None
+        idle = self.recorder.cycle - state.moved_at
+        return "runaway" if idle > self.settings.idle_cycles else None
 
     def _wake(self) -> None:
         """Start all work that is due, and test the changed monitors."""
@@ -624,7 +620,7 @@ class Interpreter(Run):
     def _wait(self) -> str | None:
         """Advance to the next known time; return the reason if the run is over.
 
-        If the clock does not move, the turn counts as idle.
+        A wait in which the clock does not move counts like a cycle.
         """
         until = self.state.until
         now = self.recorder.time
@@ -644,7 +640,8 @@ class Interpreter(Run):
         self.state.waits += 1
         self.port.advance(target)
         moved = self.port.now() != now
-        self.state.idle = 0 if moved else self.state.idle + 1
+        if not moved:
+            self.state.moved_at -= 1
         if target == end:
             return self._wait_is_over(end)
         if not moved:

@@ -105,7 +105,9 @@ class Run:
         """
         before, until = self.recorder.time, self.state.until
         now = self.port.time(now, before)
-        self.monitors.listeners.changes += now != before
+        if now != before:
+            self.monitors.listeners.changes += 1
+            self.state.moved_at = self.recorder.cycle
         self.state.past_until = until is not None and now > until
         self.recorder.time = now if until is None else min(now, until)
         return self.state.past_until

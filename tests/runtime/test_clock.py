@@ -51,6 +51,14 @@ class _Stuck(_Clock):
         return None
 
 
+class _Driver(_Clock):
+    """A world whose clock goes by itself: one unit each time that it is polled."""
+
+    def messages(self) -> Sequence[Message]:
+        self.shown = self.now() + 1
+        return ()
+
+
 def _run(
     kind: type[_Clock],
     text: str,
@@ -77,6 +85,18 @@ def test_a_next_time_that_is_none_is_laid_at_the_worlds_door(coming: float) -> N
     run, _, _ = _run(_Clock, WAIT, "(wait)", coming=coming)
     with pytest.raises(PortError, match=f"the next time of the world .* is `{coming}`"):
         run.run()
+
+
+ENDLESS = """
+(define-rap (endless) (resources (counter ?c)) (succeed nil)
+  (method (task-net (t1 (rest) (counter-add ?c 1)))))
+(define-rap (rest) (method (task-net)))
+"""
+
+
+def test_clock_that_goes_by_itself_is_no_runaway() -> None:
+    run, _, _ = _run(_Driver, ENDLESS, "(endless)")
+    assert run.run(until=200) == "until"
 
 
 class _Continuous(_Clock):

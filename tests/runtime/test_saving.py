@@ -292,7 +292,7 @@ def test_a_saved_run_of_another_option_of_the_world_is_refused() -> None:
         ('[["q","busy","a"],0]', '[["gone","busy","a"],0]'),
         ('[["q","busy","a"],1]', '[["q","busy","a"],2]'),
         ('"aliases":{}', '"aliases":{"a":"b","b":"a"}'),
-        ('"idle":1', '"idle":-1000000000'),
+        ('"moved_at":3', '"moved_at":1000000000'),
         ('"numbers":6', '"numbers":5'),
         ('"number":6', '"number":5'),
         ('"only":5', '"only":6'),

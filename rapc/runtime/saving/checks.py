@@ -55,6 +55,8 @@ def check(restored: RestoredRun) -> None:
 def _check_counts(restored: RestoredRun) -> None:
     state, on = restored.state, restored.state.activations.on
     need(not (state.over and restored.live), "a run that is over has live tasks")
+    moved = state.moved_at <= restored.record.cycle
+    need(moved, "the clock moved in a cycle that has not come")
     numbers = [task.number for task in restored.tasks]
     need(once(numbers), "two tasks have one number")
     need(all(1 <= n <= state.numbers for n in numbers), "an unknown number of a task")

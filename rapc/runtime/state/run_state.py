@@ -39,7 +39,7 @@ class RunState:
         "numbers": Natural,
         "tickets": Natural,
         "succeeded": Natural,
-        "idle": Natural,
+        "moved_at": int,
         "waits": Natural,
         "until": Time | None,
         "past_until": bool,
@@ -79,8 +79,9 @@ class RunState:
         self.tickets = 0
         #: How many tasks of all levels have succeeded.
         self.succeeded = 0
-        #: How many cycles have passed since the clock last moved.
-        self.idle = 0
+        #: The cycle in which the clock last moved; each later wait without a move
+        #: counts as a cycle, and subtracts 1.
+        self.moved_at = 0
         #: How often the run has waited for a time since the last cycle.
         self.waits = 0
         #: The time limit of the run, if there is one.
