@@ -157,8 +157,6 @@ class MethodPlan:
         if node.constraints is not None:
             what = f"constraints of method `{self.name}`"
             self.constraints = compiler.query(node.constraints, what, node.span)
-        #: Whether the method or its RAP states constraints.
-        self.constrains = bool(node.constraints or rap.constraints)
         self.notations = tuple(
             compiler.assertion(p, "notation") for p in node.notations
         )
@@ -185,14 +183,15 @@ class MethodPlan:
         """Compute properties of all steps together, to avoid loops at run time."""
         #: The positions of the steps whose inputs or windows use a variable.
         self.steps_by_variable = steps_using(self.steps)
-        #: The RAPs of the steps, once they have been looked up.
-        self.raps: tuple[RapPlan, ...] = ()
-        #: Whether inputs of steps create values, once `raps` are known.
+        #: The steps with their RAPs, once these have been looked up.
+        self.goals: tuple[tuple[StepPlan, RapPlan], ...] = ()
+        #: Whether inputs of steps create values, once the RAPs are known.
         self.makes = False
+        #: Whether the identity of each step's task is constant, as above.
+        self.static_goals = False
         #: Whether steps may add to the environment of the method.
         self.binds = any(s.outputs or s.conditions or s.waits for s in self.steps)
         self.binds |= self.activation is not None and bool(self.activation.waits)
-        self.size = len(self.steps)
         #: The positions of the steps without predecessor, or with windows to fix.
         self.first_steps = tuple(
             [s.position for s in self.steps if s.windows or not s.before]
@@ -248,8 +247,6 @@ class RapPlan:
         #: The rules that run at the end of its task, and at a signal.
         self.finish_rules = memory_rules(compiler, node.name, "finish")
         self.event_rules = memory_rules(compiler, node.name, "event")
-        #: Whether its success has more consequences than the end of a step.
-        self.tells_end = bool(self.outputs or self.finish_rules)
         self.monitor_time: WindowPlan | None = None
         if node.monitor_time is not None:
             time = node.monitor_time
@@ -276,6 +273,10 @@ class RapPlan:
             MethodPlan(compiler, node, method, index)
             for index, method in enumerate(node.methods)
         )
+        #: The only method, if its choice depends on its context alone.
+        self.sole: MethodPlan | None = None
+        if len(self.methods) == 1 and self.repeat_while is None:
+            self.sole = self.methods[0]
 
 
 def _resources(

@@ -316,24 +316,30 @@ class BoundQuery:
 
     __slots__ = ("first", "holds", "solutions")
 
-    def __init__(self, query: Query, ctx: QuestionContext) -> None:
+    def __init__(self, query: Query | None, ctx: QuestionContext) -> None:
+        #: Returns the new bindings of the first solution, or None.
+        self.first: Callable[[Bindings], dict[str, Value] | None]
+        #: Returns whether there is a solution.
+        self.holds: Callable[[Bindings], bool]
+        #: Iterates over the new bindings of each solution, computed on demand.
+        self.solutions: Callable[[Bindings], Iterator[dict[str, Value]]]
+        if query is None:
+            self.first = lambda env: {}
+            self.holds = lambda env: True
+            self.solutions = lambda env: iter(({},))
+            return
         names = query.variables
         select = _variant_selector(len(names))
-        #: Returns the new bindings of the first solution, or None.
-        self.first: Callable[[Bindings], dict[str, Value] | None] = select(
-            _Variants(query, ctx, ResultMode.FIRST), names
-        )
-        #: Returns whether there is a solution.
-        self.holds: Callable[[Bindings], bool] = select(
-            _Variants(query, ctx, ResultMode.ANY), names
-        )
-        each: Ask = select(_Variants(query, ctx, ResultMode.EACH), names)
-        #: Iterates over the new bindings of each solution, computed on demand.
-        self.solutions: Callable[[Bindings], Iterator[dict[str, Value]]] = each
+        self.first = select(_Variants(query, ctx, ResultMode.FIRST), names)
+        self.holds = select(_Variants(query, ctx, ResultMode.ANY), names)
+        self.solutions = select(_Variants(query, ctx, ResultMode.EACH), names)
 
 
-class BoundQueries(dict[Query, BoundQuery]):
-    """The queries bound to one memory. Looking up an unbound query binds it."""
+class BoundQueries(dict[Query | None, BoundQuery]):
+    """The queries bound to one memory. Looking up an unbound query binds it.
+
+    None is the query of a clause that is not stated: it holds and binds nothing.
+    """
 
     __slots__ = ("_ctx",)
 
@@ -341,7 +347,7 @@ class BoundQueries(dict[Query, BoundQuery]):
         super().__init__()
         self._ctx = ctx
 
-    def __missing__(self, query: Query) -> BoundQuery:
+    def __missing__(self, query: Query | None) -> BoundQuery:
         found = self[query] = BoundQuery(query, self._ctx)
         return found
 

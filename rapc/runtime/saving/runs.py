@@ -143,9 +143,8 @@ class RestoredRun:
         """Create the tasks: tasks of the host, then the steps of each in turn."""
         records, made = self.record.tasks, []
         places: list[Any] = [(None, None)] * len(self.record.state.top_level)
-        for (method_run, step), record in zip(
-            places, records, strict=False
-        ):  # `places` grows
+        # `places` grows in the loop.
+        for (method_run, step), record in zip(places, records, strict=False):
             name = record[0] if isinstance(record, tuple) else record.plan
             task = reader.task = Task(reader.library.known_rap(name), method_run, step)
             made.append(task)
@@ -161,7 +160,7 @@ class RestoredRun:
             if task.live:
                 self.live[task.number] = task
             if task.run is not None and task.run.plan.steps:
-                task.run.steps = []
+                task.run.begin_steps([])
                 places += [(task.run, one) for one in task.run.plan.steps]
         need(len(made) == len(places) == len(records), "a task is missing")
         for task in made:

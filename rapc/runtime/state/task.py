@@ -94,19 +94,24 @@ class MethodRun:
         #: The tasks of the steps, by position, with those that have ended.
         self.steps: list[Task] | tuple[()] = ()
         #: The number of steps that have not ended.
-        self.steps_left = left = plan.size
-        self.ends = Ends(left) if plan.tracks_step_ends else None
+        self.steps_left = 0
+        self.ends = Ends(len(plan.steps)) if plan.tracks_step_ends else None
         self.notations: tuple[Notation, ...] = ()
         #: The skills as filled in at their first start, in memory names.
         self.skills: tuple[Fact, ...] = ()
         #: The number of the request, if the method has sent one.
         self.ticket: int | None = None
-        outer = task.within
-        nearest = None if outer is None else outer.constrained
-        if plan.constrains:
-            nearest = task if plan.constraints is None else self
-        #: The nearest owner of constraints: the method, its task, or an ancestor.
-        self.constrained: Task | MethodRun | None = nearest
+        #: The nearest owner of constraints on steps: the method, its task, or an
+        #: ancestor.
+        self.constrained: Task | MethodRun | None = None
+
+    def begin_steps(self, steps: list[Task]) -> None:
+        """Take over the tasks of the steps, which have not ended."""
+        self.steps, self.steps_left = steps, len(steps)
+        if self.plan.constraints is not None:
+            self.constrained = self
+        else:
+            self.constrained = self.constrained_above
 
     @property
     def constrained_above(self) -> Task | MethodRun | None:

@@ -42,23 +42,19 @@ def choose(run: Run, task: Task, asked: bool = False) -> Choice | None:
 
     If no method holds, ask the problem solver, unless the caller has `asked` before.
     """
-    context, plan, env = run.context, task.plan, task.env
+    context, sole = run.context, task.plan.sole
     context.task = task
-    repeat, told = plan.repeat_while, run.context_asked
+    if sole is not None and run.context_asked is None and not run.solvers:
+        found = context.bound[sole.choice].first(task.env)
+        return None if found is None else (sole, found, ())
+    plan, env, bound, told = task.plan, task.env, context.bound, run.context_asked
+    repeat = plan.repeat_while
     if repeat is not None and not (asked or repeat.holds(context, env)):
         return None
     holding: list[Held] = []
-    methods = plan.methods
-    if run.state.added_methods:
-        methods = run.state.methods(plan)
-    for method in methods:
-        found: Env | None
-        if method.otherwise and holding:
-            found = None
-        elif method.choice is None:
-            found = {}
-        else:
-            found = context.bound[method.choice].first(env)
+    for method in run.state.methods(plan):
+        ruled_out = method.otherwise and holding
+        found = None if ruled_out else bound[method.choice].first(env)
         if found is not None:
             holding.append((method, found))
         if told is not None and method.node.context is not None:

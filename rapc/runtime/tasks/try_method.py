@@ -59,13 +59,12 @@ def try_method(run: Run, task: Task) -> None:
         if repeating is not None:
             fail(run, task, FUTILE_LOOP, causes.of_recursion(run, repeating))
             return
-    unfilled = False
-    if method.things:
-        come = hold_or_wait(run, method_run, others)
-        if come is WAITS:
-            return
-        unfilled = come is UNFILLED
-    start_method(run, method_run, unfilled)
+    if not method.things:
+        start_method(run, method_run)
+        return
+    come = hold_or_wait(run, method_run, others)
+    if come is not WAITS:
+        start_method(run, method_run, come is UNFILLED)
 
 
 def _note_choice(run: Run, task: Task, key: Key) -> bool:
@@ -79,14 +78,15 @@ def _note_choice(run: Run, task: Task, key: Key) -> bool:
 
 def _spawn(run: Run, method_run: MethodRun) -> Task | None:
     """Make the steps' tasks without numbers; return a task that repeats an ancestor."""
-    method_run.steps = tasks = []
     method = method_run.plan
-    if not method.raps:
+    if not method.goals:
         _look_up(run, method)
-    for step, rap in zip(method.steps, method.raps, strict=True):
-        task = Task(rap, method_run, step)
-        tasks.append(task)
-        if rap.inputs:
+    tasks = [Task(rap, method_run, step) for step, rap in method.goals]
+    method_run.begin_steps(tasks)
+    if method.static_goals and not run.all_may_recur:
+        return None
+    for task in tasks:
+        if task.plan.inputs:
             read_inputs(run, task)
         if (
             (task.identity is None or run.all_may_recur)
@@ -99,12 +99,13 @@ def _spawn(run: Run, method_run: MethodRun) -> Task | None:
 
 def _look_up(run: Run, method: MethodPlan) -> None:
     """Find the RAPs of a method's steps, once for all runs."""
-    names = [step.node.goal.name for step in method.steps]
-    method.raps = raps = tuple([run.library.known_rap(name) for name in names])
+    raps = [run.library.known_rap(step.node.goal.name) for step in method.steps]
+    method.goals = tuple(zip(method.steps, raps, strict=True))
     method.makes = method.computes or any(rap.needs_setup for rap in raps)
+    method.static_goals = all(rap.static_identity is not None for rap in raps)
 
 
-def start_method(run: Run, method_run: MethodRun, unfilled: bool) -> None:
+def start_method(run: Run, method_run: MethodRun, unfilled: bool = False) -> None:
     """Start a method; its task waits for the end.
 
     With `unfilled`, a part of the method has no value: the method ends badly at once.
@@ -194,13 +195,14 @@ def _switch_on(
 def _release_steps(run: Run, method_run: MethodRun) -> None:
     """Add the tasks of steps to the run; release steps that follow no other step."""
     steps, plan = method_run.steps, method_run.plan
+    if not steps:
+        end_method(run, method_run, OKAY)
+        return
     if plan.makes or run.recorder.on:
         for task in steps:
             create(run, task)
     else:
-        number = run.state.numbers
-        for task in steps:
-            number += 1
+        for number, task in enumerate(steps, run.state.numbers + 1):
             task.number = number
         run.state.numbers = number
     for position in plan.first_steps:
@@ -209,8 +211,6 @@ def _release_steps(run: Run, method_run: MethodRun) -> None:
             read_windows(run, task)
         if task.waiting == 0:
             release(run, task)
-    if not steps:
-        end_method(run, method_run, OKAY)
 
 
 def _note(run: Run, method_run: MethodRun, method: MethodPlan) -> bool:
