@@ -40,14 +40,14 @@ EDITS = (
     ),
     (
         "runtime/tasks/cycle.py",
-        "    if found is not None:\n        succeed(run, task, found)\n",
+        "        succeed(run, task, found)\n        return\n",
+        "        succeed(run, task, found)\n        return\n"
         "    given_up = plan.clauses.get('give-up')\n"
         "    run.context.task = task\n"
-        "    if found is not None:\n        succeed(run, task, found)\n"
-        "    elif given_up and given_up.holds(run.context, task.env):\n"
+        "    if given_up and given_up.holds(run.context, task.env):\n"
         "        kind, why = events.TaskGivenUp, ('lost', plan.name)\n"
         "        run.recorder.emit(kind, task=task.number, why=why)\n"
-        "        fail(run, task, 'given-up', None)\n",
+        "        fail(run, task, 'given-up', None)\n        return\n",
     ),
     (
         "runtime/tasks/cycle.py",

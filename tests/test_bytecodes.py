@@ -14,13 +14,13 @@ pytestmark = pytest.mark.skipif(
 
 
 def test_firing_takes_no_more_bytecodes_than_its_bar() -> None:
-    assert bytecodes.firing(monitors=100, times=20) <= 2_260
+    assert bytecodes.firing(monitors=100, times=20) <= 2_163
 
 
 def test_task_takes_no_more_bytecodes_than_its_bar() -> None:
-    assert bytecodes.task(depth=5) <= 1_145
+    assert bytecodes.task(depth=5) <= 1_048
 
 
 @pytest.mark.slow
 def test_cycle_of_the_truck_takes_no_more_bytecodes_than_its_bar() -> None:
-    assert bytecodes.cycle() <= 2_800
+    assert bytecodes.cycle() <= 2_793

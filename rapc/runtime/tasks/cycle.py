@@ -29,7 +29,7 @@ from rapc.world import OKAY
 
 def run_cycle(run: Run, task: Task) -> None:
     """Process the selected task."""
-    plan, wait, method_run = task.plan, task.wait, task.within
+    plan, wait = task.plan, task.wait
     if run.waits:
         run.things.stop_waiting(task)
     if task.identity is None or (
@@ -50,24 +50,24 @@ def run_cycle(run: Run, task: Task) -> None:
         found = None if never else context.bound[plan.succeed].first(task.env)
     if found is not None:
         succeed(run, task, found)
-    elif (
+        return
+    if (
         plan.monitored
         and wait is not None
         and not (wait.first_selected and run.monitors.still_hold(task, wait))
     ):
         run.monitors.block(task)
-    elif (
+        return
+    above = task.within
+    if (
         plan.conditional
-        or (
-            method_run is not None
-            and (method_run.plan.conditions or method_run.constrained is not None)
-        )
+        or (above and (above.plan.conditions or above.constrained is not None))
     ) and not _conditions_hold(run, task):
         if task.state is not ENDED:
             because = causes.of_conditions(run, task)
             fail(run, task, INTERFERENCE, because)
-    else:
-        try_method(run, task)
+        return
+    try_method(run, task)
 
 
 def _first_of_all(run: Run, task: Task) -> None:

@@ -64,7 +64,7 @@ def succeed(run: Run, task: Task, found: Env) -> None:
             fail(run, task, INTERFERENCE, because)
             return
     task.state = ENDED
-    if step is None or task.wait is not None or run.waits:
+    if step is None or task.wait is not None:
         unregister(run, task)
     run.state.succeeded += 1
     if run.recorder.on:
@@ -76,31 +76,30 @@ def succeed(run: Run, task: Task, found: Env) -> None:
         )
     if plan.finish_rules:
         run_finish_rules(run, task, OKAY, outputs)
-    if method_run is not None and step is not None:
-        _finish_step(run, method_run, step, received)
-
-
-def _finish_step(
-    run: Run, method_run: MethodRun, step: StepPlan, received: _Received | None
-) -> None:
-    """Pass `received` to a step's method; release followers or end the method."""
-    bound: Env = {}
-    if received is not None:
-        bound, changes = received
-        method_run.env.update(bound)
-        for change in changes:
-            carry_out(run, method_run.steps[step.position], change)
+    if step is None or method_run is None:
+        return
+    bound = {} if received is None else _hand_over(run, task, method_run, received)
     method_run.steps_left -= 1
     following = step.after
     if method_run.ends is not None:
         method_run.ends.times[step.position] = run.recorder.time
-        following = following + apply_until(run, method_run, step, at_end=True)
+        ended = apply_until(run, method_run, step, at_end=True)
+        following = sorted(following + ended)
     if bound and recheck_bound_steps(run, method_run, bound):
         return
     if method_run.steps_left:
         release_followers(run, method_run, following)
     else:
         end_method(run, method_run, OKAY)
+
+
+def _hand_over(run: Run, task: Task, method_run: MethodRun, received: _Received) -> Env:
+    """Pass what a step's method receives to the method; return the bindings."""
+    bound, changes = received
+    method_run.env.update(bound)
+    for change in changes:
+        carry_out(run, task, change)
+    return bound
 
 
 def _received(
@@ -152,14 +151,14 @@ def release_followers(
 ) -> None:
     """Release, in the order of the text, steps whose predecessors have all ended.
 
-    `following` are the positions of the steps that follow each ended step.
+    `following` are the positions of the steps that follow each ended step, sorted.
     """
     steps = method_run.steps
     if method_run.plan.windows:
         for at in following:
             if steps[at].live:
                 read_windows(run, steps[at])
-    for at in sorted(following):
+    for at in following:
         task = steps[at]
         if task.state is not ENDED:
             task.waiting -= 1
@@ -172,8 +171,8 @@ def apply_until(
 ) -> list[int]:
     """Remove the live steps whose `until` names `step`.
 
-    Each removed step counts as ended. Return the positions of the steps that follow
-    each removed step; the caller releases them.
+    Each removed step counts as ended. Return the sorted positions of the steps that
+    follow each removed step; the caller releases them.
 
     Args:
         run: the run.
@@ -192,7 +191,7 @@ def apply_until(
             method_run.ends.times[target] = run.recorder.time
         method_run.steps_left -= 1
         following += method_run.plan.steps[target].after
-    return following
+    return sorted(following)
 
 
 def recheck_bound_steps(
@@ -271,7 +270,7 @@ def end_method(
     `because` is the cause of a failure, `cause` the reason for the removal of its
     steps.
     """
-    task, recorder, failed = method_run.task, run.recorder, result != OKAY
+    task, failed = method_run.task, result != OKAY
     if failed and because is None:
         because = causes.of_result(run, method_run, result)
     task.run = None
@@ -282,8 +281,8 @@ def end_method(
     method_run.steps = ()
     if method_run.plan.gives_back or run.held or run.all_may_recur:
         _give_back(run, method_run)
-    if recorder.on:
-        recorder.emit(
+    if run.recorder.on:
+        run.recorder.emit(
             MethodEnded,
             task=task.number,
             method=method_run.plan.name,
@@ -300,7 +299,7 @@ def end_method(
     if task.wait is not None:
         task.wait.after_method = True
         if task.plan.monitor_time is not None:
-            run.monitors.arm(task, recorder.time)
+            run.monitors.arm(task, run.recorder.time)
     run.eligible.add(task)
 
 
@@ -331,6 +330,7 @@ def finish_by_signal(run: Run, task: Task, mode: str) -> None:
                 remove(run, step, SIGNAL)
         drop(run, method_run)
     run.eligible.discard(task)
+    run.things.stop_waiting(task)
     if mode == "succeed":
         succeed(run, task, {})
     else:
