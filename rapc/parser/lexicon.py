@@ -11,7 +11,7 @@ import re
 import sys
 from bisect import bisect_left
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from functools import cache, lru_cache
+from functools import cache
 from typing import Any
 
 from rapc.base.diagnostics import Diagnostic, Edit, Fix
@@ -125,6 +125,9 @@ def tokens(
             if kind is None:
                 return
             start, end = match.start(kind), match.end()
+            if kind <= ATOM:
+                yield kind, start, end
+                continue
             if kind == STRING:
                 found = string.match(text, start)
                 if found is None:
@@ -144,15 +147,6 @@ def tokens(
                 break
 
 
-@lru_cache(maxsize=10_000)
-def _atom(raw: str) -> tuple[_Make, str, Number | str | None]:
-    """Return the constructor of an atom, its kind, and its value; None if invalid."""
-    match = lexicon().atom.match(raw)
-    kind = (match and match.lastgroup) or "WORD"
-    make: _Make = Arrow if raw == ARROW else MAKERS[kind]
-    return make, kind, atom_value(kind, raw)
-
-
 def atom_value(kind: str, raw: str) -> Number | str | None:
     """Return the value of an atom of a kind, or None if the atom is invalid."""
     if kind == "NUMBER":
@@ -169,6 +163,8 @@ def atom_value(kind: str, raw: str) -> Number | str | None:
 class ReadLog:
     """The comments, findings and damaged positions collected while a file is read."""
 
+    #: The class and value of each valid atom read so far, by its text.
+    known: dict[str, tuple[_Make, Any]]
     #: The offsets of guessed parts.
     damage: list[int]
     #: The offsets of forms followed by a surplus `)`.
@@ -176,6 +172,7 @@ class ReadLog:
 
     def __init__(self, source: SourceFile) -> None:
         self.source = source
+        self.known = {}
         self.comments: list[Comment] = []
         self.diagnostics: list[Diagnostic] = []
         self.damage = []
@@ -199,8 +196,12 @@ class ReadLog:
 
     def atom(self, raw: str, start: int, end: int) -> Datum:
         """Return the datum of an atom; report an invalid atom."""
-        make, kind, value = _atom(raw)
+        match = lexicon().atom.match(raw)
+        kind = (match and match.lastgroup) or "WORD"
+        value = atom_value(kind, raw)
         if value is not None:
+            make: _Make = Arrow if raw == ARROW else MAKERS[kind]
+            self.known[raw] = make, value
             return make(value, start, end)
         if kind == "NUMBER":
             self._too_long("number", MAX_NUMBER, start, end)

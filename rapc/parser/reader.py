@@ -10,8 +10,7 @@ Not here: the meaning of data (`rapc.parser.special`).
 from __future__ import annotations
 
 import re
-from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 
 import msgspec
@@ -73,34 +72,11 @@ def read(source: SourceFile) -> Reading:
     log = ReadLog(source)
     text = source.text
     closers = _comment_ends(text) if "#|" in text else {}
-    found = list(tokens(text, 0, lexicon().string, closers))
-    if _is_sound(text, found):
-        forms = _build(log, found, Repair())
-    else:
+    forms = _build(log, tokens(text, 0, lexicon().string, closers))
+    if forms is None:
+        log = ReadLog(source)
         forms = _recover(log, closers)
     return log.finish(rejoin(log, forms))
-
-
-def _is_sound(text: str, found: Sequence[Token]) -> bool:
-    """Return whether the parentheses balance, and no list contains a likely form.
-
-    A likely form inside a list shows a missing `)` that a later surplus `)` balances.
-    """
-    depth = 0
-    for kind, start, _ in found:
-        if kind == OPEN:
-            if (
-                depth
-                and text[start - 1] == "\n"
-                and _compiled(_SWALLOWED).match(text, start)
-            ):
-                return False
-            depth += 1
-        elif kind == CLOSE:
-            depth -= 1
-        if not 0 <= depth <= MAX_DEPTH or kind >= CUT:
-            return False
-    return not depth
 
 
 def _recover(log: ReadLog, closers: Mapping[int, int]) -> list[Datum]:
@@ -215,7 +191,7 @@ def _data(log: ReadLog, segment: Segment) -> list[Datum]:
     for kind, start, end in segment.tokens:
         if kind in _COMMENTS:
             log.comment(start, end)
-    forms = _build(log, code, repair)
+    forms = _build(log, repair.apply(code), repaired=True) or []
     harmless = lost is None and _is_harmless(code, repair, forms)
     kept = log.surplus if harmless else log.damage
     if lost is not None or repair.edits:
@@ -279,42 +255,46 @@ def _unclosed(
     )
 
 
-def _build(log: ReadLog, tokens: Sequence[Token], repair: Repair) -> list[Datum]:
-    """Return the data of repaired tokens; add the comments to the log."""
-    closes = dict(Counter(at for at, _ in repair.closes))
-    opens = frozenset(repair.opens)
-    drops = {*repair.extra, *(at for at, _ in repair.drops)}
-    text, atom = log.source.text, log.atom
+def _build(
+    log: ReadLog, found: Iterable[Token], *, repaired: bool = False
+) -> list[Datum] | None:
+    """Return the data of tokens; add the comments to the log.
+
+    Return None if the tokens are not repaired and need it: a parenthesis, string or
+    comment is not closed, or a list contains a likely form. Such a form shows a missing
+    `)` that a later surplus `)` balances.
+    """
+    text, atom, known = log.source.text, log.atom, log.known
     items: list[Datum] = []
     stack: list[tuple[list[Datum], int]] = []
-    for index, (kind, start, end) in enumerate(tokens):
-        if index in closes:
-            for _ in range(closes[index]):
-                items = _close(stack, items, tokens[index - 1][2])
-        if index in opens or (kind == OPEN and index not in drops):
+    for kind, start, end in found:
+        if kind == ATOM:
+            raw = text[start:end]
+            if raw in known:
+                make, value = known[raw]
+                items.append(make(value, start, end))
+            else:
+                items.append(atom(raw, start, end))
+        elif kind == OPEN:
+            on_new_line = stack and not repaired and text[start - 1] == "\n"
+            if len(stack) == MAX_DEPTH or (
+                on_new_line and _compiled(_SWALLOWED).match(text, start)
+            ):
+                return None
             stack.append((items, start))
             items = []
-        if kind == ATOM:
-            items.append(atom(text[start:end], start, end))
-        elif kind == CLOSE and index not in drops:
-            items = _close(stack, items, end)
+        elif kind == CLOSE and stack:
+            inner = tuple(items)
+            items, begin = stack.pop()
+            items.append(List(inner, begin, end))
+        elif kind == CLOSE or (kind >= CUT and not repaired):
+            return None
         elif kind == STRING:
             items.append(log.string(start, end))
         elif kind == CUT:
             items.append(String(text[start + 1 : end], start, end))
         elif kind in _COMMENTS:
             log.comment(start, end)
-        elif kind not in (OPEN, CLOSE):
+        else:
             log.illegal(start, end)
-    while stack:
-        items = _close(stack, items, tokens[-1][2])
-    return items
-
-
-def _close(
-    stack: list[tuple[list[Datum], int]], items: list[Datum], end: int
-) -> list[Datum]:
-    """Close the innermost list, and return the items of the list around it."""
-    outer, start = stack.pop()
-    outer.append(List(tuple(items), start, end))
-    return outer
+    return None if stack else items

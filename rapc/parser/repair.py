@@ -46,6 +46,32 @@ class Repair(msgspec.Struct, frozen=True):
         """The number of inserted and removed parentheses."""
         return sum(map(len, (self.closes, self.drops, self.opens, self.extra)))
 
+    def apply(self, tokens: Sequence[Token]) -> Iterator[Token]:
+        """Yield the tokens with these edits; inserted parentheses are empty.
+
+        Lists open at the end are closed.
+        """
+        closes = Counter(at for at, _ in self.closes)
+        opens = frozenset(self.opens)
+        drops = {*self.extra, *(at for at, _ in self.drops)}
+        depth = last = 0
+        for index, token in enumerate(tokens):
+            kind, start, end = token
+            for _ in range(closes[index]):
+                depth -= 1
+                yield CLOSE, last, last
+            if index in opens or (kind == OPEN and index not in drops):
+                depth += 1
+                yield OPEN, start, end if kind == OPEN else start
+            if kind == CLOSE and index not in drops:
+                depth -= 1
+                yield token
+            elif kind not in (OPEN, CLOSE):
+                yield token
+            last = end
+        for _ in range(depth):
+            yield CLOSE, last, last
+
 
 def balance(source: SourceFile, tokens: Sequence[Token]) -> Repair:
     """Return the most likely repair of tokens."""
