@@ -21,9 +21,9 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 import msgspec
 
 from rapc.analysis import registry, suppressions
-from rapc.analysis.check import Pass, Whole
+from rapc.analysis.check import Check, Pass, Whole
 from rapc.analysis.damage import Damage
-from rapc.analysis.hiding import visible
+from rapc.analysis.hiding import visible, with_hiders
 from rapc.analysis.selection import Selection, by_default
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.files import lies_in
@@ -190,14 +190,22 @@ def check_tests(library: Library, tests: Iterable[DefineTest]) -> list[Finding]:
 def _found(run: Pass, enabled: Collection[str]) -> Iterator[tuple[Diagnostic, Whole]]:
     """Yield the findings that no finding hides, and the need of each finding.
 
+    A check without an enabled rule runs if its findings may hide a finding.
     The findings about declarations shared by all tests of a file are yielded once.
     """
     found: dict[_Key, Diagnostic] = {}
     whole: dict[str, Whole] = {}
-    for check in registry.checks_for(enabled):
-        whole.update((rule.name, check.needs_whole) for rule in check.rules)
-        for one in check.find(run):
-            found.setdefault(_key(one), one)
+
+    def find(checks: Iterable[Check]) -> None:
+        for check in checks:
+            whole.update((rule.name, check.needs_whole) for rule in check.rules)
+            for one in check.find(run):
+                found.setdefault(_key(one), one)
+
+    own = registry.checks_for(enabled)
+    find(own)
+    hiders = with_hiders({one.rule for one in found.values()})
+    find(one for one in registry.checks_for(hiders) if one not in own)
     forms = (*run.library.forms, *run.library.tests)
     for one in visible(list(found.values()), [form.span for form in forms]):
         yield one, whole[one.rule]

@@ -13,13 +13,11 @@ from types import MappingProxyType
 
 from rapc.analysis import suppressions
 from rapc.analysis.check import Check
-from rapc.analysis.hiding import with_hiders
 from rapc.base.diagnostics import Rule, Severity
 from rapc.library import library, loader
 from rapc.parser.rules import table as parser
 
 _WITH_ERRORS = (
-    "constants",
     "kinds",
     "names",
     "order_and_until",
@@ -30,11 +28,12 @@ _WITH_ERRORS = (
     "tests",
     "variables",
 )
-"""The modules with a rule that finds or hides errors (`rapc.analysis.hiding`)."""
+"""The modules with a rule that finds errors."""
 
 _OTHERS = (
     "agendas",
     "conditions",
+    "constants",
     "goals",
     "loops",
     "monitors",
@@ -88,7 +87,6 @@ def are_errors(enabled: Collection[str]) -> bool:
 
 
 def checks_for(enabled: Collection[str]) -> list[Check]:
-    """Return the checks that find, or hide, the findings of the enabled rules."""
+    """Return the checks of the enabled rules."""
     among = checks(errors_only=are_errors(enabled))
-    wanted = with_hiders(enabled)
-    return [one for one in among if any(rule.name in wanted for rule in one.rules)]
+    return [one for one in among if any(rule.name in enabled for rule in one.rules)]
