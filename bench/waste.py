@@ -29,8 +29,8 @@ from bench.chapter6 import session
 from rapc.events import Cause
 from rapc.experiments.measures import Measures
 from rapc.experiments.run import PointConfig, measure
+from rapc.language.results import FUTILE_LOOP
 from rapc.runtime.run import Run
-from rapc.runtime.state.states import FUTILE_LOOP
 from rapc.runtime.state.task import Env, Task
 from rapc.runtime.tasks import cycle, finish, try_method
 

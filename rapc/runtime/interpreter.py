@@ -22,6 +22,7 @@ from rapc.errors import ArgumentError, PortError, RefusedError
 from rapc.events import Event, Goal, RunEnded, RunStarted, TaskResult
 from rapc.ir.nodes import Formula, Node
 from rapc.language.atoms import kind, need_atoms, need_fact
+from rapc.language.results import INTERFERENCE
 from rapc.library.library import digest
 from rapc.parser.parse import parse_fact, parse_formula
 from rapc.runtime import snapshot, strict
@@ -53,7 +54,6 @@ from rapc.runtime.run import ContextListener, Run
 from rapc.runtime.saving.save import restore, save
 from rapc.runtime.settings import Settings, read_settings
 from rapc.runtime.snapshot import AgendaEntry
-from rapc.runtime.state.states import INTERFERENCE
 from rapc.runtime.state.task import Task
 from rapc.runtime.task_request import TaskRequest, as_text, of_agenda, read_task_request
 from rapc.runtime.tasks.cycle import run_cycle

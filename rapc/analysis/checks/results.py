@@ -18,6 +18,7 @@ from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.names import Suggestions
 from rapc.base.source import Span
 from rapc.ir import nodes
+from rapc.language.results import RESULTS
 from rapc.library.library import Library
 from rapc.library.signatures import Fault
 
@@ -30,14 +31,11 @@ UNKNOWN = Rule(
     source="T 4.1.2",
 )
 
-REASONS = ("okay", "no-method", "interference", "futile-loop", "signal")
-"""The results that the interpreter itself sets."""
-
 
 @check(UNKNOWN)
 def unknown_result(run: Pass) -> Iterator[Diagnostic]:
     """Find conditions on results that cannot occur."""
-    known = {*REASONS, *(name.removeprefix(":") for name in run.library.events)}
+    known = {*RESULTS, *(name.removeprefix(":") for name in run.library.events)}
     known.update(*map(_results, run.library.primitives.values()))
     names = Suggestions(known)
     unknown = UnknownNames(UNKNOWN)
@@ -129,7 +127,7 @@ def own_results(run: Pass) -> Iterator[Diagnostic]:
             by_rap[id(rap)] = _answers(run.library, rap)
         answers = by_rap[id(rap)].get(_method_meant(test), ())
         own = {name for _, form in answers for name in _results(form)}
-        if answers and result.value not in {*own, *REASONS}:
+        if answers and result.value not in {*own, *RESULTS}:
             wrong.setdefault(id(rap), []).append((result, answers))
     for found in wrong.values():
         yield _impossible_result(found)
@@ -276,7 +274,7 @@ def dead_case(run: Pass) -> Iterator[Diagnostic]:
     """Find cases of memory rules that are never taken."""
     results = {r for form in run.library.primitives.values() for r in form.results}
     results |= {name.removeprefix(":") for name in run.library.events}
-    results -= {*REASONS}
+    results -= {*RESULTS}
     told = {e for form in run.library.skills.values() for e in form.events or ()}
     for rule in run.result(INDEX).of(nodes.MemoryRule):
         dead = set[Span]()

@@ -1,4 +1,4 @@
-"""The states of a task, and the words for how methods and tasks fail.
+"""The states of a task.
 
 The life of a task; each arrow has the name of its verb:
 
@@ -21,8 +21,8 @@ its method, or when its monitors hold again.
 
 Where the verbs are: `create`, `release` in `tasks.start`; `block`, `wake` and the test
 in `monitors.monitors`; `select` in `state.agenda` (`choose`) and `tasks.cycle`;
-`start_method` in `tasks.try_method`; `end_method`, `succeed`, `fail`, `remove` in
-`tasks.finish`.
+`start_method` in `tasks.try_method`; `end_method`, `succeed`, `fail` in `tasks.finish`;
+`remove` in `tasks.remove`.
 """
 
 from __future__ import annotations
@@ -39,15 +39,3 @@ ENDED: Final = "ended"
 
 State = Literal["waiting", "untested", "eligible", "blocked", "running", "ended"]
 """The type of the states."""
-
-INTERFERENCE: Final = "interference"
-"""Failure of a task or method: a condition, an input or a request cannot hold."""
-
-NO_METHOD: Final = "no-method"
-"""Failure of a task: no method can be tried."""
-
-FUTILE_LOOP: Final = "futile-loop"
-"""Failure of a task: a repeated choice, or the goal of an ancestor [T 3.2.5]."""
-
-SIGNAL: Final = "signal"
-"""Failure of a step: ended by a signal that it waited for [S 3.1]."""

@@ -10,9 +10,9 @@ from collections.abc import Iterable, Sequence
 from rapc.base.values import Fact
 from rapc.compiler.rap_plan import ActivationPlan
 from rapc.events import SkillDisabled, SkillEnabled
+from rapc.language.results import INTERFERENCE
 from rapc.runtime.run import Run
 from rapc.runtime.state.activations import Activation
-from rapc.runtime.state.states import INTERFERENCE
 from rapc.runtime.state.task import Env, MethodRun, Task
 from rapc.runtime.tasks.primitives import (
     cancel,

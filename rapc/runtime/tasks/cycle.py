@@ -7,8 +7,9 @@ ends the cycle.
 from __future__ import annotations
 
 from rapc.events import FamilySwitched, TaskSelected
+from rapc.language.results import INTERFERENCE
 from rapc.runtime.run import Run
-from rapc.runtime.state.states import ENDED, INTERFERENCE
+from rapc.runtime.state.states import ENDED
 from rapc.runtime.state.task import Env, MethodRun, Task
 from rapc.runtime.state.wait_state import WaitState
 from rapc.runtime.tasks import causes

@@ -17,14 +17,9 @@ from rapc.events import (
     TaskFailed,
     TaskSucceeded,
 )
+from rapc.language.results import FUTILE_LOOP, INTERFERENCE, SIGNAL
 from rapc.runtime.run import Run
-from rapc.runtime.state.states import (
-    ELIGIBLE,
-    ENDED,
-    FUTILE_LOOP,
-    INTERFERENCE,
-    SIGNAL,
-)
+from rapc.runtime.state.states import ELIGIBLE, ENDED
 from rapc.runtime.state.task import Env, MethodRun, Task, as_told
 from rapc.runtime.tasks import causes
 from rapc.runtime.tasks.activations import deactivate

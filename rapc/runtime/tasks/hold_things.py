@@ -13,8 +13,9 @@ from typing import Final
 from rapc.base.values import format_list
 from rapc.compiler.rap_plan import MethodPlan
 from rapc.events import MethodSuspended
+from rapc.language.results import INTERFERENCE
 from rapc.runtime.run import Run
-from rapc.runtime.state.states import BLOCKED, INTERFERENCE
+from rapc.runtime.state.states import BLOCKED
 from rapc.runtime.state.task import Env, MethodRun, Task
 from rapc.runtime.state.things import Ask, Hold, Thing, ThingWait, format_thing, words
 from rapc.runtime.tasks.activations import (

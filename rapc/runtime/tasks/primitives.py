@@ -18,10 +18,10 @@ from rapc.events import (
     PrimitiveRequested,
     RequestRefused,
 )
+from rapc.language.results import INTERFERENCE
 from rapc.runtime.memory.items import Items
 from rapc.runtime.run import Run
 from rapc.runtime.state.activations import Activation
-from rapc.runtime.state.states import INTERFERENCE
 from rapc.runtime.state.task import Env, MethodRun, Task
 from rapc.world import OKAY, Refused, Reply
 

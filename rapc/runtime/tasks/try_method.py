@@ -9,8 +9,9 @@ from __future__ import annotations
 from rapc.compiler.rap_plan import ActivationPlan, MethodPlan
 from rapc.errors import FactError
 from rapc.events import Cause, MethodChosen
+from rapc.language.results import FUTILE_LOOP, INTERFERENCE, NO_METHOD
 from rapc.runtime.run import Run
-from rapc.runtime.state.states import FUTILE_LOOP, INTERFERENCE, NO_METHOD, RUNNING
+from rapc.runtime.state.states import RUNNING
 from rapc.runtime.state.task import MethodRun, Task, as_told
 from rapc.runtime.tasks import causes
 from rapc.runtime.tasks.activations import activate
