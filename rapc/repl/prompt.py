@@ -40,18 +40,9 @@ from rapc.base.values import readable
 from rapc.base.visible import visible
 from rapc.debug.answer import Answer, say
 from rapc.debug.arguments import is_balanced
-from rapc.language.heads import (
-    ALONE,
-    ANNOTATIONS,
-    CALLS,
-    FORMS,
-    METHOD_CLAUSES,
-    QUERIES,
-    RAP_CLAUSES,
-)
+from rapc.language.highlight import indentation, tokens
 from rapc.repl.complete import candidates
 from rapc.repl.draw import draw
-from rapc.repl.highlight import indentation, tokens
 from rapc.repl.shell import Shell
 
 _STYLE = Style.from_dict(
@@ -61,6 +52,9 @@ _STYLE = Style.from_dict(
         "variable": "ansicyan",
         "keyword": "ansimagenta",
         "number": "ansiyellow",
+        "form": "bold",
+        "clause": "bold",
+        "operator": "bold",
         "word": "bold",
         "bottom-toolbar": "noreverse ansigray",
     }
@@ -93,17 +87,12 @@ class _Lexer(Lexer):
     def lex_document(self, document: Document) -> Callable[[int], StyleAndTextTuples]:
         """Return a function from a line number to the coloured parts of the line."""
         lines: list[StyleAndTextTuples] = [[]]
-        for kind, said in tokens(document.text, _KNOWN):
+        for kind, said in tokens(document.text):
             for at, part in enumerate(said.split("\n")):
                 if at:
                     lines.append([])
                 lines[-1].append((f"class:{kind}", part))
         return lambda number: lines[number] if number < len(lines) else []
-
-
-_KNOWN = frozenset(
-    (*FORMS, *RAP_CLAUSES, *METHOD_CLAUSES, *ANNOTATIONS, *QUERIES, *ALONE, *CALLS)
-)
 
 
 def _keys() -> KeyBindings:

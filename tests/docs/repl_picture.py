@@ -14,9 +14,8 @@ from pathlib import Path
 from rich.console import Console
 from rich.text import Text
 
-from rapc.language.heads import QUERIES
+from rapc.language.highlight import tokens
 from rapc.repl.draw import draw
-from rapc.repl.highlight import tokens
 from tests.docs.pages import CHECKOUT
 from tests.docs.test_repl_tutorial import begun, blocks
 
@@ -63,7 +62,7 @@ def _fill(console: Console) -> None:
     shell.answer(":run")
     for said in SHOWN:
         line = Text("rapc> ", style="bold")
-        for kind, part in tokens(said, QUERIES):
+        for kind, part in tokens(said):
             line.append(part, style=_STYLES.get(kind, "not bold"))
         console.print(line)
         console.print(Text(draw(shell.answer(said), WIDTH, color=False).rstrip("\n")))

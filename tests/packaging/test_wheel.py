@@ -127,6 +127,13 @@ def test_what_runs_is_what_was_installed(installed: Installed) -> None:
     assert Path(done.stdout.strip()).is_relative_to(installed.folder)
 
 
+def test_installed_alone_it_colours_rap(installed: Installed) -> None:
+    code = (
+        "from pygments.lexers import get_lexer_by_name as get; print(get('rap').name)"
+    )
+    assert installed.run("python", "-c", code).stdout == "RAP\n"
+
+
 def test_installed_alone_it_runs_the_experiments_that_come_with_it(
     installed: Installed,
 ) -> None:

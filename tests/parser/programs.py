@@ -21,7 +21,7 @@ FILES = sorted(
     for folder in ("stdlib", "examples", "tests")
     for path in (CHECKOUT / folder).rglob("*.rap")
 )
-_BLOCK = re.compile(r"^```rap[^\n]*\n(.*?)^```", re.M | re.S)
+_BLOCK = re.compile(r"^```rap(?: [^\n]*)?\n(.*?)^```", re.M | re.S)
 
 
 @cache

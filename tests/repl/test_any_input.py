@@ -7,10 +7,10 @@ import random
 import pytest
 
 from rapc.debug.arguments import is_balanced
+from rapc.language.highlight import indentation, tokens
 from rapc.repl.commands.table import commands
 from rapc.repl.complete import candidates
 from rapc.repl.draw import draw
-from rapc.repl.highlight import indentation, tokens
 from tests.repl.shells import truck_shell
 
 _PIECES = (

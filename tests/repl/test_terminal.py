@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 
 from rapc.repl.complete import candidates
-from rapc.repl.highlight import indentation, tokens
 from tests.effort import first
 from tests.repl.shells import truck_shell
 from tests.repl.terminal import Terminal
@@ -154,22 +153,3 @@ def test_names_come_with_a_line_on_them() -> None:
     ]
     assert found.doc.startswith("(truck-location ?")
     assert found.replaces == len("truck-loc")
-
-
-def test_tokens_are_the_whole_text() -> None:
-    text = '(define-rap (go ?x) ; there\n  (succeed (at "home" :now 3)))'
-    found = list(tokens(text, {"define-rap", "succeed"}))
-    assert "".join(said for _, said in found) == text
-    kinds = {said: kind for kind, said in found}
-    assert kinds["define-rap"] == "word"
-    assert kinds["?x"] == "variable"
-    assert kinds["; there"] == "comment"
-    assert kinds['"home"'] == "string"
-    assert kinds["3"] == "number"
-
-
-def test_a_new_line_is_set_in_below_the_list_it_is_in() -> None:
-    assert indentation("(define-rap (go ?x)") == 2
-    assert indentation("(define-rap (go ?x)\n  (method") == 4
-    assert indentation("(define-rap (go ?x)\n  (succeed (at ?x))") == 2
-    assert indentation("(p)") == 0
