@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import msgspec
 import pytest
 
 from rapc.analysis.facts.bindings import BindingWalker, Bound, Findings
 from rapc.ir import nodes, schema
 
 
-class Every(nodes.Node, frozen=True, eq=False):
+class Every(msgspec.Struct, frozen=True):
     """Each solution of the case has a solution of the claim: a kind for this test."""
 
     case: nodes.Closed
@@ -16,7 +17,7 @@ class Every(nodes.Node, frozen=True, eq=False):
 
 
 def test_closed_parts_are_one_scope(monkeypatch: pytest.MonkeyPatch) -> None:
-    fields = schema._fields(Every)
+    fields = schema._fields(Every)  # type: ignore[arg-type]
     monkeypatch.setitem(schema._FIELDS, Every, fields)
     x = nodes.Var("?x")
     case = nodes.Proposition("weight", (x,))
