@@ -93,7 +93,7 @@ NEXT: Any = "soon"
             rapc.ArgumentError,
             "a task is of type",
         ),
-        (lambda lib: DOOR.run(lib, WORLD, "(light"), rapc.TextError, "never closed"),
+        (lambda lib: DOOR.run(lib, WORLD, "(light"), rapc.TextError, "is not closed"),
         (lambda lib: DOOR.run(lib, WORLD, "(lihgt a)"), rapc.RefusedError, "`light`"),
         (
             lambda lib: DOOR.run(lib, WORLD, "(light a)", until="3"),
@@ -174,7 +174,7 @@ NEXT: Any = "soon"
         (
             lambda lib: lib.start(WORLD).question("(lmap ?x)"),
             rapc.TextError,
-            "`lmap` is not declared",
+            "unknown predicate `lmap`",
         ),
         (
             lambda lib: lib.start(WORLD).question("(= ?x 3)", "?y"),

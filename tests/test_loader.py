@@ -149,12 +149,12 @@ def test_a_folder_that_only_has_the_name_of_a_standard_library_is_not_it(
 
 def test_a_require_names_no_absolute_path(tmp_path: Path) -> None:
     _write(tmp_path, arms=_rap("arm"), main=_rap("main", str(tmp_path / "arms")))
-    assert _unresolved(["main.rap"]).message.startswith("nothing is found for `/")
+    assert _unresolved(["main.rap"]).message.startswith("cannot find `/")
 
 
 def test_a_require_with_an_ending_is_told_to_leave_it_out(tmp_path: Path) -> None:
     _write(tmp_path, base=_rap("arm"), main=_rap("main", "base.rap"))
-    assert _unresolved(["main.rap"]).help == "leave the ending out: `base`"
+    assert _unresolved(["main.rap"]).help == "omit the suffix: `base`"
 
 
 def test_folders_met_again_through_links_are_walked_once(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ A check is a generator that yields findings of its rules:
         \"\"\"Find steps that name no RAP.\"\"\"
         for use in run.result(INDEX).uses():
             ...
-            yield UNKNOWN.at(use.span, f"no RAP is called `{use.name}`")
+            yield UNKNOWN.at(use.span, f"unknown RAP `{use.name}`")
 
 A fact is a value about the library that several checks need. A check requests facts,
 never other checks. `rapc.analysis.registry` lists the checks; `rapc.analysis.driver`

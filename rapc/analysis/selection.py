@@ -26,7 +26,7 @@ class UnknownRuleError(Error):
 
     def __init__(self, word: str, near: str | None) -> None:
         meant = f"did you mean `{near}`?" if near else ""
-        super().__init__(f"no rule is called `{word}`", meant)
+        super().__init__(f"unknown rule `{word}`", meant)
 
 
 class PerFile(msgspec.Struct, frozen=True):

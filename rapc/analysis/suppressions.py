@@ -234,7 +234,7 @@ def _malformed(comment: Comment) -> Diagnostic:
 def _unknown(comment: Comment, word: str, names: Suggestions) -> Diagnostic:
     return Diagnostic(
         rule=BAD.name,
-        message=f"no rule is called `{word}`",
+        message=f"unknown rule `{word}`",
         span=comment.span,
         help=names.did_you_mean(word, "`rapc rule` lists all rules"),
     )

@@ -57,7 +57,7 @@ def compile(path: str, output: str | None, explained: tuple[str, ...]) -> None:
     if output == "-":
         raise click.UsageError("-o takes a file: standard output is /dev/stdout")
     if output is not None and read_compiled(path) is not None:
-        fail(f"`{path}` is a compiled library already")
+        fail(f"`{path}` is already a compiled library")
     library = load_checked(path)
     for name in explained:
         _explain(library, name)

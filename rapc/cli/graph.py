@@ -154,5 +154,5 @@ def _named(library: Library, name: str) -> nodes.DefineRap:
     rap = library.raps.get(name.lower())
     if rap is None:
         meant = did_you_mean(name.lower(), library.raps)
-        fail(f"no RAP is called `{name}`", meant)
+        fail(f"unknown RAP `{name}`", meant)
     return rap

@@ -51,7 +51,7 @@ class Program:
         """
         plan = self.rap(name)
         if plan is None:
-            raise LookupError(f"no RAP is called `{name}`")
+            raise LookupError(f"unknown RAP `{name}`")
         return plan
 
     def added_method(self, rap: RapPlan, node: nodes.Method, index: int) -> MethodPlan:

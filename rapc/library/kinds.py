@@ -161,5 +161,5 @@ def misfits(
 def said_of(arg: nodes.Argument, value: Atom) -> str:
     """Return the message for a value that is not of the kind of an argument."""
     assert arg.kind is not None
-    named = f"`{format_atom(value)}` is no {arg.kind}"
-    return f"{named}, which `{arg.variable.name}` was declared"
+    named = f"`{format_atom(value)}` is not a value of kind {arg.kind}"
+    return f"{named}, as declared for `{arg.variable.name}`"

@@ -27,14 +27,14 @@ BUILTIN_NAMES = frozenset((*ALONE, *QUERIES, *CALLS))
 DUPLICATE = Rule(
     code="RAP060",
     name="duplicate-definition",
-    summary="two definitions of one kind have one name",
+    summary="two definitions of the same kind have the same name",
     source="T 3.1.1",
 )
 
 BUILTIN = Rule(
     code="RAP061",
     name="builtin-name",
-    summary="a declaration takes a name that the language keeps for itself",
+    summary="a declaration uses a reserved name",
     source="T 4.1",
 )
 
@@ -175,7 +175,7 @@ def _name(form: Named) -> str:
 def _duplicate(
     files: Mapping[str, SourceFile], first: Named, second: Named
 ) -> Diagnostic:
-    help = "rename one of the two, or remove it"
+    help = "rename or remove one of the two definitions"
     if isinstance(second, DefineTest):
         what = f"test `{second.name}`"
     elif isinstance(second, nodes.DeclareComparator):
@@ -184,13 +184,16 @@ def _duplicate(
     else:
         what = f"{KINDS[type(second)][2]} `{_name(second)}`"
     if first == second and not isinstance(second, DefineTest):
-        help = "the two say the same: keep one, and `require` its file from the other"
+        help = (
+            "the two definitions are equal: keep one, and `require` its "
+            "file from the other file"
+        )
     elif type(first) is not type(second):
-        help = "propositions, properties, functions and queries share their names: "
-        help += "rename one"
+        help = "propositions, properties, functions and queries share one namespace: "
+        help += "rename one of them"
     return DUPLICATE.at(
         name_span(files, second),
-        f"{what} is defined already",
+        f"duplicate definition of {what}",
         labels=(Label(name_span(files, first), "first defined here"),),
         help=help,
     )
@@ -199,6 +202,6 @@ def _duplicate(
 def _builtin(files: Mapping[str, SourceFile], form: Named) -> Diagnostic:
     return BUILTIN.at(
         name_span(files, form),
-        f"`{_name(form)}` is a name of the language and cannot be declared",
+        f"`{_name(form)}` is a reserved name",
         help="choose another name",
     )

@@ -75,7 +75,7 @@ _LONG = 60
 UNRESOLVED = Rule(
     code="RAP062",
     name="unresolved-require",
-    summary="a `require` names neither a file, nor a folder, nor a standard library",
+    summary="unknown file, folder or standard library in a `require`",
     source="L 1",
 )
 
@@ -423,10 +423,11 @@ def unresolved(form: nodes.Require, requiring: Path) -> Diagnostic:
     name = form.name if len(form.name) <= _LONG else f"{form.name[:_LONG]}..."
     return UNRESOLVED.at(
         form.span,
-        f"nothing is found for `{name}`",
+        f"cannot find `{name}`",
         notes=(
-            f"neither `{name}{SUFFIX}` nor a folder `{name}` with RAP files "
-            "stands beside this file, and no standard library is called so",
+            f"neither a file `{name}{SUFFIX}` nor a folder `{name}` with "
+            f"RAP files is beside this file, and `{name}` is not a standard "
+            "library",
         ),
         help=_advice(form.name, close),
     )
@@ -437,7 +438,7 @@ def _advice(name: str, close: str | None) -> str:
     if close is None:
         return ""
     if name == close + SUFFIX:
-        return f"leave the ending out: `{close}`"
+        return f"omit the suffix: `{close}`"
     return f"did you mean `{close}`?"
 
 

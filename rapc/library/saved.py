@@ -98,7 +98,7 @@ def encode(library: Library, name: str, suites: Iterable[Suite] = ()) -> bytes:
             or read from a compiled library.
     """
     if len(library.raps) > len(library.forms):
-        raise SavedError(f"`{name}` is a compiled library already")
+        raise SavedError(f"`{name}` is already a compiled library")
     units: dict[str, _Unit] = {}
     listed = _units(library, units)
     tests = tuple(
@@ -200,14 +200,14 @@ class SavedLibrary:
 
     def _link(self, places: tuple[int, ...]) -> tuple[Library, Verifier]:
         if not all(0 <= at < len(self._body.units) for at in places):
-            raise _WrongError("lacks a source")
+            raise _WrongError("has no source")
         if len(set(places)) < len(places):
-            raise _WrongError("names a source twice")
+            raise _WrongError("has the same source twice")
         units = [self._body.units[at] for at in places]
         linked, found = link([_parsed(unit, _declarations(unit)) for unit in units])
         rows = {name: (unit, at) for unit in units for name, at in unit.raps.items()}
         if found or len(rows) < sum(len(unit.raps) for unit in units):
-            raise _WrongError("defines a name twice")
+            raise _WrongError("has duplicate names")
         decoded = Lazy(rows, lambda name: self._rap(name, *rows[name]))
         linked = msgspec.structs.replace(linked, raps=decoded)
         verifier = Verifier(Signatures.of(linked), linked.files)
@@ -220,10 +220,10 @@ class SavedLibrary:
         """Decode a RAP; raise SavedError if its index leads to a different form."""
         with _errors_name(self._file):
             if not 0 <= at < len(unit.forms):
-                raise _WrongError(f"lacks the RAP `{name}`")
+                raise _WrongError(f"has no RAP `{name}`")
             made: nodes.DefineRap = _decode(unit.forms[at], nodes.DefineRap)
             if made.name != name:
-                raise _WrongError("has a RAP in the place of another")
+                raise _WrongError("has a RAP at the position of another RAP")
             return made
 
     def _verified(self, rap: nodes.DefineRap, verifier: Verifier) -> nodes.DefineRap:
@@ -238,7 +238,7 @@ def _look_at_names(body: _Body) -> None:
     libraries = (body.name, *[suite.name for suite in body.suites])
     for name in (*libraries, *[unit.file for unit in body.units]):
         if not name.isprintable():
-            raise _WrongError(f"has a file whose name cannot be printed: {name!a}")
+            raise _WrongError(f"has a file name that cannot be printed: {name!a}")
 
 
 def _look_at_all(library: Library) -> None:
@@ -254,9 +254,9 @@ def _errors_name(file: str) -> Iterator[None]:
     except _WrongError as error:
         raise SavedError(f"`{file}` {error}") from None
     except UnsoundError as error:
-        raise SavedError(f"`{file}` holds what cannot be run: {error}") from None
+        raise SavedError(f"`{file}` cannot be run: {error}") from None
     except RecursionError:
-        reason = "holds what no library has: something is nested too deeply"
+        reason = "is invalid: a node is nested too deeply"
         raise SavedError(f"`{file}` {reason}") from None
 
 
@@ -275,10 +275,10 @@ def _parsed(unit: _Unit, places: Iterable[int]) -> SourceUnit:
 def _payload(data: bytes) -> memoryview:
     """Return the bytes after the first line; raise if that line is invalid."""
     if not data.startswith(COMPILED):
-        raise _WrongError("is no compiled library")
+        raise _WrongError("is not a compiled library")
     head = _HEAD.match(data)
     if head is None:
-        raise _WrongError("is damaged: its first line is not whole")
+        raise _WrongError("is damaged: its first line is incomplete")
     form, version, checksum = (part.decode() for part in head.groups())
     if int(form) != FORMAT or version != VERSION:
         raise _WrongError(
@@ -296,7 +296,7 @@ def _decode(data: memoryview | msgspec.Raw, kind: Any) -> Any:
         return _decoder(kind).decode(data)
     except (msgspec.DecodeError, UnicodeDecodeError) as error:
         reason = ascii(str(error))[1:-1][:MAX_REASON]
-        raise _WrongError(f"holds what no library has: {reason}") from None
+        raise _WrongError(f"is invalid: {reason}") from None
 
 
 @cache

@@ -54,7 +54,7 @@ class Verifier:
             level = self._below(level)
             if not level:
                 return
-        raise UnsoundError("something is nested too deeply")
+        raise UnsoundError("a node is nested too deeply")
 
     def _below(self, level: list[Any]) -> list[Any]:
         """Validate a level of nodes and return the next; `level` grows by tuples."""
@@ -67,7 +67,7 @@ class Verifier:
                     words.add(_word(value))
             elif kind is Span:
                 if files is not None and value.file not in files:
-                    raise UnsoundError("something stands in no file")
+                    raise UnsoundError("a node has no file")
             elif kind is tuple:
                 level.extend(value)
             elif (content := contents.get(kind)) is not None:
@@ -84,7 +84,7 @@ class Verifier:
         """Validate the parts that only some kinds of nodes have."""
         if isinstance(node, nodes.Var):
             if node.name[:1] != "?":
-                raise UnsoundError(f"`{node.name}` is no name of a variable")
+                raise UnsoundError(f"`{node.name}` is not the name of a variable")
         elif isinstance(node, nodes.Call):
             self._call(node)
         elif len(node.args) != (takes := len(RULES[rule_of(node)]) - 2):
@@ -104,14 +104,14 @@ class Verifier:
             for task in form.tasks:
                 self._goal(task.goal, given=True)
         elif isinstance(form, nodes.DefineRap):
-            raise UnsoundError("a RAP stands among the declarations")
+            raise UnsoundError("a RAP is among the declarations")
 
     def rap(self, rap: nodes.DefineRap) -> None:
         """Validate a RAP."""
         try:
             self._rap(rap)
         except UnsoundError as error:
-            raise UnsoundError(f"in `{rap.name}` {error}") from None
+            raise UnsoundError(f"in `{rap.name}`: {error}") from None
 
     def _rap(self, rap: nodes.DefineRap) -> None:
         self.node(rap)
@@ -145,17 +145,17 @@ class Verifier:
         if call.function not in CALLS:
             _raise(self._signatures.fault("computed", call.function, len(call.args)))
         elif not call.args:
-            raise UnsoundError(f"`{call.function}` computes something from nothing")
+            raise UnsoundError(f"`{call.function}` has no arguments")
 
     def _steps(self, steps: Sequence[nodes.Step]) -> None:
         tags = {step.tag for step in steps}
         if len(tags) < len(steps):
-            raise UnsoundError("two steps have one tag")
+            raise UnsoundError("duplicate step tag")
         for step in steps:
             self._goal(step.goal)
             for tag in _tags(step):
                 if tag not in tags:
-                    raise UnsoundError(f"there is no step `{tag}`")
+                    raise UnsoundError(f"unknown step `{tag}`")
 
     def _goal(self, goal: nodes.Goal, *, given: bool = False) -> None:
         """Validate a goal; a `given` goal need not name its outputs."""
@@ -196,7 +196,7 @@ def _word(word: str) -> str:
     """Return a valid word of the language or resource in a trace, or raise."""
     parted = not _FORBIDDEN.isdisjoint(word) and not word.startswith(_RESOURCES)
     if not word or not word.isprintable() or parted:
-        raise UnsoundError(f"{ascii(word)[:60]} is no word of the language")
+        raise UnsoundError(f"{ascii(word)[:60]} is not a word of the language")
     return word
 
 
@@ -204,4 +204,4 @@ def _number(value: float) -> None:
     """Validate that a number is in its canonical form and within the limit."""
     whole = isinstance(value, float) and value.is_integer()
     if whole or abs(value) > LARGEST_NUMBER:
-        raise UnsoundError("a number cannot be written")
+        raise UnsoundError("a number is not finite")

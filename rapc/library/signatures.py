@@ -170,8 +170,8 @@ class Signatures:
         if computed and (what := _other_kind(use, declared.kind)) is not None:
             help_ = ""
             if use == "computed":
-                help_ = f"ask `{declared.written}` in a formula first and use the "
-                help_ += "variable it binds"
+                help_ = f"query `{declared.written}` in a formula before and use the "
+                help_ += "bound variable"
             message = f"`{name}` is a {declared.kind} and {what}"
             return Fault("kind", message, help_, declared)
         message = _miscount(declared, use, count, outputs)
@@ -205,7 +205,7 @@ class Signatures:
         if declared is None or result in declared.results:
             return None
         results = Suggestions(declared.results)
-        message = f"`{result}` is no result of `{name}`"
+        message = f"`{result}` is not a result of `{name}`"
         return Fault(
             "result",
             message,
@@ -232,9 +232,7 @@ class Signatures:
             built_in = CALLS if use == "computed" else built_in
             near = Suggestions((*self._meant(use), *built_in))
             self._near[use] = near
-        message = f"no {word} is called `{name}`"
-        if word == "predicate":
-            message = f"`{name}` is not declared"
+        message = f"unknown {word} `{name}`"
         advice = self._meant_elsewhere(use, name)
         if advice:
             return Fault("unknown", message, advice)
@@ -249,13 +247,13 @@ class Signatures:
         """Return the help for a name that is valid for a different use, or nothing."""
         if use == "goal" and name in self.primitives:
             return (
-                f"`{name}` is a primitive, and a RAP is wanted here: define one with "
-                f"the method `(primitive ({name} ...))`"
+                f"`{name}` is a primitive, not a RAP; define a RAP with the "
+                f"method `(primitive ({name} ...))`"
             )
         if use == "primitive" and name in self.raps:
             return (
-                f"`{name}` is a RAP: what asks for it is a step, "
-                f"`(task-net (t1 ({name} ...)))`"
+                f"`{name}` is a RAP; call the RAP in a step: `(task-net (t1 "
+                f"({name} ...)))`"
             )
         meant = _OPERATORS.get(name)
         return f"write `{meant}`" if meant else ""
@@ -292,7 +290,7 @@ def _advice(word: str) -> str:
         return "declare it with `declare-memory-function`"
     forms = {"RAP": "define it", "predicate": "declare it"}
     form = forms.get(word, f"declare it with `declare-{word.replace(' ', '-')}`")
-    return f"{form}, or `require` the file that does"
+    return f"{form}, or `require` its file"
 
 
 _OPERATORS: Mapping[str, str] = {"!=": "n=", "<>": "n=", "/=": "n=", "==": "="}
@@ -322,4 +320,4 @@ def _other_kind(use: Use, kind: Kind) -> str | None:
     """Return the reason why a predicate of a kind is invalid for a use, or None."""
     if kind == "function" or (kind == "query" and use != "computed"):
         return _NO_FACT.get(use)
-    return "computes nothing" if use == "computed" else None
+    return "does not compute a value" if use == "computed" else None

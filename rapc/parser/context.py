@@ -42,8 +42,10 @@ _KINDS = {
 
 
 _MISPLACED = {
-    ("option of `task`", ":at"): "a task that begins later stands in an `at`: "
-    "`(at 130 (task ...))`",
+    (
+        "option of `task`",
+        ":at",
+    ): "a task that begins later is written in an `at`: `(at 130 (task ...))`",
 }
 """The help for a misplaced word, by its use at this position and the word."""
 
@@ -177,7 +179,7 @@ class Context:
         """Return the fix that puts `left` before some data and `)` after the data."""
         before = Edit(self.source.span(first.start, first.start), left)
         after = Edit(self.source.span(last.end, last.end), ")")
-        return Fix.of("put parentheses around it", before, after, sure=sure)
+        return Fix.of("add parentheses", before, after, sure=sure)
 
     def unknown(
         self, rule: str, what: str, word: Symbol | Keyword, known: Iterable[str]
@@ -191,7 +193,7 @@ class Context:
         if printed in options:
             self.certain(
                 rule,
-                f"the {what} is called `{printed}`, not `{word.name}`",
+                f"unknown {what} `{word.name}`; the name is `{printed}`",
                 word,
                 fix=self.replace(word, printed),
             )
@@ -205,12 +207,12 @@ class Context:
             meant = slips.get(meant or "")
         self.report(
             rule,
-            f"`{word.name}` is no {what}",
+            f"unknown {what} `{word.name}`",
             word,
             help=f"did you mean `{meant}`?"
             if meant
             else _MISPLACED.get((what, word.name))
-            or "known are " + ", ".join(f"`{option}`" for option in options),
+            or "expected one of " + ", ".join(f"`{option}`" for option in options),
             fix=self.replace(word, meant, sure=False) if meant else None,
         )
         return meant

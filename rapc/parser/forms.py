@@ -74,7 +74,7 @@ def parameter(ctx: Context, datum: Datum, seen: dict[str, Datum]) -> nodes.Var |
     if first is not datum:
         ctx.report(
             "repeated-variable",
-            f"`{datum.name}` stands here twice",
+            f"duplicate variable `{datum.name}`",
             datum,
             labels=[(first, "the first is here")],
         )
@@ -86,13 +86,13 @@ def _named(ctx: Context, datum: Datum) -> Variable | None:
     if isinstance(datum, Symbol):
         ctx.report_fixable(
             "malformed-form",
-            f"the variable `?{datum.name}` lacks its `?`",
+            f"expected a variable, not `{datum.name}`",
             datum,
             fix=ctx.replace(datum, f"?{datum.name}"),
         )
         return Variable(f"?{datum.name}", datum.start, datum.end)
     what = "a bare `?`" if isinstance(datum, Variable) else kind_of(datum)
-    message = f"a variable with a name is wanted here, not {what}"
+    message = f"expected a variable with a name, not {what}"
     ctx.report("malformed-form", message, datum)
     return None
 
@@ -101,7 +101,7 @@ def symbol(ctx: Context, datum: Datum, what: str) -> str | None:
     """Read the name of a symbol; report any other datum."""
     if isinstance(datum, Symbol):
         return datum.name
-    ctx.report("malformed-form", f"{what} is wanted here, not {kind_of(datum)}", datum)
+    ctx.report("malformed-form", f"expected {what}, not {kind_of(datum)}", datum)
     return None
 
 
@@ -176,7 +176,7 @@ def options(
     """
     others, found = split(ctx, data, owner, known)
     for one in others:
-        message = f"{kind_of(one)} stands where an option of {owner} is wanted"
+        message = f"expected an option of {owner}, not {kind_of(one)}"
         ctx.report("malformed-clause", message, one)
     return {word: rows[0] for word, rows in found.items()}
 
@@ -216,9 +216,9 @@ def split(
         if word is None:
             continue
         if len(values) < known[word]:
-            ctx.report(rule, f"`{word}` lacks its value", here)
+            ctx.report(rule, f"`{word}` requires a value", here)
         elif word in found and word not in many:
-            ctx.report("duplicate-clause", f"there is a second `{word}`", here)
+            ctx.report("duplicate-clause", f"duplicate option `{word}`", here)
         else:
             end = values[-1].end if values else here.end
             meant = Keyword(word, here.start, here.end)
@@ -240,7 +240,7 @@ def clauses(
         elif name is None or type(datum) is not List:
             ctx.report(
                 "malformed-clause",
-                f"{kind_of(datum)} stands where a clause of `{owner}` is wanted",
+                f"expected a clause of `{owner}`, not {kind_of(datum)}",
                 datum,
                 help="a clause is a list that begins with its name",
             )
@@ -250,7 +250,7 @@ def clauses(
                 "misplaced-clause",
                 f"`{name}` is a clause of {other}, not of `{owner}`",
                 datum.items[0],
-                help="a parenthesis may be missing or too many before it",
+                help="the parentheses before the clause may not balance",
             )
         else:
             word = cast(Symbol, datum.items[0])
@@ -276,7 +276,7 @@ def single(
         elif name not in many:
             ctx.report(
                 "duplicate-clause",
-                f"there is a second `{name}`",
+                f"duplicate clause `{name}`",
                 datum.items[0],
                 labels=[(have[0].items[0], "the first is here")],
             )
@@ -353,13 +353,13 @@ def name_of(ctx: Context, form: List, *, colon: bool) -> str | None:
             return place.name
         ctx.report_fixable(
             "malformed-form",
-            f"the name `{place.name}` of a skill or event begins with a colon",
+            f"expected a name with a colon, not `{place.name}`",
             place,
             fix=ctx.replace(place, f":{place.name}"),
         )
         return f":{place.name}"
     wanted = "a name with a colon" if colon else "a symbol for its name"
-    ctx.report("malformed-form", f"`{head_of(form)}` wants {wanted} first", place)
+    ctx.report("malformed-form", f"expected {wanted} after `{head_of(form)}`", place)
     return None
 
 
@@ -382,7 +382,7 @@ def explained(
 def _surplus(ctx: Context, form: List, data: Iterable[Datum]) -> None:
     """Report the surplus data of a declaration."""
     for extra in data:
-        message = f"{kind_of(extra)} too many for `{head_of(form)}`"
+        message = f"expected the end of `{head_of(form)}`, not {kind_of(extra)}"
         ctx.report("malformed-form", message, extra)
 
 

@@ -105,7 +105,12 @@ def _file(ctx: Context, datum: Datum) -> str:
         return datum.value
     assert isinstance(datum, Symbol)
     fix = ctx.replace(datum, f'"{datum.name}"')
-    ctx.report_fixable("malformed-form", "`require` takes a string", datum, fix=fix)
+    ctx.report_fixable(
+        "malformed-form",
+        "expected a string after `require`, not a symbol",
+        datum,
+        fix=fix,
+    )
     return datum.name
 
 
@@ -133,7 +138,7 @@ def _number(name: str) -> Read:
     def read(ctx: Context, datum: Datum) -> Number | None:
         if isinstance(datum, Numeral) and _NUMBERS[name](datum.value):
             return datum.value
-        ctx.report("malformed-clause", f"{GRAMMAR[name].wanted} is wanted here", datum)
+        ctx.report("malformed-clause", f"expected {GRAMMAR[name].wanted}", datum)
         return None
 
     return read
@@ -285,7 +290,7 @@ class GrammarReaders(dict[str, Read]):
             flat = flat and bool(items)
             if flat or not isinstance(datum, List):
                 found = "one list" if flat else kind_of(datum)
-                message = f"`{heads(rule)[0]}` wants {what}, not {found}"
+                message = f"expected {what} after `{heads(rule)[0]}`, not {found}"
                 fix = ctx.wrap(datum, datum, "(", sure=False)
                 ctx.report(_breaks(rule), message, datum, fix=fix)
                 return ()
@@ -301,7 +306,7 @@ class GrammarReaders(dict[str, Read]):
         def read(ctx: Context, datum: Datum) -> Any:
             name = head_of(datum)
             if name is None or not isinstance(datum, List):
-                message = f"{what} is wanted here, not {kind_of(datum)}"
+                message = f"expected {what}, not {kind_of(datum)}"
                 plural = what.split(" ", 1)[1] + "s"
                 help = f"{plural} begin with " + ", ".join(f"`{n}`" for n in readers)
                 ctx.report(_breaks(rule), message, datum, help=help)
@@ -351,7 +356,7 @@ class GrammarReaders(dict[str, Read]):
         def read(ctx: Context, datum: List) -> Any:
             data = datum.items[1:]
             if len(data) < len(reads):
-                ctx.report(_breaks(rule), f"`{own}` lacks its {wanted}", datum)
+                ctx.report(_breaks(rule), f"`{own}` requires a {wanted}", datum)
                 return None
             values = [one(ctx, item) for one, item in zip(reads, data, strict=False)]
             if any(value is None for value in values):
@@ -464,7 +469,7 @@ def _truth(rule: str) -> Read:
     def read(ctx: Context, datum: Datum) -> bool | None:
         if isinstance(datum, Symbol) and datum.name in _TRUTHS:
             return datum.name == "true"
-        ctx.report(_breaks(rule), "`true` or `false` is wanted here", datum)
+        ctx.report(_breaks(rule), "expected `true` or `false`", datum)
         return None
 
     return read
@@ -486,7 +491,7 @@ def _wanted(rule: str, shape: Shape, part: OperandWanted) -> Read:
         if rule in GRAMMAR and GRAMMAR[rule].wrong:
             ctx.wrong(rule, datum)
             return None
-        message = f"{what} is wanted here, not {kind_of(datum)}"
+        message = f"expected {what}, not {kind_of(datum)}"
         ctx.report(_breaks(rule), message, datum)
         return None
 

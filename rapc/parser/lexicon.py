@@ -246,9 +246,9 @@ class ReadLog:
         self.report(
             Diagnostic(
                 "malformed-number",
-                f"`{raw[:MAX_NUMBER]}` is no number of this language",
+                f"invalid number `{raw[:MAX_NUMBER]}`",
                 span,
-                help="numbers are integers such as `-3` and decimals such as `0.5`",
+                help="a number is an integer such as `-3` or a decimal such as `0.5`",
                 fix=fix if fits else None,
             )
         )
@@ -259,9 +259,9 @@ class ReadLog:
         self.report(
             Diagnostic(
                 "too-long",
-                f"a {what} of {end - start} characters is longer than {limit}",
+                f"{what} of {end - start} characters; the limit is {limit}",
                 self.source.span(start, start + 20),
-                label="it begins here",
+                label=f"the {what} begins here",
             )
         )
 
@@ -272,11 +272,15 @@ class ReadLog:
             self.damage.append(start)
         content = " " if text.isspace() else text.translate(_MEANT)
         span = self.source.span(start, end)
-        doing = f"write `{content}` for it" if content.strip() else "take it out"
+        doing = (
+            f"write `{content}` in place of this character"
+            if content.strip()
+            else "remove this character"
+        )
         self.diagnostics.append(
             Diagnostic(
                 "illegal-character",
-                f"{_shown(text)} means nothing here",
+                f"unexpected {_shown(text)}",
                 span,
                 help=_advice(text),
                 fix=Fix.of(doing, Edit(span, content), sure=harmless),
@@ -292,14 +296,14 @@ def _hit(form: Datum, damage: list[int]) -> bool:
 def _shown(text: str) -> str:
     if text.isprintable() and not text.isspace():
         return f"`{text[:10]}`"
-    return f"the character U+{ord(text[0]):04X}"
+    return f"character U+{ord(text[0]):04X}"
 
 
 def _advice(text: str) -> str:
     if text == "|#":
-        return "no comment is open here"
+        return "this mark ends a comment, but no comment is open"
     if _QUOTES.issuperset(text):
-        return "symbols and lists stand for themselves: nothing is quoted"
+        return "the language has no quotation: symbols and lists stand for themselves"
     if any(mark in text for mark in "[]{}"):
         return "lists are written with parentheses"
     return ""

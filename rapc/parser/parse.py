@@ -71,7 +71,7 @@ def parse(source: SourceFile) -> SourceUnit:
             partial.append(PartialForm(form, top.damaged))
     found.sort(key=lambda d: d.span.start)
     if len(found) >= MAX_FINDINGS:
-        note = f"this is the last of {MAX_FINDINGS}: further faults are not shown"
+        note = f"only the first {MAX_FINDINGS} findings of this file are reported"
         found[-1] = msgspec.structs.replace(found[-1], notes=(note,))
     return SourceUnit(
         file=source,
@@ -91,7 +91,7 @@ def _form(
     if not isinstance(datum, List) or name is None:
         ctx.report(
             "unknown-form",
-            f"{kind_of(datum)} stands outside of any form",
+            f"expected a form, not {kind_of(datum)}",
             datum,
             help=(
                 "a form is a list that begins with a word such as `define-rap`; "
@@ -112,7 +112,7 @@ def _form(
 def _misplaced_defaults(ctx: Context, datum: Datum) -> None:
     ctx.report(
         "malformed-form",
-        "what is said of all tests of a file stands once, before the first of them",
+        "`define-test-defaults` must be unique and precede the tests of its file",
         datum,
     )
 
@@ -131,7 +131,9 @@ def _ground(made: nodes.Pattern, called: str, text: str) -> Fact:
     for arg in made.args:
         if not isinstance(arg, nodes.Const):
             what = "a variable" if isinstance(arg, nodes.Var) else "a computed term"
-            raise TextError(f"{called} holds values only, not {what}: {text.strip()}")
+            raise TextError(
+                f"expected only values in {called}, not {what}: {text.strip()}"
+            )
         values.append(arg.value)
     return (made.name, *values)
 
@@ -162,7 +164,9 @@ def parse_formula(text: str) -> nodes.Formula:
     """
     made: nodes.Formula = _only(text, formula, "formula")
     if any(isinstance(part, nodes.Otherwise) for part in subformulas(made)):
-        raise TextError(f"`otherwise` is asked by methods alone: {text.strip()}")
+        raise TextError(
+            f"`otherwise` is valid only in the context of a method: {text.strip()}"
+        )
     return made
 
 
@@ -172,7 +176,7 @@ def _only(text: str, read: Read, what: str) -> Any:
     made = read(ctx, data[0])
     _complain(ctx)
     if made is None or len(data) > 1:
-        raise TextError(f"one {what} is wanted, not more: {text.strip()}")
+        raise TextError(f"expected one {what}: {text.strip()}")
     return made
 
 
@@ -193,16 +197,18 @@ def parse_goal_options(text: str) -> tuple[nodes.Goal, Mapping[str, Atom]]:
     while rest:
         word = rest.pop(0)
         if not isinstance(word, Keyword):
-            raise TextError(f"an option begins with a colon: {ctx.text(word)}")
+            raise TextError(
+                f"expected an option that begins with a colon, not {ctx.text(word)}"
+            )
         if word.name not in GOAL_OPTIONS:
             near = nearest(word.name, GOAL_OPTIONS)
             hint = f"; did you mean {near}?" if near else ""
             raise TextError(f"unknown option {word.name}{hint}")
         if word.name[1:] in options:
-            raise TextError(f"{word.name} is given twice")
+            raise TextError(f"duplicate option {word.name}")
         options[word.name[1:]] = _option(word.name, rest.pop(0) if rest else None)
     if made is None:
-        raise TextError(f"a goal is wanted, as in (rap args): {text.strip()}")
+        raise TextError(f"expected a goal such as (rap args), not {text.strip()}")
     return made, options
 
 
@@ -210,11 +216,11 @@ def _option(name: str, value: Datum | None) -> Atom:
     if name == ":background":
         if isinstance(value, Symbol) and value.name in ("true", "false"):
             return value.name
-        raise TextError(f"{name} takes true or false")
+        raise TextError(f"expected true or false after {name}")
     if not isinstance(value, Numeral):
-        raise TextError(f"{name} takes a number")
+        raise TextError(f"expected a number after {name}")
     if name == ":priority" and not isinstance(value.value, int):
-        raise TextError(f"{name} takes an integer")
+        raise TextError(f"expected an integer after {name}")
     return value.value
 
 

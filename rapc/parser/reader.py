@@ -212,9 +212,9 @@ def _lost_text(source: SourceFile, segment: Segment) -> Diagnostic | None:
     if segment.deep is not None:
         return Diagnostic(
             "nested-too-deeply",
-            f"lists are nested more than {MAX_DEPTH} deep here",
+            f"lists are nested more than {MAX_DEPTH} levels deep",
             source.span(segment.deep, segment.deep + 1),
-            help="are closing parentheses missing before?",
+            help="closing parentheses may be missing before this position",
         )
     if segment.string is not None:
         _, start, end = segment.string
@@ -245,10 +245,10 @@ def _unclosed(
     last = "noticed here" if noticed < len(source.text) else "the file ends here"
     return Diagnostic(
         rule,
-        f"this {rule.removeprefix('unterminated-')} is never closed",
+        f"this {rule.removeprefix('unterminated-')} is not closed",
         opener,
         labels=(
-            Label(source.span(end - 1, end), f"`{mark}` is most likely missing here"),
+            Label(source.span(end - 1, end), f"`{mark}` is probably missing here"),
             Label(source.span(noticed, noticed + 1), last),
         ),
         fix=Fix.of(f"insert `{mark}`", Edit(source.span(end, end), closer)),

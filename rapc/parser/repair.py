@@ -294,9 +294,9 @@ def repair_findings(
         span = source.span(tokens[index][1], tokens[index][2])
         yield Diagnostic(
             "surplus-parenthesis",
-            "there is a `(` too many",
+            "unexpected `(`",
             span,
-            fix=Fix.of("take it out", Edit(span, "")),
+            fix=Fix.of("remove this parenthesis", Edit(span, "")),
         )
 
 
@@ -313,17 +313,17 @@ def _unclosed(
         stop = tokens[place - 1][2]
         missing = ")" * sum(1 for other, _ in repair.closes if other == place)
         edits.append(Edit(source.span(stop, stop), missing))
-        text = f"`{missing}` is most likely missing behind this"
+        text = f"`{missing}` is probably missing after this position"
         labels.append(Label(source.span(stop - 1, stop), text))
     return Diagnostic(
         "missing-parenthesis",
-        f"{_words(source, tokens, opener)} is never closed"
+        f"{_words(source, tokens, opener)} is not closed"
         if count == 1
         else f"{count} closing parentheses are missing",
         source.span(start, start + 1),
         label="opened here",
         labels=(*labels, Label(source.span(end, end + 1), noticed)),
-        fix=Fix.of("close it", *edits),
+        fix=Fix.of("insert the missing parentheses", *edits),
     )
 
 
@@ -334,7 +334,9 @@ def _surplus(source: SourceFile, tokens: Sequence[Token], repair: Repair) -> Dia
     before = _form_before(tokens, at) if opener is None else opener
     if before is not None:
         start = tokens[before][1]
-        closed = "is closed before it" if opener is None else "is closed too early"
+        closed = (
+            "is closed before it begins" if opener is None else "is closed too early"
+        )
         text = f"{_words(source, tokens, before)} {closed}"
         labels.append(Label(source.span(start, start + 1), text))
     unmatched = plain_repair(tokens).drops
@@ -346,13 +348,13 @@ def _surplus(source: SourceFile, tokens: Sequence[Token], repair: Repair) -> Dia
     edits = [Edit(span, "") for span in sorted(spans, key=lambda span: span.start)]
     return Diagnostic(
         "surplus-parenthesis",
-        "there is a `)` too many"
-        if count == 1
-        else f"there are {count} closing parentheses too many",
+        "unexpected `)`" if count == 1 else f"{count} unexpected closing parentheses",
         spans[0],
-        label="it closes nothing" if opener is None else "this one most likely",
+        label="this parenthesis closes no list"
+        if opener is None
+        else "probably this parenthesis",
         labels=tuple(labels),
-        fix=Fix.of("take it out", *edits),
+        fix=Fix.of("remove the parenthesis", *edits),
     )
 
 
@@ -417,13 +419,13 @@ def _adopt(log: ReadLog, kept: list[Datum], strays: list[List]) -> None:
     log.report(
         Diagnostic(
             "surplus-parenthesis",
-            "this `)` closes a RAP before its last clause",
+            "this `)` closes a RAP before the last clause of the RAP",
             closer,
             labels=(
                 Label(opener, "the RAP begins here"),
-                Label(first, f"`{_head(strays[0])}` stands outside of it"),
+                Label(first, f"`{_head(strays[0])}` is outside of the RAP"),
             ),
-            fix=Fix.of("close the RAP behind its clauses", *edits),
+            fix=Fix.of("close the RAP after its clauses", *edits),
         )
     )
     log.damage.append(rap.start)

@@ -67,9 +67,9 @@ def constant(datum: Datum) -> Atom | None:
 def _stray_arrow(ctx: Context, datum: Datum) -> None:
     ctx.report(
         "malformed-term",
-        f"`{ARROW}` is no value",
+        f"expected a value, not `{ARROW}`",
         datum,
-        help="it divides the inputs of an index or a goal from the outputs",
+        help=f"`{ARROW}` separates the inputs of an index or a goal from the outputs",
     )
 
 
@@ -82,13 +82,13 @@ def _call(ctx: Context, datum: List) -> nodes.Call | None:
     name = head_of(datum)
     if name is None:
         help = "a term in parentheses begins with the name of a function"
-        ctx.report("malformed-term", "this list is no term", datum, help=help)
+        ctx.report("malformed-term", "expected a term, not this list", datum, help=help)
         return None
     if name in QUERIES:
-        help = "only functions such as `+` may stand inside of arguments"
+        help = "only functions such as `+` are valid inside of arguments"
         ctx.report(
             "malformed-term",
-            f"`{name}` asks a question, it has no value",
+            f"`{name}` is a test and has no value",
             datum,
             help=help,
         )
@@ -119,9 +119,9 @@ def pattern(ctx: Context, datum: Datum, kind: type[P]) -> P | None:
     if name in _NO_PROPOSITIONS:
         ctx.report(
             "malformed-proposition",
-            f"`{name}` heads no proposition",
+            f"`{name}` cannot be the name of a proposition",
             datum,
-            help="only plain propositions can stand here",
+            help="expected a plain proposition",
         )
         return None
     place = Span(ctx.file, datum.start, datum.end)
@@ -159,7 +159,8 @@ def colon(ctx: Context, datum: Datum, kind: type[S]) -> S | None:
         if isinstance(first, Symbol):
             ctx.report_fixable(
                 "malformed-proposition",
-                f"the name `{first.name}` of a signal or skill begins with a colon",
+                "expected a name with a colon for a signal or skill, not "
+                f"`{first.name}`",
                 first,
                 fix=ctx.replace(first, f":{first.name}"),
             )
@@ -196,7 +197,7 @@ def split_arrow(
     for place in places[1:]:
         ctx.report(
             "malformed-goal",
-            f"there is a second `{ARROW}`",
+            f"duplicate `{ARROW}`",
             items[place],
             labels=[(items[first], "the first is here")],
         )
@@ -207,7 +208,9 @@ def split_arrow(
 def _plain(ctx: Context, out: nodes.Term, datum: Datum) -> bool:
     if not isinstance(out, nodes.Call):
         return True
-    ctx.report("malformed-goal", "an output is a variable or a constant", datum)
+    ctx.report(
+        "malformed-goal", "expected a variable or a constant as an output", datum
+    )
     return False
 
 
@@ -217,8 +220,11 @@ def _asked(ctx: Context, datum: Datum) -> nodes.Goal | None:
     if found is None or not isinstance(datum, List):
         return None
     if Arrow in map(type, datum.items):
-        help = "in `succeeds` they stand behind it: `(succeeds (find box) kitchen)`"
-        ctx.report("malformed-goal", "no outputs can stand here", datum, help=help)
+        help = (
+            "in `succeeds`, write the outputs after the goal: `(succeeds "
+            "(find box) kitchen)`"
+        )
+        ctx.report("malformed-goal", "unexpected outputs", datum, help=help)
         return None
     return found
 
@@ -253,7 +259,7 @@ def with_arguments(name: str, args: str) -> Read:
         for arg in node.args if node is not None else ():
             if type(arg) in refused:
                 place = Symbol("", arg.span.start, arg.span.end)
-                message = f"{refused[type(arg)]} cannot stand here"
+                message = f"{refused[type(arg)]} is not allowed here"
                 ctx.report("malformed-proposition", message, place)
                 return None
         return node

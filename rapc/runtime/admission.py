@@ -268,7 +268,7 @@ def _reached(library: Library, root: nodes.DefineRap) -> Iterator[str]:
                     below = library.raps.get(step.goal.name)
                     if below is None:
                         place = _place(library, step.goal.span)
-                        yield f"{place}no RAP is called `{step.goal.name}`"
+                        yield f"{place}unknown RAP `{step.goal.name}`"
                     elif below.name not in seen:
                         seen.add(below.name)
                         stack.append(below)

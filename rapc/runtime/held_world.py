@@ -330,7 +330,7 @@ class HeldWorld(Wrapper):
         fault = self._fault(self._events, content)
         if fault is not None:
             meant = hint(str(content[0]), self._events)
-            fault = fault or f"no event is called `{content[0]}`{meant}"
+            fault = fault or f"unknown event `{content[0]}`{meant}"
             raise FactError(f"{format_list(content)}: {fault}")
 
     def _check_content(self, call: str, asked: Fact, reply: Reply) -> None:

@@ -79,7 +79,7 @@ def of_agenda(library: Library, name: str) -> tuple[TaskRequest, ...]:
     agenda = library.agendas.get(name)
     if agenda is None:
         meant = hint(name, library.agendas)
-        raise RefusedError([f"no agenda is called `{name}`{meant}"])
+        raise RefusedError([f"unknown agenda `{name}`{meant}"])
     return tuple([of_node(task) for task in agenda.tasks])
 
 

@@ -36,4 +36,4 @@ def shipped_map(world: str, name: str) -> str:
     if found is not None:
         return found.read_text(encoding="utf-8")
     known = ", ".join(f"`{one}`" for one in map_names(world))
-    raise MapError(f"no map is called `{name}`; there are {known}")
+    raise MapError(f"unknown map `{name}`; there are {known}")

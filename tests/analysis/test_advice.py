@@ -41,14 +41,13 @@ def context(text: str) -> str:
         (
             step("(t1 (drive ?room))"),
             "unknown-rap",
-            "`drive` is a primitive, and a RAP is wanted here: define one with the "
+            "`drive` is a primitive, not a RAP; define a RAP with the "
             "method `(primitive (drive ...))`",
         ),
         (
             "(define-rap (visit ?room) (method (primitive (go-to ?room))))",
             "undeclared-primitive",
-            "`go-to` is a RAP: what asks for it is a step, "
-            "`(task-net (t1 (go-to ...)))`",
+            "`go-to` is a RAP; call the RAP in a step: `(task-net (t1 (go-to ...)))`",
         ),
         (context("(!= ?room hall)"), "undeclared-predicate", "write `n=`"),
         (context("(<> ?room hall)"), "undeclared-predicate", "write `n=`"),
@@ -56,22 +55,23 @@ def context(text: str) -> str:
         (
             step("(go-to ?room)"),
             "malformed-step",
-            "a step begins with a tag of its own: `(t1 (go-to ?room))`",
+            "begin the step with a unique tag: `(t1 (go-to ?room))`",
         ),
         (
             step("(t1 (go-to ?room) (priority 3))"),
             "unknown-annotation",
-            "a priority is a number behind the tag: `(t1 2 (rap args...))`",
+            "write a priority as a number after the tag: `(t1 2 (rap args...))`",
         ),
         (
             step("(t1 (go-to ?room)) (t2 (go-to hall) (after t1))"),
             "unknown-annotation",
-            "the step that comes before says so: `(for t1)`",
+            "write the order in the earlier step: `(for t1)`",
         ),
         (
             step("(t1 (go-to ?room) (timeout 30))"),
             "unknown-annotation",
-            "a time to end at is a second step, `(window now 30 30)`, and `until-end`",
+            "write the end time as a second step with `(window now 30 30)` "
+            "and `until-end`",
         ),
         (
             "(define-test t (expect (method go-to 1)))",
@@ -81,23 +81,23 @@ def context(text: str) -> str:
         (
             "(define-test t (task (go-to hall) :at 130) (until 200))",
             "unknown-clause",
-            "a task that begins later stands in an `at`: `(at 130 (task ...))`",
+            "a task that begins later is written in an `at`: `(at 130 (task ...))`",
         ),
         (
             "(declare-primitive leave () (okay) :on (okay (may (not (free hall)))))",
             "malformed-proposition",
-            "write `(may (free hall))`: the fact may come, and it may go",
+            "write `(may (free hall))`: the fact may be asserted or erased",
         ),
         (
             "(declare-primitive leave () (okay) :on (okay (may (and (free hall)))))",
             "malformed-proposition",
-            "only plain propositions can stand here",
+            "expected a plain proposition",
         ),
         (
             "(declare-memory-property count-of (?room ?number) 0)",
             "malformed-form",
-            "it is `unknown`, `true`, `false` or the name of a function; another first "
-            "value is an initial fact, of the world, a test or `--fact`",
+            "write `unknown`, `true`, `false` or the name of a function; other first "
+            "values are initial facts of the world, a test or `--fact`",
         ),
         (
             "//",

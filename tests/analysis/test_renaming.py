@@ -134,7 +134,7 @@ def test_a_rap_with_a_common_end_is_not_offered_as_its_own_step(text: str) -> No
     mended, report = _mended(text, unsafe=True)
     found = [f.diagnostic for f in report.findings if f.rule.name == "unknown-rap"]
     assert [(f.help, f.fix) for f in found] == [
-        ("define it, or `require` the file that does", None)
+        ("define it, or `require` its file", None)
     ]
     assert mended == text
 

@@ -53,7 +53,7 @@ def test_the_command_runs_it_and_the_trace_tells_of_its_tasks(
 def test_an_unknown_agenda_is_refused_with_the_nearest_name(path: Path) -> None:
     done = rapc("run", str(path), "--world", "truck", "--agenda", "mornin")
     assert done.returncode == 2
-    assert "no agenda is called `mornin`; did you mean `morning`?" in done.stderr
+    assert "unknown agenda `mornin`; did you mean `morning`?" in done.stderr
     with pytest.raises(RefusedError, match="did you mean `morning`"):
         door.load(path).start("truck", agenda="mornin")
 

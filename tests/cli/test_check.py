@@ -46,7 +46,7 @@ def test_quiet_prints_findings_alone(
     program.write_text(ERROR)
     done = rapc(*args, "program.rap", "--output-format", "concise", cwd=tmp_path)
     assert done.stdout == (
-        "program.rap:1:41: error[RAP013 unknown-rap]: no RAP is called `wait`\n"
+        "program.rap:1:41: error[RAP013 unknown-rap]: unknown RAP `wait`\n"
     )
 
 
@@ -160,7 +160,7 @@ def test_unknown_rule_is_a_usage_error(program: Path) -> None:
     done = rapc("check", str(program), "--select", "unbound-varable")
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr == (
-        "error: no rule is called `unbound-varable`; did you mean `unbound-variable`?\n"
+        "error: unknown rule `unbound-varable`; did you mean `unbound-variable`?\n"
     )
 
 

@@ -115,7 +115,7 @@ def test_an_unknown_rule_in_a_configuration_is_refused(folder: Path) -> None:
     (folder / "rapc.toml").write_text('ignore = ["unknown-rup"]')
     done = rapc("check", "lib", cwd=folder)
     assert (done.returncode, done.stdout) == (2, "")
-    assert "no rule is called `unknown-rup`; did you mean `unknown-rap`?" in done.stderr
+    assert "unknown rule `unknown-rup`; did you mean `unknown-rap`?" in done.stderr
 
 
 def test_a_baseline_leaves_out_what_is_known(folder: Path) -> None:

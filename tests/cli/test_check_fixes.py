@@ -130,7 +130,7 @@ def test_a_text_on_standard_input_may_have_a_name(tmp_path: Path) -> None:
         ),
         (
             ("--per-file-ignores", "a.rap:unused-clam"),
-            "no rule is called `unused-clam`; did you mean `unused-claim`?",
+            "unknown rule `unused-clam`; did you mean `unused-claim`?",
         ),
     ],
 )

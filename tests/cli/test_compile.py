@@ -121,7 +121,7 @@ def test_errors_in_its_tests_stop_it_too(tmp_path: Path) -> None:
     (tmp_path / "good.test.rap").write_text('(require "bad")')
     done = rapc("compile", ".", "-o", "out", cwd=tmp_path)
     assert done.returncode == 2
-    assert "nothing is found for `bad`" in done.stdout
+    assert "cannot find `bad`" in done.stdout
     assert not (tmp_path / "out").exists()
 
 
@@ -129,7 +129,7 @@ def test_errors_in_its_tests_stop_it_too(tmp_path: Path) -> None:
     ("args", "said"),
     [
         (("compile", "go.test.rap"), "-o FILE or --explain RAP is missing"),
-        (("compile", "go.rapc", "-o", "x"), "`go.rapc` is a compiled library already"),
+        (("compile", "go.rapc", "-o", "x"), "`go.rapc` is already a compiled library"),
         (
             ("compile", "go.test.rap", "-o", "go.test.rap"),
             "-o: `go.test.rap` is a file of the library",
@@ -141,7 +141,7 @@ def test_errors_in_its_tests_stop_it_too(tmp_path: Path) -> None:
         (("compile", "go.test.rap", "-o", "."), "cannot write `.`: is a directory"),
         (
             ("compile", "go.test.rap", "--explain", "goo"),
-            "no RAP is called `goo`; did you mean `go`?",
+            "unknown RAP `goo`; did you mean `go`?",
         ),
         (
             ("compile", "go.test.rap", "-o", "-"),

@@ -281,7 +281,7 @@ def test_check_and_run_import_no_networkx() -> None:
 def test_bad_usage(folder: Path) -> None:
     done = rapc("graph", "lib.rap", "--rap", "setp", cwd=folder)
     assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr == ("error: no RAP is called `setp`\n  did you mean `step`?\n")
+    assert done.stderr == ("error: unknown RAP `setp`\n  did you mean `step`?\n")
     done = rapc("graph", "lib.rap", "--rap", "go", "--claims", cwd=folder)
     assert (done.returncode, done.stdout) == (2, "")
     said = "options that select a graph exclude each other"
@@ -289,7 +289,7 @@ def test_bad_usage(folder: Path) -> None:
     done = rapc("graph", "lib.rap", "--dependents", "parkd", cwd=folder)
     assert done.stderr == "error: unknown name `parkd`\n  did you mean `parked`?\n"
     done = rapc("graph", "lib.rap", "--effects", "setp", cwd=folder)
-    assert done.stderr == ("error: no RAP is called `setp`\n  did you mean `step`?\n")
+    assert done.stderr == ("error: unknown RAP `setp`\n  did you mean `step`?\n")
     (folder / "lib.rap").write_text("(define-rap (a) (succeed (b)))")
     done = rapc("graph", "lib.rap", cwd=folder)
     assert (done.returncode, done.stdout) == (2, "")
@@ -340,7 +340,7 @@ def test_the_network_of_skills_at_a_moment_is_drawn(tmp_path: Path) -> None:
         (("--skills", "nan", *WORLD), "'nan' is not a finite number"),
         (("--skills", "inf", *WORLD), "'inf' is not a finite number"),
         (("--skills", "soon", *WORLD), "'soon' is not a valid number"),
-        (("--skills", "1", *WORLD, "--task", "(gone)"), "no RAP is called `gone`"),
+        (("--skills", "1", *WORLD, "--task", "(gone)"), "unknown RAP `gone`"),
     ],
 )
 def test_what_goes_with_skills_and_what_does_not(

@@ -52,7 +52,7 @@ def test_unknown_rule_is_a_usage_error() -> None:
     done = rapc("rule", "unknown-rup")
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr == (
-        "error: no rule is called `unknown-rup`; did you mean `unknown-rap`?\n"
+        "error: unknown rule `unknown-rup`; did you mean `unknown-rap`?\n"
     )
     assert rapc("rule", "unknown-rap", "--all").returncode == 2
 

@@ -164,5 +164,5 @@ def test_a_damaged_rap_that_nobody_reaches_does_no_harm(folder: Path) -> None:
         cwd=folder,
     )
     assert (reached.returncode, reached.stdout) == (2, "")
-    assert "`doze.rapc` holds what cannot be run" in reached.stderr
+    assert "`doze.rapc` cannot be run" in reached.stderr
     assert not (folder / "trace.jsonl").exists()

@@ -105,9 +105,7 @@ def test_a_memory_says_how_many_facts_are_to_be_expected() -> None:
 
 def test_a_name_that_is_no_rap_is_refused() -> None:
     library = Program(load_text(LIBRARY).library)
-    with pytest.raises(
-        ValueError, match="no RAP is called `fech`; did you mean `fetch`"
-    ):
+    with pytest.raises(ValueError, match="unknown RAP `fech`; did you mean `fetch`"):
         explain(library, "fech")
 
 

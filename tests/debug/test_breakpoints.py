@@ -165,7 +165,7 @@ def test_what_is_no_breakpoint_is_said() -> None:
         (Breakpoint("method", "outsid"), "did you mean `outside`"),
         (Breakpoint("method", "outside of travel-road"), "has no method `outside`"),
         (Breakpoint("method", "outside of travel-raod"), "mean `travel-road`"),
-        (Breakpoint("true", "(frob)"), "`frob` is not declared"),
+        (Breakpoint("true", "(frob)"), "unknown predicate `frob`"),
         (Breakpoint("time", "noon"), "a number is wanted"),
     ):
         with pytest.raises((ArgumentError, TextError, ValueError), match=said_of):
@@ -202,7 +202,7 @@ def test_watches_are_marked_where_they_change() -> None:
     assert "  watch 1 (truck-location ?where): ?where depot" in said(shell, ":step 2")
     assert said(shell, ":unwatch 1") == "nothing is watched\n"
     assert "there is no watch 3" in said(shell, ":unwatch 3")
-    assert "`frob` is not declared" in said(shell, ":watch (frob)")
+    assert "unknown predicate `frob`" in said(shell, ":watch (frob)")
 
 
 def test_events_are_found_back_and_forth() -> None:

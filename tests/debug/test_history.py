@@ -81,7 +81,7 @@ def test_who_has_to_do_with_a_fact() -> None:
     assert [str(one).split()[0] for one in listeners] == ["[6]"]
     assert {one["how"] for one in found} >= {"test", "asserted"}
     assert any(one["who"] == "define-rap travel-road" for one in found)
-    with pytest.raises(ArgumentError, match="`frob` is not declared"):
+    with pytest.raises(ArgumentError, match="unknown predicate `frob`"):
         who(session, "(frob)")
 
 

@@ -145,7 +145,7 @@ def test_declarations_may_change_while_a_run_goes_on() -> None:
     session.step()
     there = session.run.save()
     session.goto(1)
-    with pytest.raises(ValueError, match="`dry` is not declared"):
+    with pytest.raises(ValueError, match="unknown predicate `dry`"):
         session.question("(dry ?x)")
     session.goto(3)
     assert session.run.save() == there
@@ -222,7 +222,7 @@ def test_watches_and_breakpoints_go_with_the_text() -> None:
     )
     shell.answer(":assert (wet cellar)")
     assert "stopped: breakpoint 1" in said(shell, ":step")
-    assert "watch 1 (dry ?x): `dry` is not declared" in said(
+    assert "watch 1 (dry ?x): unknown predicate `dry`" in said(
         shell, ":unbreak 1", ":branch other", ":goto 0", ":watch", width=200
     )
 

@@ -65,5 +65,5 @@ def test_the_page_runs_from_its_first_line_to_its_last(
     lines = printed.getvalue().splitlines()
     assert lines[0].startswith("done ")
     assert lines[0].endswith(" True")
-    assert "`location` is not declared" in "\n".join(lines)
+    assert "unknown predicate `location`" in "\n".join(lines)
     assert lines[-1].startswith("True [('location', 'box-a', 'attic')")

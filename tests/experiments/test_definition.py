@@ -211,7 +211,7 @@ def test_names_that_are_not_there(text: str, message: str, help_: str | None) ->
     ("task", "message"),
     [
         ("(fill-order red", "task 2: "),
-        ("(fill-orders red 1 factory-1)", "no RAP is called `fill-orders`"),
+        ("(fill-orders red 1 factory-1)", "unknown RAP `fill-orders`"),
         ("(fill-order red)", "`fill-order` "),
     ],
 )

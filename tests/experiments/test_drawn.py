@@ -131,8 +131,9 @@ REFUSED = {
         None,
     ),
     ('"red", "blue"', '"red", "green"'): (
-        "(fill-order green 1 factory-1): `green` is no color, which `?color` was "
-        "declared in `(fill-order ?color ?number ?factory)`",
+        "(fill-order green 1 factory-1): `green` is not a value of kind color, as "
+        "declared for `?color` in `(fill-order ?color ?number "
+        "?factory)`",
         None,
     ),
     ("tasks = [", "tusks = ["): (
@@ -155,7 +156,7 @@ def test_what_cannot_be_drawn_is_refused(change: tuple[str, str]) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("nine-orders", "nine-order", "no agenda is called `nine-order`"),
+        ("nine-orders", "nine-order", "unknown agenda `nine-order`"),
         (
             'agenda = "nine-orders"\n',
             "",

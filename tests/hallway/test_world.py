@@ -141,7 +141,7 @@ def test_an_empty_battery_ends_the_run() -> None:
     [
         ({"people": -1}, "`people` must not be below 0"),
         ({"map": Text("start = 3")}, "`map`: `start`: expected `str`, got `int`"),
-        ({"map": Text("cellar")}, "`map`: no map is called `cellar`; there are `"),
+        ({"map": Text("cellar")}, "`map`: unknown map `cellar`; there are `"),
         (
             {"map": Text(SMALL.replace("[2, 3]", "[0, 3]"))},
             "`map`: `tags` of the doorw",

@@ -59,7 +59,10 @@ def test_which_values_are_of_a_kind(
 
 
 def test_values_from_outside_are_held_against_kinds(signatures: Signatures) -> None:
-    said = "`back` is no door, which `?door` was declared in `(open ?door ?is)`"
+    said = (
+        "`back` is not a value of kind door, as declared for "
+        "`?door` in `(open ?door ?is)`"
+    )
     assert signatures.wrong_kind("asserted", "open", ("back", "true")) == said
     assert signatures.wrong_kind("asserted", "open", ("front",)) is None
     assert signatures.wrong_kind("erased", "open", ("back",)) == said
@@ -67,7 +70,10 @@ def test_values_from_outside_are_held_against_kinds(signatures: Signatures) -> N
     assert signatures.wrong_kind("goal", "visit", ("hall", 3)) is None
     assert signatures.wrong_kind("asserted", "no-such-thing", (3,)) is None
     assert signatures.wrong_kind("primitive", "go", (3, "hall")) is None
-    said = "`attic` is no room, which `?room` was declared in `(visit ?room ?why)`"
+    said = (
+        "`attic` is not a value of kind room, as declared "
+        "for `?room` in `(visit ?room ?why)`"
+    )
     assert signatures.wrong_kind("goal", "visit", ("attic", 3)) == said
 
 

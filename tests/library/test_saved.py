@@ -146,25 +146,25 @@ HEAD, PAYLOAD = GOOD.split(b"\n", 1)
 @pytest.mark.parametrize(
     ("data", "said"),
     [
-        (b"", "is no compiled library"),
-        (b"\x89PNG\r\n", "is no compiled library"),
-        (GOOD[:8], "is no compiled library"),
-        (GOOD[:40], "is damaged: its first line is not whole"),
+        (b"", "is not a compiled library"),
+        (b"\x89PNG\r\n", "is not a compiled library"),
+        (GOOD[:8], "is not a compiled library"),
+        (GOOD[:40], "is damaged: its first line is incomplete"),
         (GOOD[:-1], "is damaged: its content does not match its checksum"),
         (GOOD + b"\n", "is damaged: its content does not match its checksum"),
         (HEAD + b"\n", "is damaged: its content does not match its checksum"),
         (GOOD.replace(b"push", b"pull", 1), "is damaged: its content does not match"),
         (seal(PAYLOAD, version="9.9"), "was compiled by rapc 9.9, format "),
         (seal(PAYLOAD, form=7), f"was compiled by rapc {VERSION}, format 7; this is"),
-        (seal(b""), "holds what no library has: "),
-        (seal(b"[]"), "holds what no library has: Expected `array` of "),
-        (seal(b"[" * 100_000), "holds what no library has: "),
+        (seal(b""), "is invalid: "),
+        (seal(b"[]"), "is invalid: Expected `array` of "),
+        (seal(b"[" * 100_000), "is invalid: "),
         (
             seal(PAYLOAD.replace(b'"push-all"', b'"push all"')),
-            "'push all' is no word of the language",
+            "'push all' is not a word of the language",
         ),
-        (seal(PAYLOAD.replace(b",[0],", b",[1],", 1)), "lacks a source"),
-        (seal(PAYLOAD.replace(b",[0],", b",[0,0],", 1)), "names a source twice"),
+        (seal(PAYLOAD.replace(b",[0],", b",[1],", 1)), "has no source"),
+        (seal(PAYLOAD.replace(b",[0],", b",[0,0],", 1)), "has the same source twice"),
     ],
 )
 def test_what_is_no_library_of_this_rapc_is_refused(data: bytes, said: str) -> None:
@@ -179,7 +179,7 @@ def test_a_rap_that_cannot_be_run_is_refused_before_the_first_cycle() -> None:
     data = seal(PAYLOAD.replace(b'["Goal","push-one"', b'["Goal","push-none"'))
     library = program(data, "odd.rapc")
     run = rapc.Interpreter(library, YesWorld(library))
-    said = "in `push-all` no RAP is called `push-none`"
+    said = "in `push-all`: unknown RAP `push-none`"
     with pytest.raises(SavedError, match=said):
         run.submit("(push-all a b)")
 
@@ -187,21 +187,21 @@ def test_a_rap_that_cannot_be_run_is_refused_before_the_first_cycle() -> None:
 def test_what_was_silenced_and_cannot_be_run_is_not_compiled() -> None:
     text = """(define-rap (go) ; rapc: ignore[undeclared-predicate] it may come yet
       (succeed (nowhere declared)))"""
-    with pytest.raises(SavedError, match="in `go` `nowhere` is not declared"):
+    with pytest.raises(SavedError, match="in `go`: unknown predicate `nowhere`"):
         saved(host.checked(load_text(text), "go"))
 
 
 def test_a_name_that_cannot_be_printed_is_refused() -> None:
     loaded = load_text("(define-rap (go) (method (task-net)))", "a\x1b[2Jb.rap")
-    with pytest.raises(SavedError, match="a file whose name cannot be printed"):
+    with pytest.raises(SavedError, match="a file name that cannot be printed"):
         saved(host.checked(loaded, "go"))
     odd = seal(PAYLOAD.replace(b'kitchen.rap"', b'kitchen\\u001b.rap"'))
-    with pytest.raises(SavedError, match="a file whose name cannot be printed"):
+    with pytest.raises(SavedError, match="a file name that cannot be printed"):
         SavedLibrary(odd, "odd.rapc")
 
 
 def test_a_compiled_library_is_not_compiled_again() -> None:
-    with pytest.raises(SavedError, match="is a compiled library already"):
+    with pytest.raises(SavedError, match="is already a compiled library"):
         encode(SavedLibrary(GOOD, "file").library, "kitchen")
 
 

@@ -25,16 +25,17 @@ ATTRIBUTES = {
     "clause twice": (("duplicate-clause",), ""),
     "variable twice": (("repeated-variable",), ""),
     "method twice": (("duplicate-method",), ""),
-    "defaults twice": (("malformed-form",), "stands once, before the first of them"),
+    "defaults twice": (("malformed-form",), "`define-test-defaults` must"),
     "too many parts": (("formula-too-large",), ""),
-    "true or false": (("malformed-formula",), "`true` or `false` of an item"),
+    "true or false": (("malformed-formula",), "the value of `know-sensor-name`"),
     "reserved word": (
         (
             *("malformed-proposition", "malformed-term", "malformed-formula"),
             *("misplaced-clause", "missing-index"),
         ),
-        "heads no proposition|asks a question|no test|stands without parentheses"
-        "|is a clause of a method, not of `define-rap`|this RAP has no name",
+        "cannot be the name of a proposition|is a test and|is not a test|"
+        "must not have parentheses|is a clause of a method, not of `define-rap`|this "
+        "RAP requires a name",
     ),
 }
 """What the grammar allows and the front end does not.

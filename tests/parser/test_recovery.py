@@ -177,12 +177,12 @@ def test_fix_puts_it_right(case: Case) -> None:
 def test_opener_place_and_notice_are_shown() -> None:
     text = "(define-rap\n  (index (foo ?x)\n  (succeed (p ?x)))\n(define-rap (two))\n"
     found = only(text)
-    assert found.message == "the list of `index` is never closed"
+    assert found.message == "the list of `index` is not closed"
     assert shown(text, found.span) == "("
     assert found.label == "opened here"
     first, last = found.labels
     assert text[: first.span.end].endswith("(index (foo ?x)")
-    assert first.message == "`)` is most likely missing behind this"
+    assert first.message == "`)` is probably missing after this position"
     assert text[last.span.start :] == "(define-rap (two))\n"
     assert last.message == "noticed here"
 

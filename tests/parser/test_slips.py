@@ -13,115 +13,115 @@ SAFE, UNSAFE = Applicability.SAFE, Applicability.UNSAFE
 SLIPS = [
     (
         "(declare-memory-proposition at (robot ?place))",
-        "the variable `?robot` lacks its `?`",
+        "expected a variable, not `robot`",
         SAFE,
         "(declare-memory-proposition at (?robot ?place))",
     ),
     (
         "(define-rap (index (go place)))",
-        "the variable `?place` lacks its `?`",
+        "expected a variable, not `place`",
         SAFE,
         "(define-rap (index (go ?place)))",
     ),
     (
         "(define-rap (a) (SUCCESS (p)))",
-        "the clause of `define-rap` is called `succeed`, not `success`",
+        "unknown clause of `define-rap` `success`; the name is `succeed`",
         SAFE,
         "(define-rap (a) (succeed (p)))",
     ),
     (
         "(define-rap (a) (CONSTRAINT (p)))",
-        "the clause of `define-rap` is called `constraints`, not `constraint`",
+        "unknown clause of `define-rap` `constraint`; the name is `constraints`",
         SAFE,
         "(define-rap (a) (constraints (p)))",
     ),
     (
         "(define-rap (a ?n) (method (task-net (t1 (b) (COUNTER-DEL ?n 1)))))",
-        "the annotation is called `counter-sub`, not `counter-del`",
+        "unknown annotation `counter-del`; the name is `counter-sub`",
         SAFE,
         "(define-rap (a ?n) (method (task-net (t1 (b) (counter-sub ?n 1)))))",
     ),
     (
         "(define-rap (a) (monitor-time (now 10 15)))",
-        "the times of `monitor-time` stand without parentheses of their own",
+        "the times of `monitor-time` must not have parentheses",
         SAFE,
         "(define-rap (a) (monitor-time now 10 15))",
     ),
     (
         "(define-rap (a) (method (task-net (t1 (b) ((f) (for t2))) (t2 (c)))))",
-        "`for` behind a formula stands without parentheses of its own",
+        "`for` after a formula must not have its own parentheses",
         SAFE,
         "(define-rap (a) (method (task-net (t1 (b) ((f) for t2)) (t2 (c)))))",
     ),
     (
         "(define-rap (a) (method (task-net (t1 (b) FOR t2) (t2 (c)))))",
-        "`for` stands in parentheses with its tag",
+        "`for` and its tag require parentheses",
         SAFE,
         "(define-rap (a) (method (task-net (t1 (b) (FOR t2)) (t2 (c)))))",
     ),
     (
         "(define-rap (a) (method (task-net (t1 (b) (f) for t2) (t2 (c)))))",
-        "`for` stands in parentheses with its tag",
+        "`for` and its tag require parentheses",
         SAFE,
         "(define-rap (a) (method (task-net (t1 (b) ((f) for t2)) (t2 (c)))))",
     ),
     (
         "(define-rap (a) (succeed (not (p) (q))))",
-        "`not` denies one formula, not 2",
+        "`not` takes one formula, not 2",
         UNSAFE,
         "(define-rap (a) (succeed (not (and (p) (q)))))",
     ),
     (
         "(define-rap (a) (succeed (believe (p))))",
-        "`believe` does not say how fresh the belief has to be",
+        "`believe` requires an age",
         UNSAFE,
         "(define-rap (a) (succeed (believe (p) ?age)))",
     ),
     (
         "(define-event-rule (:e) (rule (q) (mem-add (p)) (mem-del (r))))",
-        "the query and the actions of a rule stand in parentheses together",
+        "the query and the actions of a rule require parentheses",
         SAFE,
         "(define-event-rule (:e) (rule ((q) (mem-add (p)) (mem-del (r)))))",
     ),
     (
         "(define-rap (a) (succeed (p 'x)))",
-        "`'` means nothing here",
+        "unexpected `'`",
         SAFE,
         "(define-rap (a) (succeed (p x)))",
     ),
     (
         "(declare-class-comparator rock #'by-size)",
-        "`#'` means nothing here",
+        "unexpected `#'`",
         SAFE,
         "(declare-class-comparator rock by-size)",
     ),
     (
         "(define-rap (a) (succeed [p x]))",
-        "`[` means nothing here",
+        "unexpected `[`",
         UNSAFE,
         "(define-rap (a) (succeed (p x)))",
     ),
     (
         "(define-rap\u00a0(a))",
-        "the character U+00A0 means nothing here",
+        "unexpected character U+00A0",
         SAFE,
         "(define-rap (a))",
     ),
     (
         "(require \u201ctruck\u201d)",
-        "`\u201c` means nothing here",
+        "unexpected `\u201c`",
         UNSAFE,
         '(require "truck")',
     ),
     (
         "(define-rap (index a ?x => ?y))",
-        "the index stands in parentheses of its own",
+        "the index requires its own parentheses",
         SAFE,
         "(define-rap (index (a ?x => ?y)))",
     ),
     (
         "(require truck)",
-        "`require` takes a string",
+        "expected a string after `require`, not a symbol",
         SAFE,
         '(require "truck")',
     ),
@@ -141,7 +141,7 @@ def test_slip_says_what_was_meant_and_mends_it(
 
 def test_two_methods_of_one_name() -> None:
     found = only("(define-rap (a) (method 2 (task-net)) (method 2 (task-net)))")
-    assert found.message == "two methods are named `2`"
+    assert found.message == "duplicate method name `2`"
     assert [label.message for label in found.labels] == ["the first is here"]
 
 
@@ -196,7 +196,7 @@ def test_a_row_of_a_script_switches_one_skill(row: str) -> None:
     found = only(f"(define-test t (script ({row} okay)) (task (go)))")
     assert (found.rule, found.message) == (
         "malformed-clause",
-        "one skill is wanted here",
+        "expected one skill",
     )
 
 

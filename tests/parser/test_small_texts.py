@@ -43,14 +43,14 @@ def test_goal_alone() -> None:
 BAD_FACTS = [
     ("", "the text is empty"),
     ("; nothing", "the text is empty"),
-    ("box", "a proposition is wanted here, not a symbol: box"),
-    ("()", "a proposition is wanted here, not an empty list: ()"),
-    ("(p ?x)", "a fact holds values only, not a variable: (p ?x)"),
-    ("(p (+ 1 2))", "a fact holds values only, not a computed term: (p (+ 1 2))"),
-    ("(not (p))", "`not` heads no proposition: (not (p))"),
-    ("(p) (q)", "one proposition is wanted, not more: (p) (q)"),
-    ("(p", "the list of `p` is never closed: (p"),
-    ("(p 'x)", "`'` means nothing here: (p 'x)"),
+    ("box", "expected a proposition, not a symbol: box"),
+    ("()", "expected a proposition, not an empty list: ()"),
+    ("(p ?x)", "expected only values in a fact, not a variable: (p ?x)"),
+    ("(p (+ 1 2))", "expected only values in a fact, not a computed term: (p (+ 1 2))"),
+    ("(not (p))", "`not` cannot be the name of a proposition: (not (p))"),
+    ("(p) (q)", "expected one proposition: (p) (q)"),
+    ("(p", "the list of `p` is not closed: (p"),
+    ("(p 'x)", "unexpected `'`: (p 'x)"),
 ]
 
 
@@ -62,14 +62,14 @@ def test_bad_fact_is_refused_in_one_line(text: str, message: str) -> None:
 
 
 BAD_GOALS = [
-    ("fetch", "a goal is wanted here, not a symbol: fetch"),
-    ("(fetch) 4", "an option begins with a colon: 4"),
+    ("fetch", "expected a goal, not a symbol: fetch"),
+    ("(fetch) 4", "expected an option that begins with a colon, not 4"),
     ("(fetch) :priorty 4", "unknown option :priorty; did you mean :priority?"),
-    ("(fetch) :priority", ":priority takes a number"),
-    ("(fetch) :priority high", ":priority takes a number"),
-    ("(fetch) :priority 0.5", ":priority takes an integer"),
-    ("(fetch) :at 1 :at 2", ":at is given twice"),
-    ("(fetch) :background yes", ":background takes true or false"),
+    ("(fetch) :priority", "expected a number after :priority"),
+    ("(fetch) :priority high", "expected a number after :priority"),
+    ("(fetch) :priority 0.5", "expected an integer after :priority"),
+    ("(fetch) :at 1 :at 2", "duplicate option :at"),
+    ("(fetch) :background yes", "expected true or false after :background"),
 ]
 
 

@@ -130,16 +130,16 @@ def test_branches_are_listed_and_taken_up() -> None:
         (":goto at noon", "a time is a number, not `noon`"),
         (":task 99", "there is no task [99]"),
         (":out", "no task has been chosen yet: say which is meant"),
-        (":source frob", "no RAP is called `frob`"),
+        (":source frob", "unknown RAP `frob`"),
         (":show some", "`:show` takes all, requests, none; not `some`"),
         (":help stpe", "there is no command `:stpe`; did you mean `:step`?"),
         ("hello", "`hello` is neither a command, which begins with a colon, nor"),
         ("(", "a parenthesis or a string is left open"),
         ("*2", "there is no answer `*2` yet"),
-        (":memory frob", "`frob` is not declared"),
+        (":memory frob", "unknown predicate `frob`"),
         (":break rap", "`rap` lacks what it is: a task of a RAP comes up"),
-        (":break fact (truck-locaton ?)", "`truck-locaton` is not declared; did you"),
-        (":break primitive (arm-grap ?)", "no primitive is called `arm-grap`; did you"),
+        (":break fact (truck-locaton ?)", "unknown predicate `truck-locaton`; did you"),
+        (":break primitive (arm-grap ?)", "unknown primitive `arm-grap`; did you"),
         (":find task-failed gaol=x", "`task-failed` has no `gaol`; it has n, cycle,"),
         (":why failed 99", "there is no task [99]"),
     ],
@@ -282,7 +282,10 @@ def test_answers_come_in_pages() -> None:
 )
 def test_queries_with_wrong_kind_are_refused_as_assert_is(text: str) -> None:
     shell = Shell(scripted(LISTENING, "(top)", rows=(row("(act)"),)), commands())
-    reason = "`4` is no place, which `?where` was declared in `(lies ?what ?where)`"
+    reason = (
+        "`4` is not a value of kind place, as declared for "
+        "`?where` in `(lies ?what ?where)`"
+    )
     assert reason in said(shell, ":assert (lies box 4)")
     answer = shell.answer(text)
     assert (answer.failed, answer.lines) == (True, (reason,))
@@ -290,11 +293,11 @@ def test_queries_with_wrong_kind_are_refused_as_assert_is(text: str) -> None:
 
 def test_a_signal_wakes_who_waits_for_it_and_is_refused_if_it_is_none() -> None:
     shell = Shell(scripted(LISTENING, "(top)", rows=(row("(act)"),)), commands())
-    assert "no event is called `:rung`; did you mean `:ring`?" in said(
+    assert "unknown event `:rung`; did you mean `:ring`?" in said(
         shell, ":signal (:rung hall)"
     )
-    assert "`4` is no place" in said(shell, ":signal (:ring 4)")
-    assert "begins with a colon" in said(shell, ":signal (ring hall)")
+    assert "`4` is not a value of kind place" in said(shell, ":signal (:ring 4)")
+    assert "expected a name with a colon" in said(shell, ":signal (ring hall)")
     assert "no " not in said(shell, ":signal (:ring hall)")
     said(shell, ":step 1", ":signal (:ring hall)")
     assert "run over (done)" in said(shell, ":run")

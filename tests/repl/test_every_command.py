@@ -75,7 +75,7 @@ def test_every_example_of_the_help_answers_in_a_script(
     expected = re.compile(
         r"has ended|there is no|no task has failed|has not failed|no method"
         r"|is at work on no|never came up|cannot (be )?read|did not come up"
-        r"|is not declared|no event|is set by"
+        r"|unknown predicate|unknown event|is set by"
     )
     strange = {text: why for text, why in refused.items() if not expected.search(why)}
     assert strange == {}

@@ -70,14 +70,18 @@ def test_functions_are_asked_and_history_has_no_answer() -> None:
 @pytest.mark.parametrize(
     ("text", "given", "message"),
     [
-        ("(locatoin ?x dock)", (), "not declared; did you mean `location`?"),
-        ("(not (far dock barn))", (), "`far` is not declared"),
-        ("(= (dubble 1) 2)", (), "called `dubble`; did you mean `double`?"),
+        (
+            "(locatoin ?x dock)",
+            (),
+            "unknown predicate `locatoin`; did you mean `location`?",
+        ),
+        ("(not (far dock barn))", (), "unknown predicate `far`"),
+        ("(= (dubble 1) 2)", (), "unknown function `dubble`; did you mean `double`?"),
         ("(near ?x)", (), "`near` takes 2 arguments, not 1"),
         ("(near ?item dock)", ("?itm",), "not in the question; did you mean `?item`?"),
         ("(near ?x ?y)", ("?x", "?x"), "`?x` is given twice"),
-        ("(near ?x", (), "the list of `near` is never closed"),
-        ("(near ?x ?y) (near ?y ?x)", (), "one formula is wanted, not more"),
+        ("(near ?x", (), "the list of `near` is not closed"),
+        ("(near ?x ?y) (near ?y ?x)", (), "expected one formula"),
     ],
 )
 def test_a_question_that_cannot_be_meant_is_refused(

@@ -58,9 +58,12 @@ def test_a_goal_is_refused_before_anything_runs() -> None:
 @pytest.mark.parametrize(
     ("question", "said"),
     [
-        ("(shut side ?x)", "`side` is no door, which `?door` was declared in `(shut"),
-        ("(not (believe (shut side true) 5))", "`side` is no door"),
-        ("(weighs ?box much)", "`much` is no number"),
+        (
+            "(shut side ?x)",
+            "`side` is not a value of kind door, as declared for `?door` in `(shut",
+        ),
+        ("(not (believe (shut side true) 5))", "`side` is not a value of kind door"),
+        ("(weighs ?box much)", "`much` is not a value of kind number"),
     ],
 )
 def test_host_query_with_wrong_kind_is_refused(question: str, said: str) -> None:

@@ -63,10 +63,10 @@ def test_a_test_tells_what_it_begins_with_as_a_program_does(tmp_path: Path) -> N
 @pytest.mark.parametrize(
     ("spec", "later", "error", "message"),
     [
-        (RunSpec(tasks=("(dance)",)), (), RefusedError, "called `dance`"),
+        (RunSpec(tasks=("(dance)",)), (), RefusedError, "unknown RAP `dance`"),
         (RunSpec(), [TaskRequest(("do",))], RefusedError, "has 1 input, not 0"),
         (RunSpec(facts=("(p a)", "(p)")), (), FactError, "takes 1 argument, not 0"),
-        (RunSpec(agenda="day"), (), RefusedError, "no agenda is called `day`"),
+        (RunSpec(agenda="day"), (), RefusedError, "unknown agenda `day`"),
         (RunSpec(settings={"patience": -1}), (), SettingError, "takes 0 or more"),
         (RunSpec(tasks=("(do",)), (), TextError, "do"),
     ],

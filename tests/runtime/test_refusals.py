@@ -50,7 +50,7 @@ def reasons(
     [
         (
             "(declare-primitive wav (?x) (okay))",
-            "t.rap:11:1: in the world `scripted` no primitive is called `wav`; "
+            "t.rap:11:1: in the world `scripted` unknown primitive `wav`; "
             "did you mean `wave`?",
         ),
         (
@@ -59,11 +59,11 @@ def reasons(
         ),
         (
             "(declare-sensor-datum seen (?x))",
-            "t.rap:11:1: in the world `scripted` no sensor datum is called `seen`",
+            "t.rap:11:1: in the world `scripted` unknown sensor datum `seen`",
         ),
         (
             "(declare-event :bumps (?x))",
-            "t.rap:11:1: in the world `scripted` no event is called `:bumps`; "
+            "t.rap:11:1: in the world `scripted` unknown event `:bumps`; "
             "did you mean `:bump`?",
         ),
         (
@@ -72,7 +72,7 @@ def reasons(
         ),
         (
             "(declare-skill :roll (?x))",
-            "t.rap:11:1: in the world `scripted` no skill is called `:roll`",
+            "t.rap:11:1: in the world `scripted` unknown skill `:roll`",
         ),
         (
             "(declare-memory-function near (?x ?y))",
@@ -142,7 +142,7 @@ STEPS = """
 
 def test_a_task_is_refused_if_it_can_reach_a_step_that_no_rap_serves() -> None:
     assert reasons(STEPS, "(easy)") == ()
-    assert reasons(STEPS, "(hard)") == ("t.rap:16:63: no RAP is called `gone`",)
+    assert reasons(STEPS, "(hard)") == ("t.rap:16:63: unknown RAP `gone`",)
 
 
 class Unskilled(ScriptedWorld):
@@ -163,7 +163,7 @@ def test_skills_are_refused_in_a_world_that_cannot_switch_them_on() -> None:
 @pytest.mark.parametrize(
     ("task", "reason"),
     [
-        ("(eazy)", "no RAP is called `eazy`; did you mean `easy`?"),
+        ("(eazy)", "unknown RAP `eazy`; did you mean `easy`?"),
         ("(easy now)", "`easy` has no inputs, not 1"),
     ],
 )

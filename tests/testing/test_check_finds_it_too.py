@@ -103,6 +103,6 @@ def test_a_slip_in_one_test_lets_the_other_run(tmp_path: Path) -> None:
     path.write_text(f"{LIBRARY}\n{text}", encoding="utf-8")
     first, second = (run_case(case) for case in discover.find([path]).cases)
     assert [f.happened for f in first.failures] == [
-        ("no primitive is called `grabb`; did you mean `grab`?",)
+        ("unknown primitive `grabb`; did you mean `grab`?",)
     ]
     assert second.status is not Status.ERROR

@@ -76,7 +76,7 @@ def test_an_agenda_that_nobody_defines_is_an_error(tmp_path: Path) -> None:
     text = "(define-test it (agenda chorse))"
     ended = outcomes(tmp_path, AGENDA + text)["it"]
     assert ended.status is Status.ERROR
-    assert happened(ended) == ["no agenda is called `chorse`; did you mean `chores`?"]
+    assert happened(ended) == ["unknown agenda `chorse`; did you mean `chores`?"]
 
 
 ASK = """

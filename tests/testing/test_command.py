@@ -78,7 +78,7 @@ def test_a_test_in_error_ends_with_2(tmp_path: Path) -> None:
     (tmp_path / "it.test.rap").write_text(LIBRARY + "(define-test it (task (fly)))")
     done = rapc("test", ".", cwd=tmp_path)
     assert "  error   it" in done.stdout
-    assert "  wrong with the test: no RAP is called `fly`" in done.stdout
+    assert "  wrong with the test: unknown RAP `fly`" in done.stdout
     assert done.stdout.endswith("1 test: 1 in error\n")
     assert done.returncode == 2
 
@@ -107,7 +107,7 @@ def test_findings_in_a_library_of_several_files_of_tests_are_told_once(
         text = f'(require "lib")(define-test {name} (until 3))'
         (tmp_path / f"{name}.test.rap").write_text(text)
     done = rapc("test", ".", cwd=tmp_path)
-    assert done.stdout.count("has no default") == 1
+    assert done.stdout.count("requires a default") == 1
     assert done.returncode == 2
 
 
@@ -118,7 +118,7 @@ def test_findings_in_a_library_of_several_files_of_tests_are_told_once(
         ((), "a file or folder with tests is missing"),
         (("none",), "there are no tests in `none`"),
         ((".", "--fault", "(grab ?x)"), "--fault: the result is missing"),
-        ((".", "--fault", "(grip ?x) x"), "no primitive is called `grip`"),
+        ((".", "--fault", "(grip ?x) x"), "unknown primitive `grip`"),
         ((".", "--seeds", "0"), "--seeds"),
         ((".", "--junit", "no/where.xml"), "cannot write `no/where.xml`"),
     ],
@@ -201,10 +201,10 @@ def test_faults_in_a_run_of_any_world(tmp_path: Path) -> None:
         ("(eye-scan) eye-cant-find", "--fault: `eye-scan` takes 1 argument, not 0"),
         (
             "(eye-scan ?) eye-cant-fnd",
-            "--fault: `eye-cant-fnd` is no result of `eye-scan`; "
-            "did you mean `eye-cant-find`?",
+            "--fault: `eye-cant-fnd` is not a result of `eye-scan`; did "
+            "you mean `eye-cant-find`?",
         ),
-        ("eye-scan", "--fault: a proposition is wanted here, not a symbol: eye-scan"),
+        ("eye-scan", "--fault: expected a proposition, not a symbol: eye-scan"),
     ],
 )
 def test_faults_that_a_world_cannot_have(fault: str, message: str) -> None:

@@ -13,18 +13,18 @@ from rapc.testing.run import Status, run_case
 from .small_suite import GRAB, LIBRARY, cases, happened, run
 
 PROBLEMS = [
-    ("(facts (hold box))", "`hold` is not declared"),
+    ("(facts (hold box))", "unknown predicate `hold`"),
     ("(facts (have box cup))", "`have` takes 1 argument, not 2"),
-    ("(script ((grip box)))", "no primitive is called `grip`"),
+    ("(script ((grip box)))", "unknown primitive `grip`"),
     ("(script ((grab box cup)))", "`grab` takes 1 argument, not 2"),
-    ("(script ((grab box) broken))", "`broken` is no result of `grab`"),
+    ("(script ((grab box) broken))", "`broken` is not a result of `grab`"),
     ("(script ((grab box) :asserts ((have ?x))))", "`?x` is not bound here"),
-    ("(script ((grab box) :asserts ((hold box))))", "`hold` is not declared"),
-    ("(script ((grab box) :erases ((hold))))", "`hold` is not declared"),
+    ("(script ((grab box) :asserts ((hold box))))", "unknown predicate `hold`"),
+    ("(script ((grab box) :erases ((hold))))", "unknown predicate `hold`"),
     ("(script ((grab box) :moves ((?x box))))", "`?x` is not bound here"),
     ("(script ((grab box) :loses (?x)))", "`?x` is not bound here"),
-    ("(script ((grab box) :signals ((:crash))))", "no event is called `:crash`"),
-    ("(script ((grab box) :data ((noise))))", "no sensor datum is called `noise`"),
+    ("(script ((grab box) :signals ((:crash))))", "unknown event `:crash`"),
+    ("(script ((grab box) :data ((noise))))", "unknown sensor datum `noise`"),
     (
         "(script ((grab box) :data ((sighting box))))",
         "there is no handler for the datum `sighting`",
@@ -37,25 +37,25 @@ PROBLEMS = [
         "(script ((look box) :every 3))",
         "only a skill tells signals with waits between them, or again",
     ),
-    ("(script ((enable (:roll 1))))", "no skill is called `:roll`"),
-    ("(at 1 (asserts (hold box)))", "`hold` is not declared"),
-    ("(at 1 (erases (hold)))", "`hold` is not declared"),
+    ("(script ((enable (:roll 1))))", "unknown skill `:roll`"),
+    ("(at 1 (asserts (hold box)))", "unknown predicate `hold`"),
+    ("(at 1 (erases (hold)))", "unknown predicate `hold`"),
     (
         "(at 1 (signals (:dump)))",
-        "no event is called `:dump`; did you mean `:bump`?",
+        "unknown event `:dump`; did you mean `:bump`?",
     ),
     ("(at 1 (signals (:bump)))", "`:bump` takes 1 argument, not 0"),
-    ("(at 1 (task (fetsh a)))", "no RAP is called `fetsh`; did you mean `fetch`?"),
+    ("(at 1 (task (fetsh a)))", "unknown RAP `fetsh`; did you mean `fetch`?"),
     ("(at 1 (cancel (fetch)))", "`fetch` has 1 input, not 0"),
     ("(task (fetch a b))", "`fetch` has 1 input, not 2"),
     (
         "(expect (never (grabs x)))",
-        "no primitive is called `grabs`; did you mean `grab`?",
+        "unknown primitive `grabs`; did you mean `grab`?",
     ),
     ("(expect (primitives (grab)))", "`grab` takes 1 argument, not 0"),
     ("(expect (fails (fetch ? ?)))", "`fetch` has 1 input, not 2"),
     ("(expect (succeeds (find x) a b))", "`find` has 1 output, not 2"),
-    ("(expect (memory (hold box)))", "`hold` is not declared"),
+    ("(expect (memory (hold box)))", "unknown predicate `hold`"),
     ("(expect (memory (not (where box))))", None),
     (
         "(expect (method fetch by-foot 0 times))",
@@ -67,7 +67,7 @@ PROBLEMS = [
     ),
     (
         "(expect (trace (task-fails)))",
-        "no event is called `task-fails`; did you mean `task-failed`?",
+        "unknown event `task-fails`; did you mean `task-failed`?",
     ),
     (
         "(expect (trace (task-failed :gaol ?)))",
@@ -107,7 +107,7 @@ def test_a_fact_that_no_checker_has_seen_is_refused_before_the_run(
     unchecked = msgspec.structs.replace(found, faults=())
     outcome = run_case(unchecked, listener=told.append)
     assert outcome.status is Status.ERROR
-    assert happened(outcome) == ["`hold` is not declared"]
+    assert happened(outcome) == ["unknown predicate `hold`"]
     assert told == []
 
 

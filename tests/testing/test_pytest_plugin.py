@@ -119,7 +119,7 @@ def test_a_damaged_library_is_told_of_in_a_line(pytester: pytest.Pytester) -> No
     (pytester.path / "odd.test.rap").write_bytes(b"rapc-library what\n")
     result = _run(pytester)
     result.assert_outcomes(errors=1)
-    result.stdout.fnmatch_lines(["*`odd.test.rap` is damaged: its first line is not*"])
+    result.stdout.fnmatch_lines(["*`odd.test.rap` is damaged: its first line is*"])
     assert "Traceback" not in result.stdout.str()
 
 

@@ -192,7 +192,7 @@ def test_faults_that_apply_nowhere_are_told(tmp_path: Path) -> None:
         InjectedFault(("grab",), "dropped"),
     )
     assert list(TestSession(faults=faults).useless(found)) == [
-        "(grabs ?x): no primitive is called `grabs`; did you mean `grab`?",
-        "(grab ?x): `droped` is no result of `grab`; did you mean `dropped`?",
+        "(grabs ?x): unknown primitive `grabs`; did you mean `grab`?",
+        "(grab ?x): `droped` is not a result of `grab`; did you mean `dropped`?",
         "(grab): `grab` takes 1 argument, not 0",
     ]

@@ -159,7 +159,7 @@ def test_urgent_orders_go_first_and_none_is_lost(seed: int) -> None:
 
 
 def test_a_color_that_is_none_is_refused() -> None:
-    with pytest.raises(RefusedError, match="`green` is no color"):
+    with pytest.raises(RefusedError, match="`green` is not a value of kind color"):
         Run(order("green"))
 
 

@@ -330,7 +330,7 @@ TYPES: dict[str, tuple[type[World], str]] = {
     ),
     "a datum of another kind": (
         sends(Datum(("weighed", "heavy"))),
-        r"sent the datum \(weighed heavy\): `heavy` is no number",
+        r"sent the datum \(weighed heavy\): `heavy` is not a value of kind number",
     ),
     "a datum without a handler": (sends(Datum(("smelt", "a"))), "no handler"),
     "a signal that is not offered": (sends(Signal((":alarm", "a"))), "does not offer"),

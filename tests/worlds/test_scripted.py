@@ -178,12 +178,12 @@ def test_a_time_that_has_come_with_a_primitive_under_way_is_a_message() -> None:
 @pytest.mark.parametrize(
     ("row", "message"),
     [
-        (Row(("fly",)), r"\(fly\): no primitive is called `fly`"),
+        (Row(("fly",)), r"\(fly\): unknown primitive `fly`"),
         (Row(("wait", "now")), r"\(wait now\): `wait` takes no arguments, not 1"),
-        (Row(("wait",), "tired"), "`tired` is no result of `wait`"),
+        (Row(("wait",), "tired"), "`tired` is not a result of `wait`"),
         (Row(("wait",), asserts=(("foe", "?x"),)), r"`\?x` is not bound"),
         (Row(("grasp", "?", "b"), asserts=(("foe", "?"),)), r"`\?` is not bound"),
-        (Row(("wait",), signals=((":bang",),)), "no event is called `:bang`"),
+        (Row(("wait",), signals=((":bang",),)), "unknown event `:bang`"),
         (Row(("wait",), data=(("seen", "box"),)), "`seen` takes 2 arguments, not 1"),
         (Row(("wait",), data=(("seen", "box", 3),)), "no handler for the datum `seen`"),
     ],

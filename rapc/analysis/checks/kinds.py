@@ -90,7 +90,7 @@ def _unknown(run: Pass, index: Index) -> Iterator[Diagnostic]:
             advice = "declare it with `declare-kind`, or `require` the file that does"
             fault = Fault(
                 "unknown",
-                f"no kind is called `{name}`",
+                f"unknown kind `{name}`",
                 near.did_you_mean(name, advice),
                 name=name,
                 meant=near.near(name),

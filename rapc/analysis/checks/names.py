@@ -336,7 +336,7 @@ def unknown_agenda(run: Pass) -> Iterator[Diagnostic]:
         if name is not None and name not in known:
             advice = "define it with `define-agenda`, or `require` the file that does"
             help = near.did_you_mean(name, advice)
-            message, meant = f"no agenda is called `{name}`", near.near(name)
+            message, meant = f"unknown agenda `{name}`", near.near(name)
             fault = Fault("unknown", message, help, name=name, meant=meant)
             place = word_span(run.library.files, test.span, 1)
             unknown.add(fault, place, test)

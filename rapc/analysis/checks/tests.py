@@ -145,7 +145,7 @@ def unknown_event(run: Pass) -> Iterator[Diagnostic]:
             help_ = near_kinds.did_you_mean(
                 pattern.event, "`docs/reference/trace.md` lists them"
             )
-            message = f"no event is called `{pattern.event}`"
+            message = f"unknown event `{pattern.event}`"
             yield UNKNOWN_EVENT.at(place, message, help=help_, fix=fix)
             continue
         if pattern.event not in keys:

@@ -80,7 +80,7 @@ def write_pattern(fn: FunctionWriter, formula: nodes.Proposition) -> None:
             fn.skip_unless(held)
     else:
         fn.code.note(formula, AccessPath.NEVER)
-        what = fn.code.constant(f"`{formula.name}` is not declared")
+        what = fn.code.constant(f"unknown predicate `{formula.name}`")
         fault(fn, what)
 
 

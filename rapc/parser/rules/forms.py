@@ -8,48 +8,49 @@ FORM_RULES: tuple[Rule, ...] = (
     Rule(
         code="RAP010",
         name="unknown-clause",
-        summary="a clause or option has a name that does not exist",
-        fix="safe for what print has had, else unsafe: writes the word that is meant",
+        summary="unknown clause or option",
+        fix="safe if the name is a known misprint, else unsafe: writes the "
+        "similar name",
         source="T 3.1, 4.10",
     ),
     Rule(
         code="RAP011",
         name="duplicate-clause",
-        summary="a clause stands twice where it may stand once",
+        summary="duplicate clause or option",
         source="T 4.10",
     ),
     Rule(
         code="RAP030",
         name="malformed-form",
-        summary="a declaration lacks a part, or has one that does not fit",
-        fix="safe or unsafe by the part: writes a name with its mark, or in "
-        "parentheses",
+        summary="a declaration has a missing or an invalid part",
+        fix="safe or unsafe, depending on the part: writes a name with its "
+        "mark, or adds parentheses",
         source="T A.1",
     ),
     Rule(
         code="RAP031",
         name="malformed-clause",
-        summary="a clause has parts that do not fit it",
-        fix="unsafe: puts parentheses around what lacks them",
+        summary="a clause has invalid parts",
+        fix="unsafe: adds parentheses",
         source="T 4.10",
     ),
     Rule(
         code="RAP032",
         name="malformed-formula",
-        summary="something is no formula",
-        fix="safe: writes a bare `true` or `otherwise` for one in parentheses",
+        summary="invalid formula",
+        fix="safe: writes `true` or `otherwise` without parentheses",
         source="T 4.1",
     ),
     Rule(
         code="RAP033",
         name="malformed-term",
-        summary="something is no term",
+        summary="invalid term",
         source="T 4.1",
     ),
     Rule(
         code="RAP034",
         name="malformed-proposition",
-        summary="a plain proposition is wanted",
+        summary="expected a plain proposition",
         fix="safe: writes the colon of an event or a skill",
         source="T 4.1",
     ),
@@ -57,33 +58,32 @@ FORM_RULES: tuple[Rule, ...] = (
         code="RAP035",
         name="malformed-goal",
         summary="a goal or an index is not a name with arguments",
-        fix="safe where nothing else can be meant, else unsafe: puts parentheses "
-        "around it",
+        fix="safe if no other correction is possible, else unsafe: adds parentheses",
         source="T 4.2",
     ),
     Rule(
         code="RAP036",
         name="malformed-step",
-        summary="a step of a task-net lacks its tag or its goal",
+        summary="a step of a task-net has no tag or no goal",
         source="T 4.5.2",
     ),
     Rule(
         code="RAP037",
         name="unknown-annotation",
-        summary="an annotation of a step does not exist",
-        fix="safe for `counter-del`, else unsafe: writes the word that is meant",
+        summary="unknown annotation of a step",
+        fix="safe for `counter-del`, else unsafe: writes the similar name",
         source="T 4.5.2",
     ),
     Rule(
         code="RAP038",
         name="malformed-annotation",
-        summary="an annotation of a step has parts that do not fit it",
+        summary="an annotation of a step has invalid parts",
         source="T 4.5.2",
     ),
     Rule(
         code="RAP039",
         name="repeated-variable",
-        summary="a variable is declared twice in one place",
+        summary="duplicate variable in a declaration",
         source="T 4.2",
     ),
     Rule(
@@ -95,15 +95,15 @@ FORM_RULES: tuple[Rule, ...] = (
     Rule(
         code="RAP041",
         name="duplicate-method",
-        summary="two methods of a RAP have one name",
-        fix="unsafe: numbers the second one, and leaves questions about either as "
-        "they are",
+        summary="two methods of a RAP have the same name",
+        fix="unsafe: numbers the second method; queries about either "
+        "method stay unchanged",
         source="T 4.5",
     ),
     Rule(
         code="RAP042",
         name="method-without-body",
-        summary="a method does not say what to do",
+        summary="a method has neither a task-net nor a primitive",
         source="T 4.5",
     ),
     Rule(
@@ -115,13 +115,13 @@ FORM_RULES: tuple[Rule, ...] = (
     Rule(
         code="RAP044",
         name="misplaced-clause",
-        summary="a clause stands in the wrong kind of form",
+        summary="a clause is in the wrong kind of form",
         source="T 4.10",
     ),
     Rule(
         code="RAP045",
         name="malformed-rule",
-        summary="a rule over memory has parts that do not fit it",
+        summary="a memory rule or event rule has invalid parts",
         source="S 4.2",
     ),
     Rule(

@@ -25,7 +25,7 @@ def results(ctx: Context, datum: Datum) -> tuple[str, ...] | None:
         return found
     ctx.report_fixable(
         "malformed-form",
-        "`okay` is missing among the results",
+        "missing `okay` among the results",
         datum,
         fix=ctx.replace(datum, f"({' '.join(('okay', *found))})"),
     )
@@ -37,7 +37,7 @@ def excludes(ctx: Context, option: List) -> nodes.Exclusion | None:
     _, first, second = option.items
     value = constant(first)
     if value is None:
-        ctx.report("malformed-form", "`:excludes` begins with a value", first)
+        ctx.report("malformed-form", "expected a value after `:excludes`", first)
         return None
     excluded = proposition(ctx, second)
     if excluded is None:
@@ -54,7 +54,7 @@ def kind_values(ctx: Context, datum: Datum) -> tuple[Atom, ...] | None:
     for one in datum.items:
         value = constant(one)
         if value is None:
-            message = f"a kind lists values, not {kind_of(one)}"
+            message = f"expected a value of the kind, not {kind_of(one)}"
             ctx.report("malformed-form", message, one)
         else:
             values.append(value)
@@ -79,7 +79,9 @@ def _effect(
     if word in wrappers and isinstance(datum, List):
         inner = datum.items[1:]
     if len(inner) != 1:
-        message = f"`{word}` goes with one effect; write one for each"
+        message = (
+            f"`{word}` takes one effect; write a separate `{word}` for each effect"
+        )
         ctx.report("malformed-clause", message, datum)
     for one in inner:
         if word == "may" and head_of(one) == "not" and isinstance(one, List):
@@ -97,9 +99,9 @@ def _no_contrary(ctx: Context, datum: List) -> None:
     written = ctx.text(inner[0]) if len(inner) == 1 else "(fact)"
     ctx.report(
         "malformed-proposition",
-        "`not` heads no proposition",
+        "expected a proposition after `not`",
         datum,
-        help=f"write `(may {written})`: the fact may come, and it may go",
+        help=f"write `(may {written})`: the fact may be asserted or erased",
     )
 
 
@@ -159,7 +161,7 @@ def _row(ctx: Context, form: List) -> nodes.ComparatorRow | None:
     scores = treatment == "score"
     if len(operands) != 1 + scores or (scores and not isinstance(weight, Numeral)):
         wanted = "a property and a weight" if scores else "one property"
-        ctx.report("malformed-form", f"`{treatment}` takes {wanted}", form)
+        ctx.report("malformed-form", f"expected {wanted} after `{treatment}`", form)
         return None
     if name is None:
         return None
@@ -177,7 +179,7 @@ def query(ctx: Context, form: List) -> nodes.DefineQuery | None:
         return None
     doc, asked = explained(ctx, form, form.items[2:])
     if len(asked) != 1:
-        message = f"the query `{name.name}` has one formula"
+        message = f"query `{name.name}` requires exactly one formula"
         ctx.report("malformed-form", message, (*asked[1:], form)[0])
     made = formula(ctx, asked[0]) if asked else None
     args = parameters(ctx, head.items[1:], {})

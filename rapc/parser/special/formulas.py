@@ -20,9 +20,10 @@ def formula(ctx: Context, datum: Datum) -> nodes.Formula | None:
     if datum.end - datum.start > 2 * MAX_LEAVES and _leaves(datum) > MAX_LEAVES:
         ctx.report(
             "formula-too-large",
-            f"this formula asks more than {MAX_LEAVES} things at once",
+            f"this formula has more than {MAX_LEAVES} parts",
             datum,
-            help="declare a function for it, or split the work between RAPs",
+            help="declare a function for a part of the formula, or divide the "
+            "work between RAPs",
         )
         return None
     return _formula(ctx, datum)
@@ -73,20 +74,20 @@ def _no_formula(ctx: Context, datum: Datum) -> None:
     name = head_of(datum)
     fix = None
     if name in CALLS:
-        message = f"`{name}` computes a value, it is no test"
-        help = "compare the value with another, as in `(< (value ?count) 3)`"
+        message = f"`{name}` computes a value and is not a test"
+        help = "compare the value with another value, as in `(< (value ?count) 3)`"
     elif name in ALONE and isinstance(datum, List) and len(datum.items) == 1:
-        message = f"`{name}` stands without parentheses"
+        message = f"`{name}` must not have parentheses"
         help, fix = "", ctx.replace(datum, name or "")
     elif name in ALONE:
-        message, help = f"`{name}` heads no proposition", ""
+        message, help = f"`{name}` cannot be the name of a proposition", ""
     elif isinstance(datum, Symbol):
-        message = f"the symbol `{datum.name}` alone is no formula"
-        help = f"a proposition has parentheses: `({datum.name})`"
+        message = f"expected a formula, not the symbol `{datum.name}`"
+        help = f"write a proposition with parentheses: `({datum.name})`"
     else:
-        message = f"{kind_of(datum)} is no formula"
+        message = f"expected a formula, not {kind_of(datum)}"
         if isinstance(datum, List):
-            message = "this list is no formula"
+            message = "expected a formula, not this list"
         help = "a formula begins with the name of a proposition or a connective"
     ctx.report("malformed-formula", message, datum, help=help, fix=fix)
 
@@ -115,7 +116,7 @@ def negation(ctx: Context, datum: Datum) -> nodes.Formula | None:
     """Read `(not formula)`; several formulas are negated together."""
     assert type(datum) is List
     if len(datum.items) == 1:
-        ctx.report("malformed-formula", "`not` has nothing to deny", datum)
+        ctx.report("malformed-formula", "`not` requires a formula", datum)
         return None
     parts = _parts(ctx, datum)
     if len(parts) < len(datum.items) - 1:
@@ -123,10 +124,10 @@ def negation(ctx: Context, datum: Datum) -> nodes.Formula | None:
     if len(parts) > 1:
         ctx.report_fixable(
             "not-of-many",
-            f"`not` denies one formula, not {len(parts)}",
+            f"`not` takes one formula, not {len(parts)}",
             datum,
-            help="`(not (and a b))` denies them together, "
-            "`(and (not a) (not b))` each of them",
+            help="write `(not (and a b))` to deny the conjunction, `(and (not "
+            "a) (not b))` to deny each formula",
             fix=ctx.wrap(datum.items[1], datum.items[-1], "(and ", sure=False),
         )
         parts = (nodes.And(parts, span=ctx.span(datum)),)
@@ -139,10 +140,10 @@ def dated(ctx: Context, datum: List) -> List | None:
         return datum
     ctx.report(
         "believe-without-time",
-        "`believe` does not say how fresh the belief has to be",
+        "`believe` requires an age",
         datum,
-        help="write an age in time units, as in `(believe p 30)`, "
-        "or a variable that becomes the age",
+        help="write an age in time units, as in `(believe p 30)`, or a "
+        "variable that is bound to the age",
         fix=ctx.insert(datum.items[1].end, " ?age", sure=False),
     )
     return None
@@ -153,7 +154,7 @@ def in_sight(ctx: Context, datum: List) -> List | None:
     said = constant(datum.items[2]) if len(datum.items) == 3 else None
     if said is None or said in ("true", "false"):
         return datum
-    message = "`know-sensor-name` is `true` or `false` of an item"
+    message = "expected `true` or `false` as the value of `know-sensor-name`"
     ctx.report("malformed-formula", message, datum.items[2])
     return None
 
@@ -165,7 +166,7 @@ def lone_formula(ctx: Context, datum: Datum) -> nodes.Formula | None:
         return formula(ctx, datum.items[1])
     name, operands = head_of(datum), datum.items[1:]
     if not operands:
-        ctx.report("malformed-clause", f"`{name}` has no formula", datum)
+        ctx.report("malformed-clause", f"`{name}` requires a formula", datum)
         return None
     first, *others = operands
     stray = next((d for d in others if head_of(d) in _CLAUSES), None)
@@ -175,7 +176,7 @@ def lone_formula(ctx: Context, datum: Datum) -> nodes.Formula | None:
         others[0],
         help=f"a `)` may be missing before `({head_of(stray)}`"
         if stray
-        else "`and` joins several",
+        else "join several formulas with `and`",
         fix=None if stray else ctx.wrap(first, operands[-1], "(and ", sure=False),
     )
     return formula(ctx, first)

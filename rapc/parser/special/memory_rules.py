@@ -49,7 +49,10 @@ def _case(ctx: Context, datum: Datum) -> nodes.ResultCase | None:
     elif isinstance(first, List) and first.items:
         result = _awaited(ctx, first)
     else:
-        message = f"a result is a symbol, a variable or a signal, not {kind_of(first)}"
+        message = (
+            "expected a symbol, a variable or a signal as a result, not "
+            f"{kind_of(first)}"
+        )
         ctx.report("malformed-rule", message, first)
     found = _headed(ctx, "rule", datum.items[1:])
     return nodes.ResultCase(result, found, span=ctx.span(datum)) if result else None
@@ -68,7 +71,7 @@ def event_rule(ctx: Context, form: List) -> nodes.EventRule | None:
     """Read `(define-event-rule (:signal args...) (rule ...)...)` (S 4.3)."""
     operands = form.items[1:]
     if not operands:
-        ctx.report("malformed-rule", "an event rule names a signal", form)
+        ctx.report("malformed-rule", "expected a signal in an event rule", form)
         return None
     awaited = signal(ctx, operands[0])
     found = _headed(ctx, "rule", operands[1:])
@@ -77,9 +80,9 @@ def event_rule(ctx: Context, form: List) -> nodes.EventRule | None:
     if len(operands) == 1:
         ctx.report(
             "malformed-rule",
-            "an event rule has rules, which say what its signal does to memory",
+            "an event rule requires rules that state how the signal changes memory",
             form,
-            help="write `(rule (query (mem-add fact)))` behind the signal",
+            help="write `(rule (query (mem-add fact)))` after the signal",
         )
     return nodes.EventRule(awaited.name, awaited.args, found, span=ctx.span(form))
 
@@ -100,7 +103,7 @@ def whole_rule(ctx: Context, datum: List) -> List:
         return datum
     ctx.report_fixable(
         "bare-rule",
-        "the query and the actions of a rule stand in parentheses together",
+        "the query and the actions of a rule require parentheses",
         datum.items[0],
         fix=ctx.wrap(operands[0], operands[-1], "("),
     )

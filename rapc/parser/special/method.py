@@ -42,7 +42,8 @@ def _name(ctx: Context, datum: Datum) -> str | int | None:
         return datum.value
     ctx.report(
         "malformed-clause",
-        f"a method is named by a symbol or an integer, not by {kind_of(datum)}",
+        "expected a symbol or an integer as the name of a method, not "
+        f"{kind_of(datum)}",
         datum,
     )
     return None
@@ -53,25 +54,25 @@ def _check_body(ctx: Context, datum: List, found: Mapping[str, Sequence[List]]) 
     if net and request:
         ctx.report(
             "malformed-clause",
-            "a method has a `task-net` or a `primitive`, not both",
+            "a method takes a `task-net` or a `primitive`, not both",
             request[0].items[0],
             labels=[(net[0].items[0], "the task-net is here")],
         )
     if not net and not request:
         ctx.report(
             "method-without-body",
-            "this method does not say what to do",
+            "this method requires a `task-net` or a `primitive`",
             datum.items[0],
-            help="give it a `task-net` or a `primitive`; `(task-net)` does nothing",
+            help="add a `task-net` or a `primitive`; `(task-net)` does nothing",
         )
     if request and not net:
         for name in _WITH_STEPS:
             for clause in found.get(name, ()):
                 ctx.report(
                     "misplaced-clause",
-                    f"`{head_of(clause)}` stands in a method with a `task-net`",
+                    f"`{head_of(clause)}` requires a method with a `task-net`",
                     clause.items[0],
-                    labels=[(request[0].items[0], "this one has a primitive")],
+                    labels=[(request[0].items[0], "this method has a primitive")],
                 )
 
 
@@ -111,7 +112,7 @@ def _skills(ctx: Context, clause: List, operands: Sequence[Datum]) -> nodes.Skil
         else:
             ctx.report(
                 "malformed-clause",
-                "a primitive of skills enables, waits and disables, nothing else",
+                "expected `enable`, `wait-for` or `disable` in a primitive of skills",
                 datum,
             )
     return nodes.Skills(*map(tuple, found.values()), span=ctx.span(clause))

@@ -44,7 +44,7 @@ def define_rap(ctx: Context, datum: Datum) -> nodes.DefineRap | None:
         else:
             ctx.report(
                 "duplicate-clause",
-                "the index of this RAP is given twice",
+                "duplicate index of this RAP",
                 clause.items[0],
                 labels=[(index, "the first is here")],
             )
@@ -77,7 +77,7 @@ def _index(ctx: Context, clause: List) -> Datum | None:
     if operands and isinstance(operands[0], Symbol):
         ctx.report_fixable(
             "malformed-goal",
-            "the index stands in parentheses of its own",
+            "the index requires its own parentheses",
             operands[0],
             fix=ctx.wrap(operands[0], operands[-1], "("),
         )
@@ -86,7 +86,7 @@ def _index(ctx: Context, clause: List) -> Datum | None:
         name = head_of(extra)
         ctx.report(
             "malformed-clause",
-            "`index` holds one list, nothing more",
+            "`index` takes exactly one list",
             extra,
             help=f"a `)` may be missing before `({name}`"
             if name in RAP_CLAUSES
@@ -100,7 +100,7 @@ def _name(ctx: Context, datum: List, index: Datum | None) -> Symbol | None:
     if type(index) is Symbol:
         ctx.report(
             "malformed-goal",
-            "the index stands in parentheses",
+            "the index requires parentheses",
             index,
             help=f"write `({index.name} ?input... => ?output...)`",
             fix=ctx.wrap(index, index, "(", sure=False),
@@ -110,12 +110,12 @@ def _name(ctx: Context, datum: List, index: Datum | None) -> Symbol | None:
         first = index.items[0]
         if isinstance(first, Symbol):
             return first
-        message = "an index begins with the name of the RAP"
+        message = "expected the name of the RAP in the index"
         ctx.report("malformed-goal", message, first)
         return None
     ctx.report(
         "missing-index",
-        "this RAP has no name",
+        "this RAP requires a name",
         index or datum.items[0],
         help="write `(define-rap (index (name ?input... => ?output...)) ...)`",
     )
@@ -178,7 +178,7 @@ def bare_times(ctx: Context, clause: List) -> List:
         return clause
     ctx.report_fixable(
         "parenthesised-times",
-        "the times of `monitor-time` stand without parentheses of their own",
+        "the times of `monitor-time` must not have parentheses",
         inner,
         fix=ctx.replace(inner, ctx.text(inner)[1:-1].strip()),
     )
@@ -222,10 +222,10 @@ def _check_method_names(
             ctx.incomplete = True
             ctx.certain(
                 "duplicate-method",
-                f"two methods are named `{one.name}`",
+                f"duplicate method name `{one.name}`",
                 datum.items[1],
                 labels=[(other.items[1], "the first is here")],
-                help="`method-tried` and `result-with-method` tell methods by name",
+                help="`method-tried` and `result-with-method` identify methods by name",
                 fix=_renumbered(ctx, one, datum.items[1], taken),
             )
 

@@ -17,10 +17,10 @@ GROUPS = ("sequence", "parallel")
 """Words that group steps in other languages."""
 
 ELSEWHERE = {
-    "priority": "a priority is a number behind the tag: `(t1 2 (rap args...))`",
-    "after": "the step that comes before says so: `(for t1)`",
-    "timeout": "a time to end at is a second step, `(window now 30 30)`, and "
-    "`until-end`",
+    "priority": "write a priority as a number after the tag: `(t1 2 (rap args...))`",
+    "after": "write the order in the earlier step: `(for t1)`",
+    "timeout": "write the end time as a second step with `(window now 30 30)` "
+    "and `until-end`",
 }
 """The help for words of other languages in the position of an annotation."""
 
@@ -41,7 +41,8 @@ def _grouped(ctx: Context, word: Datum) -> None:
         "grouped-steps",
         f"`{ctx.text(word)}` cannot group steps",
         word,
-        help="steps stand beside each other; one with `(for t2)` comes before step t2",
+        help="write all steps side by side; `(for t2)` in a step orders the "
+        "step before step t2",
     )
 
 
@@ -90,17 +91,19 @@ def _step(ctx: Context, datum: Datum) -> nodes.Step | None:
         if isinstance(items[0].value, int):
             priority = items[0].value
         else:
-            ctx.report("malformed-step", "a priority is an integer", items[0])
+            ctx.report(
+                "malformed-step", "expected an integer as the priority", items[0]
+            )
         items = items[1:]
     if not items:
-        ctx.report("malformed-step", f"the step `{tag}` asks for nothing", datum)
+        ctx.report("malformed-step", f"step `{tag}` requires a goal", datum)
         return None
     if type(items[0]) is Variable:
         ctx.report(
             "malformed-step",
-            f"`{tag}` stands where the step has its tag",
+            f"expected the tag of the step, not `{tag}`",
             datum,
-            help=f"a step begins with a tag of its own: `(t1 {ctx.text(datum)})`",
+            help=f"begin the step with a unique tag: `(t1 {ctx.text(datum)})`",
         )
         return None
     asked = goal(ctx, items[0])
@@ -136,7 +139,7 @@ def _bare_for(
         return None
     ctx.report_fixable(
         "bare-for",
-        "`for` stands in parentheses with its tag",
+        "`for` and its tag require parentheses",
         data[start],
         fix=ctx.wrap(data[at], tag, "("),
     )
@@ -171,7 +174,7 @@ def _formula_for(ctx: Context, datum: List) -> nodes.For | None:
     tag = datum.items[2] if len(datum.items) == 3 else None
     asked = formula(ctx, datum.items[0])
     if not isinstance(tag, Symbol):
-        message = "`for` is followed by the tag of one step"
+        message = "`for` requires the tag of one step"
         ctx.report("malformed-annotation", message, datum.items[-1])
         return None
     return nodes.For(asked, tag.name, span=ctx.span(datum)) if asked else None
@@ -181,7 +184,7 @@ def _parenthesised_for(ctx: Context, datum: List, second: Datum) -> nodes.For | 
     inner = cast(List, second)
     ctx.report_fixable(
         "parenthesised-for",
-        "`for` behind a formula stands without parentheses of its own",
+        "`for` after a formula must not have its own parentheses",
         inner,
         fix=ctx.replace(inner, ctx.text(inner)[1:-1].strip()),
     )
@@ -194,7 +197,7 @@ def _unknown(ctx: Context, datum: List) -> nodes.Annotation | None:
     listed = ", ".join(f"`{word}`" for word in sorted(ANNOTATIONS))
     help = f"an annotation is `(formula for tag)`, or begins with {listed}"
     if not isinstance(first, Symbol):
-        ctx.report("malformed-annotation", "this is no annotation", datum, help=help)
+        ctx.report("malformed-annotation", "expected an annotation", datum, help=help)
         return None
     if _is_like_annotation(first.name):
         meant = ctx.unknown("unknown-annotation", "annotation", first, ANNOTATIONS)
@@ -203,8 +206,11 @@ def _unknown(ctx: Context, datum: List) -> nodes.Annotation | None:
     if first.name in ELSEWHERE:
         help = ELSEWHERE[first.name]
     elif first.name in METHOD_CLAUSES or isinstance(datum.items[-1], List):
-        help = "each step stands in parentheses of its own; is one missing?"
+        help = "each step requires its own parentheses; a parenthesis may be missing"
     ctx.report(
-        "unknown-annotation", f"`{first.name}` is no annotation", first, help=help
+        "unknown-annotation",
+        f"expected an annotation, not `{first.name}`",
+        first,
+        help=help,
     )
     return None

@@ -286,7 +286,7 @@ def check_prefix(prefix: Fact, relations: Mapping[str, Signature]) -> None:
 
 
 def _undeclared(fact: Fact) -> FactError:
-    return FactError(f"`{fact[0] if fact else ''}` is not declared")
+    return FactError(f"unknown predicate `{fact[0] if fact else ''}`")
 
 
 def in_one_form(part: Atom) -> Atom:
