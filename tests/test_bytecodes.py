@@ -14,7 +14,7 @@ pytestmark = pytest.mark.skipif(
 
 
 def test_firing_takes_no_more_bytecodes_than_its_bar() -> None:
-    assert bytecodes.firing(monitors=100, times=20) <= 2_163
+    assert bytecodes.firing(monitors=100, times=20) <= 2_137
 
 
 def test_task_takes_no_more_bytecodes_than_its_bar() -> None:
@@ -23,4 +23,4 @@ def test_task_takes_no_more_bytecodes_than_its_bar() -> None:
 
 @pytest.mark.slow
 def test_cycle_of_the_truck_takes_no_more_bytecodes_than_its_bar() -> None:
-    assert bytecodes.cycle() <= 2_795
+    assert bytecodes.cycle() <= 2_766

@@ -11,13 +11,9 @@ a library only the checker validates kinds.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import TypeVar
 
 from rapc.base.values import Atom, Text, format_atom, is_number
 from rapc.ir import nodes
-
-T = TypeVar("T")
-
 
 Test = Callable[[object], bool]
 """A predicate: whether a value is of a kind."""
@@ -147,15 +143,6 @@ class Kinds:
                 if name not in seen:
                     seen[name] = None
                     stack.append(name)
-
-
-def misfits(
-    kinds: Kinds, args: Sequence[nodes.Argument], values: Sequence[T]
-) -> Iterator[tuple[nodes.Argument, T]]:
-    """Yield each argument whose value is not of its declared kind, with the value."""
-    for arg, value in zip(args, values, strict=False):
-        if arg.kind is not None and not kinds.holds(arg.kind, value):
-            yield arg, value
 
 
 def said_of(arg: nodes.Argument, value: Atom) -> str:

@@ -20,7 +20,7 @@ import msgspec
 from rapc.base.names import Suggestions, is_slip
 from rapc.base.values import Atom
 from rapc.language.heads import CALLS, QUERIES
-from rapc.library.kinds import Kinds, misfits, said_of
+from rapc.library.kinds import Kinds, Test, said_of
 from rapc.library.lazy import Lazy
 from rapc.library.library import KINDS, Library
 from rapc.library.signature import (
@@ -191,9 +191,10 @@ class Signatures:
             return None
         if declared.leaves_value_out(len(values)) and use != "erased":
             values = (*values, "true")
-        for arg, value in misfits(self.kinds, args, values):
-            if value is not None:
-                return f"{said_of(arg, value)} in `{declared.written}`"
+        for arg, value in zip(args, values, strict=False):
+            if value is None or arg.kind is None or self.kinds.holds(arg.kind, value):
+                continue
+            return f"{said_of(arg, value)} in `{declared.written}`"
         return None
 
     def no_result(self, name: str, result: str) -> Fault | None:
@@ -301,6 +302,19 @@ _NO_FACT: Mapping[Use, str] = {
     "asserted": "cannot be asserted",
     "erased": "cannot be erased",
 }
+
+
+def kind_tests(
+    kinds: Kinds, table: Mapping[str, Signature]
+) -> dict[Atom, tuple[tuple[int, Test], ...]]:
+    """Return tests of the arguments with declared kinds, with positions, by name."""
+    found: dict[Atom, tuple[tuple[int, Test], ...]] = {}
+    for name, declared in table.items():
+        args = enumerate(declared.args or (), 1)
+        tests = [(at, kinds.test(arg.kind)) for at, arg in args if arg.kind is not None]
+        if tests:
+            found[name] = tuple(tests)
+    return found
 
 
 _COMPUTED: Container[Kind] = ("function", "query")

@@ -26,9 +26,9 @@ from rapc.base.values import Atom, Fact, format_atom, format_list, number
 from rapc.compiler.program import Program
 from rapc.errors import FactError, PortError
 from rapc.language.atoms import is_atom
-from rapc.library.kinds import misfits, said_of
+from rapc.library.kinds import said_of
 from rapc.library.signature import Signature
-from rapc.library.signatures import Signatures, Use
+from rapc.library.signatures import Signatures, Use, kind_tests
 from rapc.runtime.authors import Named, code_of_authors
 from rapc.world import (
     NOT_KNOWN,
@@ -107,10 +107,12 @@ class HeldWorld(Wrapper):
         offered = Signatures.offered(world.kit.offer)
         signatures = offered if program is None else program.signatures
         primitives = {} if program is None else program.library.primitives
-        self._kinds = signatures.kinds
         #: The declarations of the library; for undeclared names, the offer.
         self._data = {**offered.data, **signatures.data}
         self._events = {**offered.events, **signatures.events}
+        #: The tests of their arguments with declared kinds, by name.
+        told = {**self._data, **self._events}
+        self._of_kinds = kind_tests(signatures.kinds, told)
         self._results = {
             name: frozenset(signature.results)
             for name, signature in signatures.primitives.items()
@@ -354,14 +356,16 @@ class HeldWorld(Wrapper):
 
     def _fault(self, table: Mapping[str, Signature], content: Fact) -> str | None:
         """Return the fault of a datum or signal, or None; empty if undeclared."""
-        known = table.get(str(content[0]))
+        name = str(content[0])
+        known, given = table.get(name), len(content) - 1
         if known is None:
             return ""
-        fault = known.miscount(len(content) - 1)
-        if fault is None and known.args:
-            for arg, value in misfits(self._kinds, known.args, content[1:]):
-                return said_of(arg, value)
-        return fault
+        if given != known.most and (fault := known.miscount(given)) is not None:
+            return fault
+        for at, holds in self._of_kinds.get(name, ()):
+            if known.args is not None and not holds(content[at]):
+                return said_of(known.args[at - 1], content[at])
+        return None
 
     def _check_fact(self, use: Use, content: Fact, call: str) -> None:
         table = self._data if use == "datum" else self._events

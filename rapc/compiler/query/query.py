@@ -140,10 +140,6 @@ class Query:
         self._beginnings: tuple[QueryPrefix, ...] | None = None
         self._variants: dict[tuple[tuple[str, ...], ResultMode, bool], Variant] = {}
 
-    def bind(self, ctx: QueryingContext) -> BoundQuery:
-        """Return the query bound to one memory, for repeated evaluation."""
-        return ctx.bound[self]
-
     def first(self, ctx: QueryingContext, env: Bindings) -> dict[str, Value] | None:
         """Return the new bindings of the first solution, or None."""
         return ctx.bound[self].first(env)

@@ -11,9 +11,8 @@ from rapc.errors import FactError
 from rapc.events import ItemEvent, ItemIntroduced, ItemLost, ItemMoved
 from rapc.ir.nodes import Formula
 from rapc.language.atoms import need_atoms
-from rapc.library.kinds import Test
 from rapc.library.library import Library
-from rapc.library.signatures import Signatures
+from rapc.library.signatures import Signatures, kind_tests
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.memory.facts import NEVER
 from rapc.runtime.memory.items import Item
@@ -27,7 +26,7 @@ from rapc.runtime.memory.memory import (
 from rapc.runtime.memory.recognition.recognizer import MAX_LAYERS, Recognizer
 from rapc.runtime.memory.recognition.scoring import Comparator, Scores
 from rapc.runtime.memory.recognition.sets import UNKNOWN, Description, ExpectationSet
-from rapc.world import Time
+from rapc.world import DatumHandler, Time
 
 _BY_HANDLERS = ("class", "location")
 """An introduced item in `introduce`, `move` and `lose`."""
@@ -138,18 +137,6 @@ class MemoryBatch:
             self._access.end_batch()
 
 
-def _tests_of(signatures: Signatures) -> dict[Atom, tuple[tuple[int, Test], ...]]:
-    """Return the arguments of facts that have declared kinds, by the facts' name."""
-    found: dict[Atom, tuple[tuple[int, Test], ...]] = {}
-    for name, relation in signatures.relations.items():
-        args = enumerate(relation.args or (), 1)
-        tests = [(at, arg.kind) for at, arg in args if arg.kind is not None]
-        if tests:
-            test = signatures.kinds.test
-            found[name] = tuple([(at, test(kind)) for at, kind in tests])
-    return found
-
-
 class Gate(MemoryView):
     """Write access to memory, for handlers: the `HandlerMemory` of `rapc.world`.
 
@@ -183,9 +170,8 @@ class Gate(MemoryView):
             memory, recorder, tuple(classes), scores, max_layers, sets
         )
         self._counted: dict[Atom, None] = {}
-        #: For the names of facts whose arguments have declared kinds, the positions of
-        #: these arguments, each with a test of the kind.
-        self._of_kinds = _tests_of(signatures)
+        #: The tests of the arguments of facts with declared kinds, by the facts' name.
+        self._of_kinds = kind_tests(signatures.kinds, signatures.relations)
         self._batch = MemoryBatch(self)
         #: A check before the end of a batch; `rapc.strict` sets it.
         self.closing: list[Callable[[], None]] = []
@@ -240,6 +226,14 @@ class Gate(MemoryView):
         self._counted.clear()
         self.closing.clear()
 
+    def receive(self, content: Fact, handlers: Mapping[str, DatumHandler]) -> Fact:
+        """Pass a datum to its handler; return the datum in memory names."""
+        items = self._memory.items
+        if items.by_sensor:
+            content = items.named(content)
+        handlers[str(content[0])](self, content)
+        return content
+
     def recognise(self) -> None:
         """Recognise items, if a description has changed."""
         if self.recognizer.unsettled:
@@ -273,7 +267,8 @@ class Gate(MemoryView):
             at = source.place(relation.span, self._files)
             said = f"{format_list(given)} lacks the value of `{relation.written}`"
             raise FactError(f"{said}, declared at {at}; a handler states all arguments")
-        self.check_kinds(fact)
+        if fact[0] in self._of_kinds:
+            self.check_kinds(fact)
         if fact[0] in _BY_HANDLERS:
             self.check_owner(fact)
         memory.store(fact, by)

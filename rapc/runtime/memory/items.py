@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from rapc.base.values import Atom
+from rapc.base.values import Atom, Fact
 
 
 class Item:
@@ -156,6 +156,18 @@ class Items:
         if item is None:
             return None if name in self.gone else name
         return item.sensor if item.accessible else None
+
+    def sensed(self, request: Fact) -> Fact | None:
+        """Return a request, or a skill, with sensor names; None if an item has none."""
+        sensor_of = self.sensor_of
+        names = [sensor_of(p) if isinstance(p, str) else p for p in request[1:]]
+        return None if None in names else (request[0], *names)  # type: ignore[arg-type]
+
+    def named(self, content: Fact) -> Fact:
+        """Return a datum, or a signal, with memory names for known sensor names."""
+        name_of = self.name_of
+        name, *parts = content
+        return (name, *[name_of(p) if isinstance(p, str) else p for p in parts])
 
     def name_of(self, sensor: str) -> str:
         """Return the memory name of `sensor`, or `sensor` itself if unknown."""

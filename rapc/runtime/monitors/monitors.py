@@ -363,9 +363,9 @@ class Monitors:
         context = self._context
         context.task = task
         if not task.plan.ages:
-            return plan.holds(context, task.env)
+            return context.bound[plan].holds(task.env)
         context.horizon = []
-        found = plan.holds(context, task.env)
+        found = context.bound[plan].holds(task.env)
         if context.horizon:
             self.at(min(context.horizon), task)
         context.horizon = None

@@ -18,7 +18,6 @@ from rapc.runtime.tasks.primitives import (
     cancel,
     filled_in,
     ground,
-    sensed,
     tell_refusal,
 )
 from rapc.world import Refused, Skilled
@@ -35,7 +34,7 @@ def activate(
     skills, sent, items = [], [], run.beliefs.items
     for one in plan.skills:
         skill = ground(run, method_run, one)
-        named = None if skill is None else sensed(items, skill)
+        named = None if skill is None else items.sensed(skill)
         if skill is None or named is None:
             return INTERFERENCE
         skills.append(skill)
@@ -75,7 +74,7 @@ def reactivate(
     plan, before = method_run.plan.activation, method_run.ticket
     assert plan is not None
     skills = [run.beliefs.canonical(method_run.skills[at]) for at in wanted]
-    named = [sensed(run.beliefs.items, skill) for skill in skills]
+    named = [run.beliefs.items.sensed(skill) for skill in skills]
     sent = [one for one in named if one is not None]
     world, tables = run.port, run.state.activations
     assert isinstance(world, Skilled)
@@ -123,7 +122,7 @@ def activatable(run: Run, task: Task, plan: ActivationPlan, env: Env) -> bool:
     """Return whether all skills could be switched on now; trace nothing."""
     for one in plan.skills:
         skill = filled_in(run, task, one, env)
-        if skill is None or sensed(run.beliefs.items, skill) is None:
+        if skill is None or run.beliefs.items.sensed(skill) is None:
             return False
     return True
 

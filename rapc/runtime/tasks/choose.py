@@ -49,7 +49,7 @@ def choose(run: Run, task: Task, asked: bool = False) -> Choice | None:
         return None if found is None else (sole, found, ())
     plan, env, bound, told = task.plan, task.env, context.bound, run.context_asked
     repeat = plan.repeat_while
-    if repeat is not None and not (asked or repeat.holds(context, env)):
+    if repeat is not None and not (asked or bound[repeat].holds(env)):
         return None
     holding: list[Held] = []
     for method in run.state.methods(plan):

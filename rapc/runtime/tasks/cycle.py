@@ -181,7 +181,7 @@ def _constraints_hold(run: Run, nearest: Task | MethodRun) -> bool:
             break
         plan, context.task = stated.plan, stated
         if plan.constraints is not None:
-            if not plan.constraints.holds(context, stated.env):
+            if not context.bound[plan.constraints].holds(stated.env):
                 return False
             steady = steady and plan.steady
         stated = stated.constrained
@@ -193,9 +193,9 @@ def _constraints_hold(run: Run, nearest: Task | MethodRun) -> bool:
 
 def _method_holds(run: Run, method_run: MethodRun) -> bool:
     """Return whether the constraints of a method hold; otherwise end the method."""
-    run.context.task = method_run.task
-    constraints = method_run.plan.constraints
-    if constraints is None or constraints.holds(run.context, method_run.env):
+    context, constraints = run.context, method_run.plan.constraints
+    context.task = method_run.task
+    if constraints is None or context.bound[constraints].holds(method_run.env):
         return True
     because = causes.of_method_constraints(run, method_run)
     end_method(run, method_run, INTERFERENCE, because, "parent-failed")

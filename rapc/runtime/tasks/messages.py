@@ -12,7 +12,7 @@ from rapc.events import DataReceived
 from rapc.runtime.run import Run
 from rapc.runtime.state.activations import Activation
 from rapc.runtime.tasks.finish import end_method
-from rapc.runtime.tasks.primitives import handle, take_reply, with_memory_names
+from rapc.runtime.tasks.primitives import take_reply
 from rapc.runtime.tasks.signals import signal
 from rapc.world import Datum, Finished, Message, Signal
 
@@ -34,12 +34,11 @@ def take_in(run: Run, messages: Iterable[Message]) -> None:
         run.port.check_message(message)
         if isinstance(message, Datum):
             with run.access.batch():
-                fact = handle(run, message.content)
-            fact = run.beliefs.canonical(fact)
+                fact = run.access.receive(message.content, run.handlers.data)
             if run.recorder.on:
-                run.recorder.emit(DataReceived, data=fact)
+                run.recorder.emit(DataReceived, data=run.beliefs.canonical(fact))
         elif isinstance(message, Signal):
-            signal(run, with_memory_names(run, message.content), message.tickets)
+            signal(run, run.beliefs.items.named(message.content), message.tickets)
     if gone:
         run.state.activations.forget(gone)
 

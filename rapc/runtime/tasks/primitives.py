@@ -19,7 +19,6 @@ from rapc.events import (
     RequestRefused,
 )
 from rapc.language.results import INTERFERENCE
-from rapc.runtime.memory.items import Items
 from rapc.runtime.run import Run
 from rapc.runtime.state.activations import Activation
 from rapc.runtime.state.task import Env, MethodRun, Task
@@ -64,7 +63,7 @@ def filled_in(run: Run, task: Task, plan: RequestPlan, env: Env) -> Fact | None:
 def sendable(run: Run, task: Task, plan: RequestPlan, env: Env) -> Fact | None:
     """Return a request in the form for the world, or None if it cannot be sent."""
     asked = filled_in(run, task, plan, env)
-    return None if asked is None else sensed(run.beliefs.items, asked)
+    return None if asked is None else run.beliefs.items.sensed(asked)
 
 
 def request(run: Run, method_run: MethodRun, plan: RequestPlan) -> str | Refused | None:
@@ -78,7 +77,7 @@ def request(run: Run, method_run: MethodRun, plan: RequestPlan) -> str | Refused
         return INTERFERENCE
     sent, items = asked, run.beliefs.items
     if items.known or items.gone:
-        named = sensed(items, asked)
+        named = items.sensed(asked)
         if named is None:
             return INTERFERENCE
         sent = named
@@ -161,13 +160,6 @@ def cancel(run: Run, method_run: MethodRun) -> None:
     run.port.cancel(ticket)
 
 
-def sensed(items: Items, request: Fact) -> Fact | None:
-    """Return a request, or a skill, with sensor names; None if an item has none."""
-    sensor_of = items.sensor_of
-    names = [sensor_of(p) if isinstance(p, str) else p for p in request[1:]]
-    return None if None in names else (request[0], *names)  # type: ignore[arg-type]
-
-
 def take_reply(run: Run, task: Task | None, asked: Fact, reply: Reply) -> str | None:
     """Run the handlers of a reply to the request `asked`.
 
@@ -187,7 +179,7 @@ def take_reply(run: Run, task: Task | None, asked: Fact, reply: Reply) -> str | 
                 if told is not None:
                     result = run.port.result_told(asked, told, handler)
             for content in reply.data:
-                handle(run, content)
+                run.access.receive(content, run.handlers.data)
         asked = canonical(asked)
     if run.recorder.on:
         run.recorder.emit(
@@ -195,24 +187,10 @@ def take_reply(run: Run, task: Task | None, asked: Fact, reply: Reply) -> str | 
             task=task.number if task is not None else None,
             request=run.beliefs.canonical(asked),
             result=result,
-            data=tuple([with_memory_names(run, datum) for datum in reply.data]),
+            data=tuple([run.beliefs.items.named(datum) for datum in reply.data]),
         )
     if task is None or task.run is None:
         return None
     if result != OKAY:
         task.remember().failure = result
     return result
-
-
-def with_memory_names(run: Run, content: Fact) -> Fact:
-    """Return a datum, or a signal, with memory names for known sensor names."""
-    name_of = run.beliefs.items.name_of
-    name, *parts = content
-    return (name, *[name_of(p) if isinstance(p, str) else p for p in parts])
-
-
-def handle(run: Run, content: Fact) -> Fact:
-    """Pass the datum `content` to its handler; return the datum in memory names."""
-    fact = with_memory_names(run, content)
-    run.handlers.data[str(content[0])](run.access, fact)
-    return fact
