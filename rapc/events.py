@@ -182,7 +182,11 @@ class RunStarted(Event, frozen=True, kw_only=True):
 
 
 class TaskCreated(Event, frozen=True, kw_only=True):
-    """A task joined the agenda. `family` is the number of its top-level task."""
+    """A task joined the agenda.
+
+    `family` is the number of the top-level task that the task works for. A top-level
+    task has no `parent` and no `step` (the tag of the step).
+    """
 
     task: int
     goal: Goal
@@ -197,7 +201,7 @@ class TaskCreated(Event, frozen=True, kw_only=True):
 
 
 class TaskSelected(Event, frozen=True, kw_only=True):
-    """The agenda chose a task."""
+    """The agenda selected a task: a cycle begins."""
 
     task: int
     goal: Goal
@@ -207,7 +211,10 @@ class TaskSelected(Event, frozen=True, kw_only=True):
 
 
 class MethodChosen(Event, frozen=True, kw_only=True):
-    """A task starts a method, with the bindings of the choice."""
+    """A task starts a method, with the bindings of the choice.
+
+    `method` is the name of the method, or `#1`, `#2` by its position.
+    """
 
     task: int
     rap: str
@@ -228,7 +235,10 @@ class MethodEnded(Event, frozen=True, kw_only=True):
 
 
 class TaskBlocked(Event, frozen=True, kw_only=True, omit_defaults=True):
-    """A task is blocked, waiting for `on`; `holder` holds the thing, if any."""
+    """A task is blocked until `on`: a formula, a time, a signal or a thing.
+
+    `holder` is the task that holds the thing; the key is missing for other waits.
+    """
 
     task: int
     on: str
@@ -253,10 +263,11 @@ class TaskWoken(Event, frozen=True, kw_only=True, omit_defaults=True):
 
 
 class Deadlock(Event, frozen=True, kw_only=True):
-    """A deadlock: each of `tasks` waits for a thing of the next task or its ancestor.
+    """Tasks wait for each other in a circle.
 
-    The last task waits for the first, which is the task that has just been blocked.
-    `waiting` has a line for each task.
+    Each of `tasks` waits for a thing of the next task or its ancestor; the last task
+    waits for the first, which is the task that has just been blocked. `waiting` has a
+    line for each task.
     """
 
     tasks: tuple[int, ...]
@@ -269,7 +280,8 @@ class Deadlock(Event, frozen=True, kw_only=True):
 class MethodSuspended(Event, frozen=True, kw_only=True):
     """A method is suspended and undone: the task `by` takes the thing `for`.
 
-    Its task is blocked until it can hold again the things that the method claimed.
+    Its task is blocked until the task can hold again the things that the method
+    claimed. The event replaces `method-ended` and `task-blocked`.
     """
 
     task: int
@@ -315,7 +327,10 @@ class TaskFailed(Event, frozen=True, kw_only=True):
 
 
 class TaskRemoved(Event, frozen=True, kw_only=True):
-    """A task left the agenda without an end of its own."""
+    """A task left the agenda without an end of its own.
+
+    The descendants of the task are removed before the task.
+    """
 
     task: int
     cause: str
@@ -325,7 +340,10 @@ class TaskRemoved(Event, frozen=True, kw_only=True):
 
 
 class PrimitiveRequested(Event, frozen=True, kw_only=True):
-    """A request to the world, with the names of memory and as sent, by sensor name."""
+    """A request goes to the world.
+
+    `request` has the memory names of items, `sent` the sensor names.
+    """
 
     task: int
     request: Fact
@@ -333,7 +351,10 @@ class PrimitiveRequested(Event, frozen=True, kw_only=True):
 
 
 class PrimitiveEnded(Event, frozen=True, kw_only=True):
-    """A primitive ended, and its handlers have changed memory."""
+    """A primitive ended, and its handlers have changed memory.
+
+    `task` is null if the task was removed before.
+    """
 
     task: int | None
     request: Fact
@@ -356,7 +377,10 @@ class PrimitiveCancelled(Event, frozen=True, kw_only=True):
 
 
 class RequestRefused(Event, frozen=True, kw_only=True):
-    """The world refused a request beside active requests: names as requested."""
+    """The world refused a request, or a skill, beside active requests.
+
+    `because` is the world's reason, or null.
+    """
 
     task: int
     request: Fact
@@ -371,7 +395,10 @@ class RequestRefused(Event, frozen=True, kw_only=True):
 
 
 class SkillEnabled(Event, frozen=True, kw_only=True):
-    """A skill of an activation of `task` was switched on."""
+    """A skill of an activation of `task` was switched on.
+
+    Each skill of the activation has an event of its own, in the order of the text.
+    """
 
     task: int
     what: Fact
@@ -391,7 +418,7 @@ class SkillDisabled(Event, frozen=True, kw_only=True):
 
 
 class DataReceived(Event, frozen=True, kw_only=True):
-    """A datum was received without a request."""
+    """A datum was received without a request; its handler has run."""
 
     data: Fact
 
@@ -404,14 +431,17 @@ class FactAsserted(Event, frozen=True, kw_only=True):
 
 
 class FactErased(Event, frozen=True, kw_only=True):
-    """A fact was erased."""
+    """A fact was erased.
+
+    An old value of a property is erased before the new value is asserted.
+    """
 
     fact: Fact
     by: str
 
 
 class ResourceChanged(Event, frozen=True, kw_only=True):
-    """A set or counter changed; `what` is the change and the new value."""
+    """A step changed a set or counter; `what` is the change and the new value."""
 
     task: int
     what: ResourceChange
@@ -421,9 +451,10 @@ class ResourceChanged(Event, frozen=True, kw_only=True):
 
 
 class SignalReceived(Event, frozen=True, kw_only=True, tag="signal"):
-    """A signal was received; `task` has the oldest of its activations, if any.
+    """A signal was received.
 
-    The task may have ended.
+    `task` has the oldest of the activations under which the signal arose, even if the
+    task has ended; null for a signal of no activation.
     """
 
     task: int | None
@@ -434,9 +465,10 @@ class SignalReceived(Event, frozen=True, kw_only=True, tag="signal"):
 
 
 class RuleRun(Event, frozen=True, kw_only=True):
-    """A rule over memory ran, for `what`: a result at the end of `task`, or a signal.
+    """A rule over memory ran, for a result or a signal.
 
-    `at` is the position of the query and the actions, `doors.rap:12`.
+    `what` is the result at the end of `task`, or the signal; `task` is null for a rule
+    of no RAP. `at` is the position of the query and the actions, `doors.rap:12`.
     """
 
     task: int | None
@@ -445,7 +477,7 @@ class RuleRun(Event, frozen=True, kw_only=True):
 
 
 class QueryFaulted(Event, frozen=True, kw_only=True):
-    """A query met an unbound variable or a value of the wrong kind."""
+    """A query failed: an unbound variable, or a value of the wrong kind."""
 
     task: int | None
     what: str
@@ -475,7 +507,10 @@ class ItemIntroduced(ItemEvent, frozen=True, kw_only=True):
 
 
 class ItemMerged(ItemEvent, frozen=True, kw_only=True):
-    """Two descriptions were recognised as one item."""
+    """Two descriptions were recognised as one item.
+
+    `item` is the older name, which stays; `with` is the name that is replaced.
+    """
 
 
 class ItemMoved(ItemEvent, frozen=True, kw_only=True):
@@ -498,7 +533,7 @@ class FamilySwitched(Event, frozen=True, kw_only=True):
 
 
 class DeadlineMissed(Event, frozen=True, kw_only=True):
-    """The clock has passed the deadline of a task."""
+    """The clock has passed the deadline of a task; emitted once for a task."""
 
     task: int
     deadline: int | float
@@ -536,8 +571,9 @@ class TaskResult(msgspec.Struct, frozen=True, omit_defaults=True):
 class RunEnded(Event, frozen=True, kw_only=True):
     """The last event: the reason of the end, and the result of each top-level task.
 
-    `waiting` names the tasks that were left, each with its wait condition; `because` is
-    the world's reason, if the world ended the run.
+    `waiting` has a line for each deadlock and for each task that is left, with the
+    condition that the task waits for. `because` explains the reasons `world`, `broken`,
+    `runaway` and `stuck`; otherwise it is null.
     """
 
     reason: str

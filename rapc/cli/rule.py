@@ -73,12 +73,12 @@ def _page(one: Rule) -> str:
         f"{page.why}\n\n"
         f"For example:\n\n```rap\n{page.example}```\n\n"
         f"Better:\n\n```rap\n{page.better}```\n\n"
-        + "\n".join(f"- {name}: {said}." for name, said in _advice(one).items())
+        + "\n".join(f"- {name}: {said}." for name, said in advice(one).items())
         + "\n"
     )
 
 
-def _advice(one: Rule) -> dict[str, str]:
+def advice(one: Rule) -> dict[str, str]:
     """Return advice on findings of a rule, and further reading, by title."""
     return {
         "Fix": one.fix or "none, for only the author knows what is meant",

@@ -70,7 +70,7 @@ def _json(finding: Finding, files: Files) -> dict[str, Any]:
             for label in said.labels
         ],
         "notes": _notes(said),
-        "url": f"rules.md#{rule.name}",
+        "url": f"reference/rules/{rule.name}.md",
     }
 
 

@@ -1,17 +1,14 @@
-"""`rapc rule`: pages, the list, JSON, and the manual made of them."""
+"""`rapc rule`: pages, the list and JSON."""
 
 from __future__ import annotations
 
 import json
-from pathlib import Path
 
 import pytest
 
 from rapc.analysis.registry import rules
 
 from .command import rapc
-
-MANUAL = Path(__file__).parents[2] / "docs" / "reference" / "rules.md"
 
 
 @pytest.mark.parametrize("name", ["unbound-variable", "RAP012", "rap012"])
@@ -55,8 +52,3 @@ def test_unknown_rule_is_a_usage_error() -> None:
         "error: unknown rule `unknown-rup`; did you mean `unknown-rap`?\n"
     )
     assert rapc("rule", "unknown-rap", "--all").returncode == 2
-
-
-def test_manual_is_what_the_command_prints() -> None:
-    """If this fails: `rapc rule --all > docs/reference/rules.md`."""
-    assert MANUAL.read_text(encoding="utf-8") == rapc("rule", "--all").stdout

@@ -1,4 +1,4 @@
-"""The examples of the how-to pages: each program is shown as it is, or linked.
+"""The examples of the how-to pages: each program is shown as it is, or named.
 
 Every folder is one library that the checker has nothing to say against, and its tests
 hold whatever chance does.
@@ -31,15 +31,15 @@ def _name(case: Case) -> str:
 
 
 @pytest.mark.parametrize("folder", FOLDERS)
-def test_how_to_pages_show_or_link_each_program(folder: str) -> None:
-    """A page shows the whole file, or links to the file in the repository."""
+def test_how_to_pages_show_or_name_each_program(folder: str) -> None:
+    """A page shows the whole file, or names `examples/FOLDER/FILE`."""
     pages = [file.read_text(encoding="utf-8") for file in HOW_TO.glob("*.md")]
     shown = [block for page in pages for block in blocks(page, "rap")]
     for file in (EXAMPLES / folder).glob("*.rap"):
         if file.name.endswith(".test.rap"):
             continue
         texts = {block.text for block in shown if block.name == file.name}
-        if not any(f"examples/{folder}/{file.name})" in page for page in pages):
+        if not any(f"`examples/{folder}/{file.name}`" in page for page in pages):
             assert texts, file.name
         assert texts <= {file.read_text(encoding="utf-8")}, file.name
 

@@ -14,14 +14,12 @@ from rapc.world import (
     Drawable,
     HandlerMemory,
     Kit,
-    Option,
     Savable,
     Timed,
     World,
 )
 from rapc.worlds.truck.kinds import KINDS
 from rapc.worlds.truck.map_text import read_map
-from rapc.worlds.truck.options import describe_options
 from rapc.worlds.truck.primitives import OFFER
 from tests.cli.command import rapc
 
@@ -31,19 +29,6 @@ from .drive import Driver
 DOCS = Path(__file__).parents[2] / "docs"
 TRUCK = (DOCS / "reference" / "truck.md").read_text(encoding="utf-8")
 WORLDS = (DOCS / "how-to" / "write-a-world.md").read_text(encoding="utf-8")
-
-
-def row(option: Option) -> str:
-    value = option.default
-    default = value.value or "none" if isinstance(value, Text) else str(value).lower()
-    unit = f" {option.unit}" if option.unit else ""
-    return f"| `{option.name}` | {default}{unit} | {option.doc} |"
-
-
-def test_the_truck_page_lists_all_options_with_their_defaults() -> None:
-    table = TRUCK.partition("| option | default | meaning |\n")[2]
-    rows = table.partition("\n\n")[0].splitlines()[1:]
-    assert rows == [row(option) for option in describe_options()]
 
 
 def test_the_truck_page_names_all_primitives_results_and_data() -> None:

@@ -1,0 +1,517 @@
+"""Write the parts of the manual that have a source in the code.
+
+    python docs/generate.py            write all stale pages
+    python docs/generate.py --check    list the stale pages; exit status 1 if any
+
+A page may have generated parts:
+
+    <!-- generated: NAME WORD... -->
+    ...
+    <!-- end -->
+
+`PARTS` lists the names. The front page and the page of each rule are generated as a
+whole (`pages`).
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import inspect
+import re
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from html import escape
+from importlib import import_module
+from itertools import pairwise, takewhile
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import click
+import msgspec
+
+from rapc import events
+from rapc.analysis.registry import rules
+from rapc.base.diagnostics import Rule
+from rapc.cli.main import COMMANDS, cli
+from rapc.cli.options import HELP
+from rapc.cli.rule import advice
+from rapc.debug.breakpoints import KINDS
+from rapc.language.grammar import GRAMMAR, RULES
+from rapc.language.heads import heads, rules_by_head, spelling
+from rapc.language.shapes import leaves
+from rapc.repl.commands.table import commands
+from rapc.runtime.settings import Settings
+from rapc.worlds import registry
+
+DOCS = Path(__file__).parent
+ROOT = DOCS.parent
+
+# --- Markdown -----------------------------------------------------------------------
+
+
+def table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
+    """Return a table; line ends and `|` in cells are replaced."""
+    titles = [*head]
+    lines = [titles, ["---"] * len(titles), *rows]
+    return "".join(f"| {' | '.join(map(_cell, cells))} |\n" for cells in lines).replace(
+        "| --- ", "|---"
+    )
+
+
+def _cell(text: str) -> str:
+    """Return the text of a cell; code with `|` becomes HTML, which all sites read."""
+
+    def code(found: re.Match[str]) -> str:
+        plain = escape(found[1].replace("\\|", "|"), quote=False)
+        return f"<code>{plain.replace('|', '&#124;')}</code>"
+
+    return re.sub(r"`([^`|]*\|[^`]*)`", code, " ".join(text.split()))
+
+
+def _code(text: str) -> str:
+    return f"`{text}`" if text else ""
+
+
+def block(language: str, text: str) -> str:
+    """Return a fenced block of code."""
+    return f"```{language}\n{text.rstrip()}\n```\n"
+
+
+def sentence(text: str) -> str:
+    """Return a text with a capital letter and a full stop."""
+    return f"{text[:1].upper()}{text[1:]}{'' if text.endswith('.') else '.'}"
+
+
+# --- Sources ------------------------------------------------------------------------
+
+
+class Notes(dict[str, str]):
+    """The comments and docstrings of the fields or names in a class or module."""
+
+    @classmethod
+    def of(cls, owner: type | ModuleType) -> Notes:
+        """Return the notes of a class, with its constructor, or of a module."""
+        text = inspect.cleandoc("\n" + inspect.getsource(owner))
+        lines, body = text.splitlines(), ast.parse(text).body
+        bodies = [body]
+        if isinstance(owner, type) and isinstance(body[0], ast.ClassDef):
+            made = [s for s in body[0].body if isinstance(s, ast.FunctionDef)]
+            bodies = [body[0].body, *(s.body for s in made if s.name == "__init__")]
+        found = cls()
+        for statements in bodies:
+            for one, after in pairwise([*statements, ast.Pass()]):
+                if name := _assigned(one):
+                    note = _above(lines[: one.lineno - 1]) or _below(after)
+                    found[name] = note or found.get(name, "")
+        return found
+
+
+def _above(lines: list[str]) -> str:
+    """Return the comment of the kind `#:` at the end of some lines."""
+    stripped = [line.strip() for line in reversed(lines)]
+    said = takewhile(lambda line: line.startswith("#:"), stripped)
+    return " ".join(line[2:].strip() for line in [*said][::-1])
+
+
+def _below(after: ast.stmt) -> str:
+    """Return the docstring after an assignment."""
+    if isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant):
+        return str(after.value.value)
+    return ""
+
+
+def _assigned(statement: ast.stmt) -> str | None:
+    """Return the name of the field or the attribute that a statement assigns."""
+    if isinstance(statement, ast.AnnAssign):
+        target: ast.expr = statement.target
+    elif isinstance(statement, ast.Assign):
+        target = statement.targets[0]
+    else:
+        return None
+    if isinstance(target, ast.Attribute):
+        return target.attr
+    return target.id if isinstance(target, ast.Name) else None
+
+
+# --- Command line -------------------------------------------------------------------
+
+
+def _context(name: str) -> click.Context:
+    top = click.Context(cli, info_name="rapc")
+    if name == "rapc":
+        return top
+    found = cli.get_command(top, name)
+    assert found is not None, name
+    return click.Context(found, info_name=name, parent=top, **HELP)
+
+
+def _options(name: str) -> dict[str, str]:
+    """Return the options of a command with their help."""
+    context = _context(name)
+    options = [
+        option
+        for option in context.command.get_params(context)
+        if isinstance(option, click.Option)
+    ]
+    records = [option.get_help_record(context) for option in options]
+    return {f"`{record[0]}`": record[1] for record in records if record}
+
+
+def common_options() -> str:
+    """Return the table of the options that all commands have."""
+    shared = [_options(name) for name in COMMANDS]
+    return table(
+        ("option", "meaning"),
+        [row for row in shared[0].items() if all(row in one.items() for one in shared)],
+    )
+
+
+def command(name: str) -> str:
+    """Return usage, help, options and examples of a command."""
+    context = _context(name)
+    help_ = inspect.cleandoc(context.command.help or "").replace("\b\n", "")
+    epilog = (context.command.epilog or "").replace("\b", "").replace("Examples:", "")
+    examples = inspect.cleandoc(epilog)
+    common = {
+        row
+        for row in _options(name).items()
+        if all(row in _options(other).items() for other in COMMANDS)
+    }
+    rows = [row for row in _options(name).items() if row not in common]
+    usage = " ".join(context.get_usage().removeprefix("Usage:").split())
+    parts = [
+        block("text", usage),
+        "\n".join(line.strip() for line in help_.splitlines()) + "\n",
+        table(("option", "meaning"), rows) if rows else "",
+        block("sh", examples) if examples else "",
+    ]
+    return "\n".join(filter(None, parts))
+
+
+def settings() -> str:
+    """Return the table of the settings of the interpreter."""
+    notes = Notes.of(Settings)
+    rows = [
+        (f"`rapc.{name}`", f"`{str(value).lower()}`", notes[name.replace("-", "_")])
+        for name, value in Settings().named().items()
+    ]
+    return table(("setting", "default", "meaning"), rows)
+
+
+# --- Python -------------------------------------------------------------------------
+
+_REFERENCE = re.compile(r" ?\[[TSL] [^\]]*\]")
+"""A reference to a source: `[T 3.3]`."""
+
+_PART = re.compile(r"^(Args|Returns|Yields|Raises):$", re.M)
+
+
+def api(module: str) -> str:
+    """Return the reference of the public names of a module."""
+    home = import_module(module)
+    names = [name for name in home.__all__ if name != "__version__"]
+    names.sort(key=lambda name: _order(getattr(home, name)))
+    return "\n".join(filter(None, [_name(home, name) for name in names]))
+
+
+def _order(found: object) -> int:
+    """Return the position of functions, classes, errors and other names."""
+    if isinstance(found, type):
+        return 2 if issubclass(found, Exception) else 1
+    return 0 if inspect.isfunction(found) else 3
+
+
+def _name(home: ModuleType, name: str) -> str:
+    found = getattr(home, name)
+    if isinstance(found, ModuleType):
+        return ""
+    title = f"### {name}\n\n"
+    if not isinstance(found, type):
+        return title + (
+            _function(name, found) if inspect.isfunction(found) else _value(home, name)
+        )
+    if found.__module__ == "builtins" or not found.__module__.startswith("rapc"):
+        return title + _value(home, name)
+    if found.__name__ != name:
+        return title + _value(home, name)
+    return title + _class(found)
+
+
+def _value(home: ModuleType, name: str) -> str:
+    """Return the note of a name that is no function and no class."""
+    for statement in ast.parse(inspect.getsource(home)).body:
+        if isinstance(statement, ast.ImportFrom) and any(
+            alias.name == name for alias in statement.names
+        ):
+            home = import_module(str(statement.module))
+    return f"{_plain(Notes.of(home).get(name, ''))}\n"
+
+
+def _class(found: type) -> str:
+    parts = [_doc(inspect.cleandoc(found.__doc__ or ""))]
+    notes = Notes.of(found)
+    fields = getattr(found, "__struct_fields__", notes)
+    structured = hasattr(found, "__struct_fields__")
+    types = getattr(found, "__annotations__", {})
+    rows = [
+        (f"`{name}`", _code(types.get(name, "")), _plain(notes.get(name, "")))
+        for name in fields
+        if name[0] != "_" and (structured or notes[name])
+    ]
+    base = issubclass(found, BaseException)
+    if rows and not base:
+        parts.append(table(("field", "type", "meaning"), rows))
+    for name, own in vars(found).items():
+        member = own.__func__ if isinstance(own, classmethod) else own
+        if name.startswith("_") or not getattr(member, "__doc__", None):
+            continue
+        if inspect.isfunction(member):
+            parts.append(f"#### {found.__name__}.{name}\n\n{_function(name, member)}")
+        elif isinstance(member, property):
+            text = _doc(inspect.cleandoc(member.__doc__ or ""))
+            parts.append(f"#### {found.__name__}.{name}\n\n{text}")
+    return "\n".join(filter(None, parts))
+
+
+def _function(name: str, function: Callable[..., Any]) -> str:
+    signature = inspect.signature(function)
+    kept = [p for p in signature.parameters.values() if p.name not in ("self", "cls")]
+    plain = signature.replace(parameters=kept)
+    text = block("python", _folded(name, str(plain).replace("'", "")))
+    return f"{text}\n{_doc(inspect.cleandoc(function.__doc__ or ''))}"
+
+
+def _folded(name: str, signature: str, width: int = 76) -> str:
+    """Return a signature with a line for each parameter if it is long."""
+    if len(name + signature) <= width:
+        return name + signature
+    inside, _, result = signature[1:].rpartition(")")
+    depth = 0
+    lines = [""]
+    for letter in inside:
+        depth += {"[": 1, "(": 1, "]": -1, ")": -1}.get(letter, 0)
+        if letter == "," and depth == 0:
+            lines.append("")
+        else:
+            lines[-1] += letter
+    return f"{name}(\n" + "".join(f"    {p.strip()},\n" for p in lines) + f"){result}"
+
+
+def _doc(text: str) -> str:
+    """Return a docstring as Markdown: its parts as lists."""
+    before, *parts = _PART.split(_plain(text))
+    found = [before.strip()]
+    for title, part in zip(parts[::2], parts[1::2], strict=True):
+        body, _, after = inspect.cleandoc(f"\n{part}").partition("\n\n")
+        entries = [" ".join(e.split()) for e in re.split(r"\n(?=\S)", body)]
+        items = [re.sub(r"^([\w*]+): ", r"`\1`: ", entry) for entry in entries if entry]
+        found.append(f"{title}:\n\n" + "\n".join(f"- {item}" for item in items))
+        if after:
+            found.append(after)
+    return "\n\n".join(filter(None, found)) + "\n"
+
+
+def _plain(text: str) -> str:
+    return _REFERENCE.sub("", text)
+
+
+# --- Events, commands of the debugger, worlds, grammar ------------------------------
+
+
+def events_of(*names: str) -> str:
+    """Return the table of some kinds of events, or of the keys that all have."""
+    kinds = events.kinds()
+    common = {field.encode_name for field in msgspec.structs.fields(events.Event)}
+    rows = []
+    for name in names:
+        kind = kinds[name]
+        keys = [f"`{key}`" for key in events.keys(kind) if key not in common]
+        doc = inspect.cleandoc(kind.__doc__ or "").replace("\n\n", " ")
+        rows.append((f'<a id="{name}"></a>`{name}`', ", ".join(keys), _plain(doc)))
+    return table(("event", "keys", "meaning"), rows)
+
+
+def debugger_commands() -> str:
+    """Return a table of the commands of the debugger for each group."""
+    groups: dict[str, list[tuple[str, str]]] = {}
+    for one in commands():
+        usage = f"`:{one.name}{' ' * bool(one.takes)}{one.takes}`"
+        groups.setdefault(one.group, []).append((usage, f"{one.doc} {one.more}"))
+    return "\n".join(
+        f"### {sentence(group)[:-1]}\n\n{table(('command', 'meaning'), rows)}"
+        for group, rows in groups.items()
+    )
+
+
+def breakpoints() -> str:
+    """Return the table of the kinds of breakpoints."""
+    return table(
+        ("kind", "stops when"), [(f"`{name}`", doc) for name, doc in KINDS.items()]
+    )
+
+
+def world_options(name: str) -> str:
+    """Return the table of the options of a world."""
+    rows = []
+    for option in registry.find_world(name).kit.options:
+        default = str(option.default)
+        if isinstance(option.default, bool):
+            default = default.lower()
+        said = f"{default or 'none'} {option.unit}".strip()
+        rows.append((f"`{option.name}`", said, option.doc))
+    return table(("option", "default", "meaning"), rows)
+
+
+def grammar(group: str) -> str:
+    """Return the table of the lists in a group of the grammar.
+
+    Lists that may occur repeatedly beside others that occur once are marked *.
+    """
+    once = [rule for name in leaves(RULES[group]) for rule in _once(name)]
+    listed = [*dict.fromkeys(rules_by_head(group).values()) | _headless(group)]
+    titles = [group.rpartition("_")[2], "meaning"]
+    paged = any(GRAMMAR[rule].pages for rule in listed)
+    rows = []
+    for rule in listed:
+        row = GRAMMAR[rule]
+        links = ", ".join(f"[{page[0]}]({page})" for page in row.pages)
+        said = f"{row.says}; {row.more}" if row.more else row.says
+        mark = " *" if once and rule not in once else ""
+        rows.append([f"`{spelling(rule)}`{mark}", said] + [links] * paged)
+    return table(titles + ["chapter"] * paged, rows)
+
+
+def _once(name: str) -> list[str]:
+    """Return the rules of a group that occur once in a form."""
+    return list(leaves(RULES[name])) if name.startswith("_once") else []
+
+
+def _headless(group: str) -> dict[str, None]:
+    """Return the lists of a group without a first word, for example `protect`."""
+    lists = [rule for rule in leaves(RULES[group]) if rule[0] != "_"]
+    return dict.fromkeys(rule for rule in lists if not heads(rule))
+
+
+# --- Whole pages --------------------------------------------------------------------
+
+NOTE = "<!-- written by docs/generate.py from {} -->\n\n"
+"""The first line of a page that is generated as a whole."""
+
+
+def rule_index() -> str:
+    """Return the table of all rules; each row has the name of its rule as anchor."""
+    rows = [
+        (
+            rule.code,
+            f'<a id="{rule.name}"></a>[{rule.name}](rules/{rule.name}.md)',
+            rule.severity.word + " (opt-in)" * rule.opt_in,
+            rule.summary,
+        )
+        for rule in rules().values()
+    ]
+    return table(("code", "rule", "severity", "finding"), rows)
+
+
+def rule_page(rule: Rule) -> str:
+    """Return the page of a rule."""
+    page = rule.page
+    kind = rule.severity.word + ", opt-in" * rule.opt_in
+    notes = "".join(f"- {name}: {said}.\n" for name, said in advice(rule).items())
+    return (
+        f"# {rule.name}\n\n{rule.code}, {kind}: {rule.summary}.\n\n{page.why}\n\n"
+        f"## Example\n\n{block('rap', page.example)}\n"
+        f"## Use instead\n\n{block('rap', page.better)}\n## Notes\n\n{notes}"
+    )
+
+
+def front_page() -> str:
+    """Return README.md with the links that hold in `docs`."""
+
+    def moved(link: re.Match[str]) -> str:
+        mark, text, target = link.groups()
+        if re.match(r"#|[a-z]+:", target):
+            return link.group()
+        if target.startswith("docs/"):
+            return (
+                f"{mark}[{text.removeprefix('docs/')}]({target.removeprefix('docs/')})"
+            )
+        return text
+
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    return re.sub(r"(!?)\[([^\]]*)\]\(([^)\s]+)\)", moved, text)
+
+
+def pages() -> Iterator[tuple[Path, str]]:
+    """Yield the pages that are generated as a whole."""
+    yield DOCS / "index.md", NOTE.format("README.md") + front_page()
+    for rule in rules().values():
+        note = NOTE.format(f"rapc/rules/{rule.name}.md")
+        yield DOCS / "reference" / "rules" / f"{rule.name}.md", note + rule_page(rule)
+
+
+# --- Parts of pages -----------------------------------------------------------------
+
+PARTS: Mapping[str, Callable[..., str]] = {
+    "api": api,
+    "breakpoints": breakpoints,
+    "command": command,
+    "common-options": common_options,
+    "debugger-commands": debugger_commands,
+    "events": events_of,
+    "grammar": grammar,
+    "rules": rule_index,
+    "settings": settings,
+    "world-options": world_options,
+}
+"""The functions that write parts of pages, by the names in markers."""
+
+_MARKED = re.compile(r"(<!-- generated: (.+?) -->\n).*?(<!-- end -->)", re.S)
+
+
+def written(page: str) -> str:
+    """Return a page with its generated parts."""
+
+    def part(found: re.Match[str]) -> str:
+        name, *words = found[2].split()
+        return f"{found[1]}\n{PARTS[name](*words)}\n{found[3]}"
+
+    return _MARKED.sub(part, page)
+
+
+def stale() -> dict[Path, str | None]:
+    """Return the new texts of stale pages; None for pages to remove."""
+    found: dict[Path, str | None] = {}
+    whole = dict(pages())
+    for path in sorted({*DOCS.rglob("*.md"), *whole}):
+        text = path.read_text(encoding="utf-8") if path.exists() else ""
+        if path in whole:
+            new: str | None = whole[path]
+        else:
+            new = None if text.startswith(NOTE[:20]) else written(text)
+        if new != text:
+            found[path] = new
+    return found
+
+
+def main() -> int:
+    """Write all stale pages, or list them."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--check", action="store_true", help="only list stale pages")
+    check = parser.parse_args().check
+    found = stale()
+    for path, text in found.items():
+        print(path.relative_to(ROOT).as_posix())
+        if check:
+            continue
+        if text is None:
+            path.unlink()
+        else:
+            path.parent.mkdir(exist_ok=True)
+            path.write_text(text, encoding="utf-8")
+    return int(check and bool(found))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
