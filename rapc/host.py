@@ -462,7 +462,7 @@ def _world(
     if isinstance(world, str):
         world = find_world(world)
     if not (isinstance(world, type) and issubclass(world, World)):
-        listed = "`rapc worlds` lists those installed"
+        listed = "list the installed worlds with `rapc worlds`"
         raise ArgumentError(f"`world` is {kind(world)}, no world", listed)
     refuse_incomplete(world, f"{world.__module__}:{world.__qualname__}")
     given = check_options(world, options or {})

@@ -49,8 +49,8 @@ Examples:
 """
 
 
-_OF_LIBRARY = "is a file of the library"
-_SETTLED = "says what is reported"
+_OF_LIBRARY = "is a source file of the library"
+_SETTLED = "configures the report"
 
 
 @command(EXAMPLES)
@@ -60,13 +60,12 @@ def check(**given: Any) -> None:
     """Check RAP libraries: files, folders with RAP files, or - for standard input.
 
     All paths together are one library, with the files that they require. Each test
-    file, named or below a folder, is checked by itself, each test with what it
-    requires. RULES are
-    names or codes of rules, separated by commas (see `rapc rule`). What a `rapc.toml`
-    or `[tool.rapc]` in a pyproject.toml says counts where no option does.
+    file is checked by itself, with the files that the test file requires. RULES are
+    names or codes of rules, separated by commas (see `rapc rule`). Options override
+    the configuration, which is a `rapc.toml` or `[tool.rapc]` in a pyproject.toml.
 
-    Exit status: 0 if nothing was found, 1 for a finding at or above the fail level, 2
-    for bad usage and for what cannot be read or, with --fix, written.
+    Exit status: 0 without findings, 1 for a finding at or above the fail level, 2 for
+    invalid usage or a file that cannot be read or (with --fix) written.
     """
     options = msgspec.convert(given, Options)
     _contradict(options)
@@ -89,19 +88,19 @@ def check(**given: Any) -> None:
 def _contradict(options: Options) -> None:
     """End the command if options do not go together."""
     if options.unsafe_fixes and not (options.fix or options.diff):
-        fail("--unsafe-fixes goes with --fix or --diff")
+        fail("--unsafe-fixes requires --fix or --diff")
     if options.isolated and options.config is not None:
-        fail("--config and --isolated exclude each other")
+        fail("cannot combine --config and --isolated")
     if options.stdin_filename is not None and "-" not in options.paths:
-        fail("--stdin-filename goes with the path -")
+        fail("--stdin-filename requires the path `-`")
     if options.statistics and options.output_format not in {None, *STATISTICS}:
-        fail(f"--statistics are printed as {' or '.join(STATISTICS)}")
+        fail(f"--statistics requires the output format {' or '.join(STATISTICS)}")
     if options.write_baseline is not None and (options.fix or options.diff):
-        fail("--write-baseline does not go with --fix or --diff")
+        fail("cannot combine --write-baseline with --fix or --diff")
     if options.write_baseline is not None and options.output_file is not None:
-        fail("--write-baseline and --output-file exclude each other")
+        fail("cannot combine --write-baseline and --output-file")
     if options.watch and ("-" in options.paths or options.write_baseline is not None):
-        fail("--watch goes neither with the path - nor with --write-baseline")
+        fail("cannot combine --watch with the path `-` or --write-baseline")
 
 
 def _with_input(options: Options) -> Options:
@@ -140,7 +139,7 @@ def _checked(options: Options, chosen: Chosen, units: Units) -> CheckReport:
     report = check_files(options.paths, chosen.selection, options.texts, parser=units)
     for name in report.files:
         say(f"read {name}")
-    say(f"ran {len(registry.checks())} passes")
+    say(f"ran {len(registry.checks())} checks")
     return report
 
 
@@ -182,9 +181,11 @@ def _without_known(report: CheckReport, file: Path) -> tuple[CheckReport, str]:
 
     compared = baseline.compare(report, file)
     name = visible(str(file))
-    words = f"; {compared.known} known from {name}" if compared.known else ""
+    words = f"; {compared.known} hidden by {name}" if compared.known else ""
     if compared.gone:
-        words += f"; {compared.gone} of {name} are gone: write it again"
+        words += (
+            f"; {compared.gone} findings of {name} are fixed: write the baseline again"
+        )
     return compared.report, words
 
 
@@ -227,7 +228,7 @@ def _mend(options: Options, chosen: Chosen, units: Units) -> Done:
         for name, text in changed.items():
             click.echo(diff(name, before[name], text), nl=False)
         if not settings().quiet:
-            click.echo(f"would carry out {count}", err=True)
+            click.echo(f"{count} would be applied", err=True)
         return Done(mended.report, bool(changed))
     given = {name: mended.texts.get(name, text) for name, text in options.texts.items()}
     files = [name for name in before if name not in given and allowed(name)]
@@ -239,9 +240,9 @@ def _mend(options: Options, chosen: Chosen, units: Units) -> Done:
     ]
     for text in given.values():
         click.echo(text, nl=False)
-    fixed = f", {count} carried out" if mended.fixed and not left else ""
+    fixed = f", {count} applied" if mended.fixed and not left else ""
     if mended.refused:
-        fixed += f", {_fixes(len(mended.refused))} not kept"
+        fixed += f", {_fixes(len(mended.refused))} rejected"
     report = check(given) if left else mended.report
     refused, apart = mended.refused, bool(given)
     done = _tell(report, options, chosen, fixed=fixed, refused=refused, apart=apart)
@@ -275,6 +276,6 @@ def _fixable(report: CheckReport, refused: Container[Fix]) -> str:
     kinds = [fix.applicability for fix in offered if fix not in refused]
     safe, unsafe = (kinds.count(k) for k in (Applicability.SAFE, Applicability.UNSAFE))
     if safe:
-        more = f", {unsafe} with --unsafe-fixes besides" if unsafe else ""
+        more = f", {unsafe} more with --unsafe-fixes" if unsafe else ""
         return f"; {safe} fixable with --fix{more}"
     return f"; {unsafe} fixable with --fix --unsafe-fixes" if unsafe else ""

@@ -29,42 +29,51 @@ class Options(msgspec.Struct, frozen=True, kw_only=True):
     """
 
     paths: tuple[str, ...]
-    select: Annotated[_Words, Opt(help="Only these rules; ALL: every rule.", **_RULES)]
-    extend_select: Annotated[_Words, Opt(help="These rules besides.", **_RULES)]
+    select: Annotated[
+        _Words, Opt(help="Report only these rules; `ALL` selects every rule.", **_RULES)
+    ]
+    extend_select: Annotated[_Words, Opt(help="Also report these rules.", **_RULES)]
     ignore: Annotated[_Words, Opt(help="Not these rules.", **_RULES)]
     per_file_ignores: Annotated[
-        _Words, Opt(help="Not these rules in files of a name.", metavar="PATTERN:RULES")
+        _Words,
+        Opt(help="Ignore rules in files that match PATTERN.", metavar="PATTERN:RULES"),
     ]
-    fix: Annotated[bool, Opt(help="Carry out fixes that are safe.")]
-    unsafe_fixes: Annotated[bool, Opt(help="With --fix or --diff: the others, too.")]
-    diff: Annotated[bool, Opt(help="Show what --fix would change.")]
+    fix: Annotated[bool, Opt(help="Apply safe fixes.")]
+    unsafe_fixes: Annotated[
+        bool, Opt(help="Also apply unsafe fixes (with --fix or --diff).")
+    ]
+    diff: Annotated[bool, Opt(help="Show the changes of --fix without applying them.")]
     statistics: Annotated[bool, Opt(help="Count the findings of each rule.")]
     output_format: Annotated[
         str | None,
-        Opt(help="How findings are printed (full).", type=click.Choice(FORMATS)),
+        Opt(help="Format of the findings [default: full].", type=click.Choice(FORMATS)),
     ]
-    output_file: Annotated[str | None, Opt(help="Write the findings there.", **_FILE)]
+    output_file: Annotated[str | None, Opt(help="Write the findings to FILE.", **_FILE)]
     write_baseline: Annotated[
-        str | None, Opt(help="Note all findings as known.", **_FILE)
+        str | None, Opt(help="Write all findings to a baseline FILE.", **_FILE)
     ]
     baseline: Annotated[
-        str | None, Opt(help="Leave out the findings noted there.", **_FILE)
+        str | None, Opt(help="Hide the findings listed in this baseline.", **_FILE)
     ]
     fail_level: Annotated[
         str | None,
         Opt(
-            help="The least grave finding that makes the exit status 1 (warning).",
+            help="Lowest severity that sets exit status 1 [default: warning].",
             type=_LEVELS,
         ),
     ]
-    exit_zero: Annotated[bool, Opt(help="Exit with 0 whatever is found.")]
-    stdin_filename: Annotated[
-        str | None, Opt(help="What to call the text on standard input.", metavar="NAME")
+    exit_zero: Annotated[
+        bool, Opt(help="Exit with status 0 even if there are findings.")
     ]
-    no_cache: Annotated[bool, Opt(help="No effect (kept for older scripts).")]
-    watch: Annotated[bool, Opt(help="Check again whenever a file changes.")]
-    config: Annotated[str | None, Opt(help="The configuration to use.", **_FILE)]
-    isolated: Annotated[bool, Opt(help="Use no configuration.")]
+    stdin_filename: Annotated[
+        str | None, Opt(help="File name to report for standard input.", metavar="NAME")
+    ]
+    no_cache: Annotated[bool, Opt(help="Ignored; accepted for older scripts.")]
+    watch: Annotated[bool, Opt(help="Check again after each change of a file.")]
+    config: Annotated[
+        str | None, Opt(help="Read the configuration from FILE.", **_FILE)
+    ]
+    isolated: Annotated[bool, Opt(help="Ignore all configuration files.")]
     #: Texts that replace files: standard input, by its name.
     texts: Mapping[str, str] = {}
 
@@ -113,7 +122,7 @@ def settle(options: Options) -> Chosen:
         baseline = found.beside(said.baseline)
     shape = options.output_format or said.output_format or "full"
     if shape not in FORMATS:
-        fail(f"`{found.file}`: there is no output format `{shape}`")
+        fail(f"`{found.file}`: unknown output format `{shape}`")
     level = options.fail_level or said.fail_level or "warning"
     return Chosen(
         Selection(enabled, (*found.per_file(), *per_file), found.severities()),

@@ -35,27 +35,29 @@ Examples:
 @command(EXAMPLES)
 @click.argument("path")
 @click.option(
-    "-o", "--output", metavar="FILE", help="File for the library; replaced if there."
+    "-o", "--output", metavar="FILE", help="Write the compiled library to FILE."
 )
 @click.option(
     "--explain",
     "explained",
     multiple=True,
     metavar="RAP",
-    help="Say how the clauses of a RAP are asked of memory.",
+    help="Explain how the clauses of a RAP are evaluated (repeatable).",
 )
 def compile(path: str, output: str | None, explained: tuple[str, ...]) -> None:
-    """Check the library at PATH and write it, with its tests, into one file.
+    """Compile the library at PATH, with its tests, to one file.
 
-    `rapc run` and `rapc test` take the file in place of the sources, and read it many
-    times faster.
+    `rapc run` and `rapc test` accept the compiled library in place of the sources, and
+    read the compiled library many times faster.
 
     Exit status: 0 if the file was written, 2 if not.
     """
     if output is None and not explained:
-        raise click.UsageError("-o FILE or --explain RAP is missing")
+        raise click.UsageError("missing -o FILE or --explain RAP")
     if output == "-":
-        raise click.UsageError("-o takes a file: standard output is /dev/stdout")
+        raise click.UsageError(
+            "-o requires a file; use /dev/stdout for standard output"
+        )
     if output is not None and read_compiled(path) is not None:
         fail(f"`{path}` is already a compiled library")
     library = load_checked(path)
@@ -82,7 +84,7 @@ def _encoded(library: Program, path: str, output: str) -> bytes:
         suites = list(_suites(path))
         used = (library.library, *[suite.library for suite in suites])
         files = [file for one in used for file in one.files]
-        told = "is a file of the library"
+        told = "is a source file of the library"
         refuse_output("-o", output, COMPILED_LIBRARY, (files, told))
         return encode(library.library, library.name, suites)
 

@@ -40,31 +40,35 @@ _MOST_FAULTS = 10
 @command(EXAMPLES)
 @click.argument("name", metavar="NAME|FILE.toml")
 @click.option(
-    "--part", "parts", multiple=True, metavar="NAME", help="Only this part, or these."
+    "--part",
+    "parts",
+    multiple=True,
+    metavar="NAME",
+    help="Run only this part (repeatable).",
 )
 @click.option(
     "--seeds",
     type=WholeNumber(definition.MOST_SEEDS),
     metavar="N",
-    help="Runs for each point, from seed 0; as the file says if not given.",
+    help="Runs for each point, from seed 0 [default: from the file].",
 )
 @click.option(
     "--jobs",
     "processes",
     type=WholeNumber(_MOST_PROCESSES),
     metavar="N",
-    help="Processes at work; as many as there are cores if not given.",
+    help="Number of processes [default: number of cores].",
 )
 @click.option(
     "--out",
     type=click.Path(file_okay=False),
     metavar="DIR",
-    help="Folder for results, tables and plots; NAME-results if not given.",
+    help="Folder for the results [default: NAME-results].",
 )
 @click.option(
     "--cluster",
     metavar="ADDRESS",
-    help="Run on the workers of the Dask scheduler at this address.",
+    help="Run on the workers of the Dask scheduler at ADDRESS.",
 )
 def experiment(
     name: str,
@@ -74,15 +78,16 @@ def experiment(
     out: str | None,
     cluster: str | None,
 ) -> None:
-    """Run the experiment NAME that comes with rapc, or the one in FILE.toml.
+    """Run the experiment NAME of rapc, or the experiment in FILE.toml.
 
-    Results are kept as they come: the same command started again does what is missing.
+    Each result is saved when its run ends. If the experiment was interrupted, the same
+    command runs only the missing runs.
 
-    Exit status: 0 if every run has a result, 1 if one has none, 2 if nothing could be
-    run.
+    Exit status: 0 if every run has a result, 1 if a run has none, 2 if no run could
+    start.
     """
     if cluster is not None and processes is not None:
-        raise click.UsageError("--jobs is for this machine, --cluster for others")
+        raise click.UsageError("cannot combine --jobs and --cluster")
     session = _session(name, parts, seeds)
     folder = _folder(out or f"{session.made.name}-results")
     _check_outputs(session, folder)
@@ -94,7 +99,7 @@ def experiment(
             _print(summary)
     _write(session, summaries, folder)
     if not settings().quiet:
-        click.echo(f"Results, tables and plots are in `{visible(str(folder))}`.")
+        click.echo(f"results, tables and plots: `{visible(str(folder))}`")
     _tell_faults(faults)
     raise SystemExit(1 if faults else 0)
 
@@ -109,7 +114,7 @@ def _folder(name: str) -> Path:
     try:
         Path(name).mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        fail(f"cannot make `{name}`: {reason(error)}")
+        fail(f"cannot create `{name}`: {reason(error)}")
     return Path(name)
 
 
@@ -155,7 +160,7 @@ def _run_missing(
                 faults += _tell(session, done)
     except (KeyboardInterrupt, WorkersLost, StoreError) as error:
         why = str(error) or "interrupted"
-        told = f"{came} of {total} runs are done, the same command does the others"
+        told = f"{came} of {total} runs finished; run the command again for the rest"
         click.echo(f"error: {why}: {told}", err=True)
         interrupted = isinstance(error, KeyboardInterrupt)
         raise SystemExit(INTERRUPTED if interrupted else 1) from None
@@ -184,11 +189,11 @@ def _workers(
             from rapc.experiments.cluster import ClusterWorkers
         except ModuleNotFoundError as error:
             _raise_unless_missing(error, "distributed")
-            fail("--cluster needs Dask: install `rapc[cluster]`")
+            fail("--cluster requires Dask: install `rapc[cluster]`")
         try:
             found = ClusterWorkers(cluster, total)
             if not found.threads:
-                click.echo(f"`{cluster}` has no workers yet: waiting", err=True)
+                click.echo(f"`{cluster}` has no workers; waiting", err=True)
         except WorkersLost as error:
             fail(str(error))
     with found as workers:
@@ -216,16 +221,16 @@ def _tell(session: Batch, done: BatchResult) -> list[str]:
             say(line)
         repeat = session.command(point, result.seed)
         fault = visible(f"{where}, seed {result.seed}: {result.fault}")
-        faults.append(f"{fault}\n  to see it again: {repeat}")
+        faults.append(f"{fault}\n  to repeat the run: {repeat}")
     return faults
 
 
 def _tell_faults(faults: Sequence[str]) -> None:
     for fault in faults[:_MOST_FAULTS]:
-        click.echo(f"error: a run has no result: {fault}", err=True)
+        click.echo(f"error: run without a result: {fault}", err=True)
     more = len(faults) - _MOST_FAULTS
     if more > 0:
-        click.echo(f"error: {more} more runs have no result", err=True)
+        click.echo(f"error: {more} more runs without a result", err=True)
 
 
 def _write(session: Batch, summaries: Sequence[PartSummary], folder: Path) -> None:
@@ -246,7 +251,7 @@ def _draw(summaries: Sequence[PartSummary], folder: Path) -> list[str]:
         from rapc.console.experiments.plots import draw_plot
     except ModuleNotFoundError as error:
         _raise_unless_missing(error, "matplotlib")
-        click.echo("no plots: install `rapc[viz]` to have them drawn", err=True)
+        click.echo("plots not drawn: install `rapc[viz]`", err=True)
         return []
     named = {summary.part.name: summary for summary in summaries}
     drawn = []

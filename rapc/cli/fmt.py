@@ -29,18 +29,21 @@ Examples:
 
 @command(EXAMPLES)
 @click.argument("paths", metavar="PATH...", nargs=-1, required=True)
-@click.option("--check", is_flag=True, help="Change nothing; exit with 1 if it would.")
-@click.option("--diff", "differ", is_flag=True, help="The same, and show the changes.")
+@click.option(
+    "--check", is_flag=True, help="Write no file; exit with 1 if one would change."
+)
+@click.option(
+    "--diff", "differ", is_flag=True, help="Like --check; also show the changes."
+)
 def fmt(paths: Sequence[str], check: bool, differ: bool) -> None:
-    """Bring RAP files, and all below folders, into their canonical layout, in place.
+    """Format RAP files, and all RAP files below folders, in place.
 
-    Tests are among them; files that these require are not. A text on standard input
-    (-) goes to standard output. Comments stay where they are, and what the text means
-    stays as it is.
+    Test files are formatted, too; required files outside the paths are not. The text
+    on standard input (-) goes to standard output. Comments keep their places, and the
+    meaning of the text is unchanged.
 
-    Exit status: 0; 1 with --check or --diff if something would change; 2 if a file
-    cannot be read, has a slip in its parentheses, say, or cannot be written: it is left
-    as it is.
+    Exit status: 0; 1 with --check or --diff if a file would change; 2 if a file cannot
+    be read, parsed or written. A file that cannot be formatted is unchanged.
     """
     changed, same, faulty, left = 0, 0, 0, 0
     names = _names(paths)
@@ -95,21 +98,21 @@ def _change(source: SourceFile, text: str, check: bool, differ: bool) -> bool:
     if differ:
         click.echo(diff(source.name, source.text, text), nl=False)
     elif check:
-        click.echo(f"would change {visible(source.name)}")
+        click.echo(f"would reformat {visible(source.name)}")
     elif rewrite(source.name, source.text, text):
-        say(f"changed {source.name}")
+        say(f"reformatted {source.name}")
     else:
         return False
     return True
 
 
 def _summary(changed: int, same: int, faulty: int, left: int, asked: bool) -> str:
-    would = "would change" if asked else "changed"
-    parts = [f"{would} {plural(changed, 'file')}"] if changed else []
+    done = "would be reformatted" if asked else "reformatted"
+    parts = [f"{plural(changed, 'file')} {done}"] if changed else []
     if same:
-        parts.append(f"{plural(same, 'file')} {'is' if same == 1 else 'are'} well")
+        parts.append(f"{plural(same, 'file')} unchanged")
     if faulty:
-        parts.append(f"{plural(faulty, 'file')} cannot be laid out")
+        parts.append(f"{plural(faulty, 'file')} cannot be formatted")
     if left:
         parts.append(f"{plural(left, 'file')} cannot be written")
-    return ", ".join(parts) or "there are no RAP files"
+    return ", ".join(parts) or "no RAP files found"

@@ -36,30 +36,46 @@ Examples:
 
 @command(EXAMPLES)
 @click.argument("path", metavar="PATH")
-@click.option("--rap", metavar="RAP", help="The task-nets of a RAP instead.")
-@click.option("--effects", metavar="RAP", help="What a RAP may do, all told.")
-@click.option("--monitors", is_flag=True, help="Monitors, and what wakes them.")
-@click.option("--claims", is_flag=True, help="What is claimed and used, and by whom.")
-@click.option("--all", "everything", is_flag=True, help="All names and relations.")
-@click.option("--recursive", is_flag=True, help="RAPs that call each other in a cycle.")
-@click.option("--dominators", metavar="RAP", help="What is only reached through what.")
-@click.option("--dependents", metavar="NAME", help="What depends on a name.")
+@click.option("--rap", metavar="RAP", help="Show the task-nets of RAP.")
+@click.option("--effects", metavar="RAP", help="Show all possible effects of RAP.")
+@click.option(
+    "--monitors",
+    is_flag=True,
+    help="Show monitors and the facts and events that wake them.",
+)
+@click.option(
+    "--claims", is_flag=True, help="Show things with the RAPs that claim or use them."
+)
+@click.option(
+    "--all", "everything", is_flag=True, help="Show all names and their relations."
+)
+@click.option(
+    "--recursive", is_flag=True, help="Show RAPs that call each other in a cycle."
+)
+@click.option(
+    "--dominators",
+    metavar="RAP",
+    help="Show the definitions on every path from RAP to others.",
+)
+@click.option(
+    "--dependents", metavar="NAME", help="Show all definitions that depend on NAME."
+)
 @click.option(
     "--format",
     "output_format",
     type=click.Choice(["dot", "mermaid", "json", "text", "graphml"]),
     default="dot",
     show_default=True,
-    help="Graphviz, Mermaid, JSON, text for people, or GraphML.",
+    help="Format of the graph.",
 )
 @click.option(
     "--skills",
     "moment",
     type=Amount(min=0),
     metavar="TIME",
-    help="The skills that are on at a time of a run of --world, and what they read.",
+    help="Show the active skills of a run in --world at TIME.",
 )
-@click.option("--world", "world_name", metavar="WORLD", help="World of --skills.")
+@click.option("--world", "world_name", metavar="WORLD", help="World for --skills.")
 @run_options
 def graph(  # noqa: PLR0912  # a branch for each view
     path: str,
@@ -76,21 +92,21 @@ def graph(  # noqa: PLR0912  # a branch for each view
     world_name: str | None,
     **more: Any,
 ) -> None:
-    """Print a graph of a library: which RAP asks for which RAPs and primitives.
+    """Print a graph of a library: the RAPs and primitives that each RAP calls.
 
-    Exit status: 0; 2 for a library with errors, and for what cannot be read.
+    Exit status: 0; 2 for a library that has errors or cannot be read.
     """
     from rapc.console import graphs as writers
 
     views = (rap, effects, dominators, dependents, moment)
     flags = (monitors, claims, everything, recursive)
     if sum(view is not None for view in views) + sum(flags) > 1:
-        fail("options that select a graph exclude each other")
+        fail("cannot combine options that select a graph")
     if moment is not None and world_name is not None:
         spec = read_spec(world_name, **more)
         drawn, style = _network(path, world_name, moment, spec), writers.NETWORK
     elif moment is not None or world_name is not None or any(more.values()):
-        fail("--skills takes --world; --world, --task and the like take --skills")
+        fail("--skills requires --world; options of a run require --skills")
     else:
         library, style = _library(path), writers.LIBRARY
         if rap is not None:
@@ -121,14 +137,14 @@ def _network(path: str, world_name: str, moment: float, spec: RunSpec) -> Graph:
     run = prepared(load_checked(path), spec, world_name)
     world = inspect.unwrap(run.world)  # type: ignore[arg-type]  # an object, too
     if not isinstance(world, SkillWorld):
-        fail(f"the world `{world.name}` has no network of skills to be drawn")
+        fail(f"the world `{world.name}` has no network of skills")
     found: list[Graph] = []
     time = number(moment)
     run.start()
     run.call_at(time, lambda: found.append(world.network()))
     reason = run.run(until=time)
     if not found:
-        fail(f"the run was over at time {readable(run.now)} ({reason})")
+        fail(f"the run ended at time {readable(run.now)} ({reason})")
     return found[0]
 
 

@@ -27,15 +27,15 @@ from rapc.errors import Error, RefusedError, reason
 
 COMMANDS = {
     "check": "Check RAP libraries.",
-    "fmt": "Bring RAP files into their canonical layout.",
+    "fmt": "Format RAP files.",
     "compile": "Compile a RAP library to one file.",
     "rule": "Explain a rule of the checker.",
     "run": "Run tasks of a library against a world.",
-    "repl": "Step a run, ask it why, go back.",
-    "experiment": "Run many seeded runs, and say what they come to.",
+    "repl": "Debug a run interactively.",
+    "experiment": "Run a batch of seeded runs and summarise the results.",
     "test": "Run the tests of RAP libraries.",
-    "graph": "Print a graph of a library, to be drawn.",
-    "worlds": "List worlds, or say what one offers.",
+    "graph": "Print a graph of a library.",
+    "worlds": "List worlds or describe one.",
 }
 """The commands with their line in the help; `rapc.cli.NAME` defines each."""
 
@@ -81,7 +81,7 @@ class Commands(click.Group):
 @click.group(cls=Commands, epilog=EXAMPLES, context_settings={**HELP})
 @click.version_option(package_name="rapc", message="rapc %(version)s")
 def cli() -> None:
-    """Reactive Action Packages: check them, run them, see why."""
+    """Check, run, test and debug Reactive Action Packages (RAPs)."""
 
 
 def main(args: Sequence[str] | None = None) -> None:
@@ -116,7 +116,7 @@ def main(args: Sequence[str] | None = None) -> None:
             _internal_fault(error)
         else:
             _drop(sys.stdout)
-            _tell(f"error: the output cannot be written: {reason(error)}")
+            _tell(f"error: cannot write the output: {reason(error)}")
         sys.exit(USAGE)
     except Exception as error:
         if sys.stdout.closed:
@@ -133,7 +133,7 @@ def _refuse_foreign(error: SystemExit) -> None:
     if str(frame.f_globals.get("__name__")).partition(".")[0] in ("rapc", "click"):
         return
     place = f"{Path(frame.f_code.co_filename).name}:{row}"
-    _tell(f"error: {place} ends the process: {said_by(error)}")
+    _tell(f"error: {place} ended the process: {said_by(error)}")
     sys.exit(USAGE)
 
 
@@ -156,10 +156,10 @@ def _message(error: click.ClickException) -> str:
     """Return a usage error as a line with at most a single suggestion."""
     if isinstance(error, click.exceptions.NoSuchCommand):
         name = error.command_name
-        return f"there is no command `{name}`{hint(name, COMMANDS)}"
+        return f"unknown command `{name}`{hint(name, COMMANDS)}"
     if isinstance(error, click.NoSuchOption):
         name = error.option_name
-        return f"there is no option `{name}`{hint(name, error.possibilities or ())}"
+        return f"unknown option `{name}`{hint(name, error.possibilities or ())}"
     text = " ".join(error.format_message().split()).removesuffix(".")
     return text[:1].lower() + text[1:]
 
@@ -193,6 +193,6 @@ def _internal_fault(error: Exception) -> None:
     show_traceback(error)
     what = " ".join(f"{type(error).__name__}: {error}".split())
     _tell(
-        f"error: rapc itself is at fault ({what[:200]}); please report it to its "
+        f"error: internal error in rapc ({what[:200]}); please report it to its "
         "developers with the command, the input and what RAPC_DEBUG=1 shows"
     )

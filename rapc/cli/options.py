@@ -125,9 +125,9 @@ def with_common_options(command: C) -> C:
 def _common() -> list[click.Parameter]:
     """Return the options `--color`, `-v` and `-q`."""
     colors = click.Choice(["auto", "always", "never"])
-    told = "Whether to colour the output (NO_COLOR is heeded)."
-    loud = "Say on standard error what is done."
-    quiet = "Print nothing but findings and results."
+    told = "When to use colour; NO_COLOR is respected."
+    loud = "Print progress on standard error."
+    quiet = "Print only findings and results."
     kept: dict[str, Any] = {"expose_value": False, "callback": _keep}
     return [
         click.Option(["--color"], type=colors, help=told, **kept),

@@ -52,10 +52,10 @@ Examples:
     "given",
     multiple=True,
     metavar="INPUT",
-    help="What would be typed; may be given several times. Nothing is read then.",
+    help="Debugger command (repeatable); standard input is not read.",
 )
 @click.option(
-    "--json", "as_json", is_flag=True, help="Write each answer as a line of JSON."
+    "--json", "as_json", is_flag=True, help="Write each answer as one line of JSON."
 )
 def repl(
     path: str | None,
@@ -66,33 +66,32 @@ def repl(
 ) -> None:
     """Debug a run of the library at PATH in a world, or a recorded run.
 
-    Without PATH nothing is defined and there is no world: a place to try RAP text.
-    A library that declares no primitive and no skill needs no world.
-    On a terminal there is a prompt, at which `:help` lists all commands. Else inputs
-    are read from standard input, and the answers are written without decoration.
+    Without PATH, the library is empty: type RAP forms to try them. A library without
+    primitives and skills requires no world. On a terminal, `:help` at the prompt lists
+    all commands. Otherwise the commands are read from standard input, and the answers
+    are printed as plain text.
 
-    Exit status: 0, or 1 if an input of a script could not be carried out; 2 if nothing
-    could be begun.
+    Exit status: 0; 1 if a command of a script failed; 2 if the run could not start.
     """
     if path is None:
         if world_name or any({**more, "seed": 0}.values()):
-            fail("a library is missing: give PATH", "without one there is no world")
+            fail("missing PATH of a library", "options of a run require a library")
         library = loads("", TYPED)
         world = ScriptedWorld([], declared=library.program.library)
         shell = Shell(History.open(library, world, seed=more["seed"]), commands())
     elif path.endswith(RECORDED):
         if any(more.values()):
             fail(
-                "a recorded run begins as it was recorded",
-                "only --world, -c and --json go with it",
+                "cannot change the start of a recorded run",
+                "use only --world, -c and --json",
             )
         shell = _recorded(Path(path), world_name)
     else:
         program = load_checked(path)
         if world_name is None and _asks_a_world(program.library):
             fail(
-                "a world is missing: give --world",
-                "`rapc worlds` lists those installed",
+                "missing --world",
+                "list the installed worlds with `rapc worlds`",
             )
         ready = prepared(program, read_spec(world_name, **more), world_name)
         shell = Shell(_session(ready), commands(), [path])
@@ -120,10 +119,10 @@ def _recorded(path: Path, world_name: str | None) -> Shell:
     begun = recording.begun
     found = _at_hand(begun, world_name, path)
     if isinstance(found, str):
-        _tell(f"only to look at: {found}")
+        _tell(f"opened read-only: {found}")
         return Shell(History(Playback(recording)), commands(), recording=str(recording))
     if begun.digest != digest(found.library):
-        _tell("the library is not the one that was recorded: its text is another")
+        _tell("warning: the library has changed since the recording")
     named = world_name or (None if begun.world == ScriptedWorld.name else begun.world)
     session = _session(prepared(found, begun, named))
     Replay(session, recording)
@@ -156,7 +155,7 @@ def _at_hand(begun: RunSpec, world_name: str | None, path: Path) -> Program | st
     except Error as error:
         return error.message
     if begun.world == ScriptedWorld.name and _asks_a_world(program.library):
-        return "the world was a script, which a recording does not have"
+        return "the script of its world is not part of a recording"
     return program
 
 

@@ -24,23 +24,23 @@ Examples:
 
 @command(EXAMPLES)
 @click.argument("name", required=False)
-@click.option("--all", "everything", is_flag=True, help="The pages of all rules.")
+@click.option("--all", "everything", is_flag=True, help="Print the pages of all rules.")
 @click.option(
     "--format",
     "output_format",
     type=click.Choice(["text", "json"]),
     default="text",
     show_default=True,
-    help="Text (Markdown) or JSON.",
+    help="Format of the pages; text is Markdown.",
 )
 def rule(name: str | None, everything: bool, output_format: str) -> None:
-    """Print the manual page of the rule NAME (a name or a code).
+    """Explain the rule NAME (a name or a code).
 
-    Without NAME all rules are listed, one line each. `rapc check` reports an opt-in
-    rule only if `--select` or `--extend-select` names it; ALL stands for all rules.
+    Without NAME, all rules are listed, one a line. `rapc check` reports an opt-in rule
+    only if `--select` or `--extend-select` names the rule, or selects `ALL`.
     """
     if name is not None and everything:
-        fail("a rule's name and --all exclude each other")
+        fail("cannot combine the name of a rule and --all")
     rules = registry.rules()
     chosen = list(rules.values()) if name is None else [_find(name)]
     if output_format == "json":
@@ -81,8 +81,8 @@ def _page(one: Rule) -> str:
 def advice(one: Rule) -> dict[str, str]:
     """Return advice on findings of a rule, and further reading, by title."""
     return {
-        "Fix": one.fix or "none, for only the author knows what is meant",
-        "Ignore it": one.ignore or "never: a library with this error is refused",
+        "Fix": one.fix or "none; the correction depends on the intention",
+        "Ignore it": one.ignore or "not possible; a library with this error is refused",
         "Source": one.source,
     }
 

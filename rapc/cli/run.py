@@ -47,25 +47,27 @@ _MOST_FRAMES = 1_000_000
 @click.argument("path")
 @click.option("--world", "world_name", required=True, help="World to run against.")
 @run_options
-@click.option("--until", type=float, metavar="TIME", help="Time at which to stop.")
-@click.option("--trace", type=click.Path(dir_okay=False), help="File for the trace.")
+@click.option("--until", type=float, metavar="TIME", help="Stop the run at TIME.")
+@click.option(
+    "--trace", type=click.Path(dir_okay=False), help="Write the trace to FILE."
+)
 @click.option(
     "--trace-format",
     type=click.Choice(["jsonl", "text"]),
     default="jsonl",
     show_default=True,
-    help="Form of the trace file.",
+    help="Format of the trace file.",
 )
 @click.option(
     "--show",
     is_flag=True,
-    help="Draw the world beside what the robot believes of it, instead of the trace.",
+    help="Show the world and the robot's beliefs instead of the trace.",
 )
 @click.option(
     "--show-every",
     type=WholeNumber(_MOST_FRAMES),
     metavar="N",
-    help="With --show to a file or a pipe: every Nth frame.",
+    help="Print every Nth frame if --show writes to a file or pipe.",
 )
 def run(
     path: str,
@@ -79,19 +81,18 @@ def run(
 ) -> None:
     """Run tasks of the library at PATH against a world.
 
-    Unless -q or --show is given, the trace goes to standard output; a short report
-    closes it.
+    Without -q and --show, the trace goes to standard output. A short report follows.
 
-    A task that is never done keeps the run going for good, unless it stands in the
-    background or --until is given; it is named on standard error.
+    A foreground task that never ends keeps the run going until the time of --until.
+    Without --until, a note on standard error names the task.
 
-    Exit status: 0 if every task that is not in the background succeeded and none in
-    the background failed, 1 if not, 2 if nothing could be run.
+    Exit status: 0 if every foreground task succeeded and no background task failed, 1
+    if not, 2 if the run could not start.
     """
     if show_every is not None and not show:
-        raise click.UsageError("--show-every says how often to --show")
+        raise click.UsageError("--show-every requires --show")
     if more["agenda"] is None and not more["tasks"]:
-        fail("there is nothing to do: give --task or --agenda")
+        fail("missing --task or --agenda")
     library = load_checked(path)
     end = _time(until)
     spec = read_spec(world_name, until=end, **more)
@@ -127,7 +128,7 @@ def _tell_what_ends_it(
 ) -> None:
     """Note on standard error that a run ends at once, or never."""
     if all(request.background for request in asked):
-        said = "note: a run does not go on for tasks in the background, and no others"
+        said = "note: the run ends at once: all tasks are in the background"
         click.echo(f"{said} are given", err=True)
     elif end is None:
         _tell_endless(asked, library)
@@ -139,9 +140,10 @@ def _tell_endless(asked: Sequence[TaskRequest], library: Library) -> None:
     for request in asked:
         if request.goal[0] in never and not request.background:
             goal = visible(format_list(request.goal))
-            said = f"note: {goal} is never done, and nothing else ends the run"
+            said = f"note: {goal} never ends, so the run never ends"
             click.echo(
-                f"{said}: give --until, or `:background true` with it and another task",
+                f"{said}: use --until, or add another task and `:background true` "
+                f"to this one",
                 err=True,
             )
 
@@ -190,8 +192,8 @@ def _time(until: float | None) -> Time | None:
     try:
         end = number(until)
     except ValueError:
-        fail("--until takes a finite number")
-    return end if end >= 0 else fail("--until takes a time, and the clock begins at 0")
+        fail("--until must be finite")
+    return end if end >= 0 else fail("--until must not be negative")
 
 
 def _opened(trace: str, files: Iterable[str], world: World) -> TextIO:
@@ -203,7 +205,10 @@ def _opened(trace: str, files: Iterable[str], world: World) -> TextIO:
         world: the world of the run, which may be a module of the user.
     """
     module = getattr(sys.modules.get(type(world).__module__), "__file__", None)
-    inputs = (files, "is a file of the library"), ([module], "is the file of the world")
+    inputs = (
+        (files, "is a source file of the library"),
+        ([module], "is the source file of the world"),
+    )
     refuse_output("--trace", trace, TRACE, *inputs)
     try:
         return Path(trace).open("w", encoding="utf-8")
@@ -214,7 +219,7 @@ def _opened(trace: str, files: Iterable[str], world: World) -> TextIO:
 def _drawable(world: HeldWorld, world_name: str) -> Callable[[], Picture]:
     """Return the `picture` of a world; a world without it ends the command."""
     if not isinstance(world, Drawable):
-        fail(f"the world `{world_name}` has no picture of itself to --show")
+        fail(f"the world `{world_name}` cannot be shown: it has no `picture` method")
     world.picture()
     return world.picture
 

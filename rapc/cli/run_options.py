@@ -35,37 +35,40 @@ def run_options(command: F) -> F:
             "tasks",
             multiple=True,
             metavar="'(RAP ARGS) [OPTIONS]'",
-            help="Task to run; :priority N, :deadline T, :at T, :background true may "
-            "follow.",
+            help="Run this task (repeatable).",
         ),
         click.option(
             "--agenda",
             metavar="NAME",
-            help="Agenda of the library: its tasks come before those of --task.",
+            help="Run the tasks of this agenda before those of --task.",
         ),
         click.option(
-            "--seed", type=int, default=0, show_default=True, help="Seed of the run."
+            "--seed",
+            type=int,
+            default=0,
+            show_default=True,
+            help="Seed of the random streams.",
         ),
         click.option(
             "--fact",
             "facts",
             multiple=True,
             metavar="'(FACT)'",
-            help="Fact in memory at first.",
+            help="Initial fact in memory (repeatable).",
         ),
         click.option(
             "--set",
             "values",
             multiple=True,
             metavar="OWNER.NAME=VALUE",
-            help="Option of the world, or rapc.NAME for a setting of the interpreter.",
+            help="Set an option of the world or a `rapc` setting (repeatable).",
         ),
         click.option(
             "--fault",
             "faults",
             multiple=True,
             metavar="'(REQUEST) RESULT [p=..] [from=..] [until=..]'",
-            help="Let requests fail so; may be given several times.",
+            help="Make matching requests fail (repeatable).",
         ),
     )
     for option in reversed(options):
@@ -112,7 +115,7 @@ def read_spec(  # the options of `run_options`, and of `run`
     world = _world_class(world_name)
     named = dict(read_option("--set", registry.split_setting, text) for text in values)
     if world_name is None and any(not key.startswith("rapc.") for key in named):
-        fail("--set: without a world there are no options of a world")
+        fail("--set: options of a world require --world")
     options, own = read_option("--set", partial(registry.read_values, world), named)
     settings = read_option("--set", read_settings, own)
     return RunSpec(

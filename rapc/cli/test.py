@@ -49,41 +49,41 @@ _MOST_SEEDS = 100_000
     type=WholeNumber(_MOST_SEEDS),
     default=1,
     metavar="N",
-    help="Run each test under so many seeds: it must hold for all.",
+    help="Number of seeds; a test must pass with each.",
 )
 @click.option(
     "--fault",
     "faults",
     multiple=True,
     metavar="'(REQUEST) RESULT [p=..] [from=..] [until=..]'",
-    help="Let requests fail so; may be given several times.",
+    help="Make matching requests fail (repeatable).",
 )
 @click.option(
     "--world-module",
     "modules",
     multiple=True,
     metavar="MODULE",
-    help="Let tests name worlds of a module, which is then imported.",
+    help="Allow tests to import worlds from MODULE (repeatable).",
 )
 @click.option(
     "--junit",
     type=click.Path(dir_okay=False),
     metavar="FILE",
-    help="Write the outcomes as JUnit XML.",
+    help="Write the results to FILE as JUnit XML.",
 )
 @click.option(
     "--coverage",
     is_flag=False,
     flag_value="",
     metavar="[FILE.json]",
-    help="Say what the tests exercise of the library; write it as JSON, too.",
+    help="Report test coverage; with FILE.json, also as JSON.",
 )
 @click.option(
     "--coverage-min",
     "least",
     type=Amount(0, 100),
     metavar="N",
-    help="Fail if the tests exercise less than N per cent of the library.",
+    help="Fail if the coverage is below N per cent.",
 )
 def test(
     paths: Sequence[str],
@@ -97,22 +97,22 @@ def test(
 ) -> None:
     """Run the tests in files, and in all *.test.rap files below folders.
 
-    The `world-modules` of the nearest rapc.toml, or of `[tool.rapc]` in a
-    pyproject.toml, permit modules as --world-module does.
+    Tests may also import worlds from the `world-modules` of the nearest rapc.toml, or
+    of `[tool.rapc]` in a pyproject.toml.
 
-    Exit status: 0 if all passed, 1 if one failed, 2 if one could not be run.
+    Exit status: 0 if all tests passed, 1 if a test failed, 2 if a test could not run.
     """
     if coverage and not coverage.endswith(".json"):
         paths, coverage = (coverage, *paths), ""
     if not paths:
-        raise click.UsageError("a file or folder with tests is missing")
+        raise click.UsageError("missing a file or folder with tests")
     gathered = None if coverage is None and least is None else Coverage()
     injected = tuple([read_option("--fault", read_fault, text) for text in faults])
     permitted = (*modules, *nearest_config(paths[0]).config.world_modules)
     running = TestSession(range(seed, seed + seeds), injected, gathered, permitted)
     cases = _find(paths)
     inputs = {*paths, *(file for case in cases for file in _files(case))}
-    told = "is a file of the tests or of their library"
+    told = "is a source file of the tests or of their library"
     for option, file, output in (
         ("--junit", junit, JUNIT),
         ("--coverage", coverage, COVERAGE),
@@ -120,7 +120,7 @@ def test(
         if file:
             refuse_output(option, file, output, (inputs, told))
     if junit and coverage and same_file(junit, coverage):
-        fail(f"--junit and --coverage are to be written to one file, `{junit}`")
+        fail(f"cannot write --junit and --coverage to the same file `{junit}`")
     useless = list(running.useless(cases))
     if useless:
         fail("--fault: " + useless[0], *useless[1:])
@@ -162,7 +162,7 @@ def _find(paths: Sequence[str]) -> tuple[Case, ...]:
     found = discover.find(paths)
     refuse_faulty(*found.reports)
     if not found.cases:
-        fail("there are no tests in " + ", ".join(f"`{path}`" for path in paths))
+        fail("no tests found in " + ", ".join(f"`{path}`" for path in paths))
     return found.cases
 
 

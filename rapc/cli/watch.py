@@ -49,7 +49,7 @@ def watch(paths: Sequence[str], act: Callable[[], Iterable[str]]) -> None:
             for name, found in _stamps(map(path_of, others)).items():
                 read_late = name not in before and found[0] >= began
                 expected[name] = _UNKNOWN if read_late else before.get(name, found)
-            click.echo("waiting for a change; Ctrl-C ends", err=True)
+            click.echo("waiting for changes; press Ctrl-C to stop", err=True)
             while _stamps([*_below(paths), *map(path_of, others)]) == expected:
                 time.sleep(_INTERVAL)
     except KeyboardInterrupt:

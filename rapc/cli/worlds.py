@@ -38,7 +38,7 @@ _WIDEST = 100
 @click.option(
     "--declare",
     is_flag=True,
-    help="Print what the world offers as the declarations of a library.",
+    help="Print the offer of the world as declarations.",
 )
 @click.option(
     "--test",
@@ -46,31 +46,31 @@ _WIDEST = 100
     is_flag=False,
     flag_value="",
     metavar="[LIBRARY]",
-    help="Hold the world to the port; its handlers too, with a library of their words.",
+    help="Test the world; with LIBRARY, also test its handlers.",
 )
 @click.option(
     "--requests",
     type=WholeNumber(_MOST_REQUESTS),
     metavar="N",
-    help=f"With --test: requests under each seed [default: {REQUESTS}].",
+    help=f"Requests with each seed (with --test) [default: {REQUESTS}].",
 )
 def worlds(
     name: str | None, declare: bool, library: str | None, requests: int | None
 ) -> None:
-    """List the worlds installed, or say what the world NAME offers.
+    """List the installed worlds, or describe the world NAME.
 
-    NAME is the name of an installed world, or `module:Class`. Exit status of `--test`:
-    0 if the world keeps to the port, 1 if it does not, 2 if it cannot be had.
+    NAME is the name of an installed world, or `module:Class`. Exit status of --test: 0
+    if all checks passed, 1 if a check failed, 2 if the world cannot be loaded.
     """
     width = max(_NARROWEST, min(shutil.get_terminal_size().columns, _WIDEST))
     if name is None and library:
         name, library = library, ""
     if name is None and (declare or library is not None):
-        raise click.UsageError("the name of a world is missing")
+        raise click.UsageError("missing NAME of a world")
     if declare and library is not None:
-        raise click.UsageError("`--declare` and `--test` do not go together")
+        raise click.UsageError("cannot combine --declare and --test")
     if requests is not None and library is None:
-        raise click.UsageError("`--requests` requires `--test`")
+        raise click.UsageError("--requests requires --test")
     if name is None:
         listed = {installed: _summary(installed) for installed in registry.available()}
         click.echo(visible_lines(list_worlds(listed, width)))

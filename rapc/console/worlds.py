@@ -28,20 +28,20 @@ def describe_world(world: World, width: int) -> str:
         for name, (arity, results) in offer.primitives.items()
     ]
     lines = wrapped(f"{world.name}: {summary_of(type(world))}", width)
-    lines += _section("primitives / arguments, and results", primitives, width)
+    lines += _section("primitives / arguments: results", primitives, width)
     named = (("data", offer.data), ("skills", offer.skills), ("events", offer.events))
     listed: list[tuple[str, Sequence[str]]] = [
         (f"{title} / arguments", [f"{name}/{arity}" for name, arity in names.items()])
         for title, names in named
     ]
-    listed.insert(0, ("primitives that only look", offer.sensors))
+    listed.insert(0, ("sensor primitives", offer.sensors))
     for title, words in listed:
         if words:
             lines += ["", *wrapped(title, width)]
             folded = wrapped("  ".join(words), width - 2)
             lines += ["  " + line for line in folded]
     rows = [(option.name, _option(option)) for option in world.kit.options]
-    lines += _section(f"options, as `--set {world.name}.option=value`", rows, width)
+    lines += _section(f"options for `--set {world.name}.option=VALUE`", rows, width)
     return "\n".join(lines)
 
 
@@ -91,24 +91,28 @@ def report(name: str, trials: Sequence[Trial], requests: int, width: int) -> str
     Results that no request had are listed, too: the code for these results was not
     tested.
     """
-    broken = sum(bool(trial.faults) for trial in trials)
-    kept = f"keeps to the port in {len(trials) - broken} of {len(trials)} parts"
-    last = kept if broken else "keeps to the port"
-    tried = f"{plural(requests, 'request')} under each of {len(SEEDS)} seeds"
+    failed = sum(bool(trial.faults) for trial in trials)
+    left_out = sum(bool(trial.left_out) for trial in trials)
+    passed = len(trials) - failed - left_out
+    counts = [f"{plural(passed, 'check')} passed"]
+    counts += [f"{failed} failed"] if failed else []
+    counts += [f"{left_out} not applicable"] if left_out else []
+    tried = f"{plural(requests, 'request')} with each of {len(SEEDS)} seeds"
     lines = [line for trial in trials for line in _told(trial, width)]
-    return "\n".join([*lines, *wrapped(f"{name} {last}; {tried}", width)])
+    last = f"{name}: {', '.join(counts)} ({tried})"
+    return "\n".join([*lines, *wrapped(last, width)])
 
 
 def _told(trial: Trial, width: int) -> Iterator[str]:
     """Yield the lines about one part."""
-    word = "broken" if trial.faults else "-" if trial.left_out else "ok"
+    word = "failed" if trial.faults else "n/a" if trial.left_out else "passed"
     more = f": {trial.left_out}" if trial.left_out else ""
     first, *rest = wrapped(f"{trial.part}{more}", max(width - _LEFT, 1))
     yield f"  {word:<6}  {first}"
     yield from (" " * _LEFT + line for line in rest)
     below = list(trial.faults)
     if trial.unseen:
-        below.append("results never seen:")
+        below.append("results that no request had:")
     below += [f"{name}: {', '.join(told)}" for name, told in trial.unseen.items()]
     for text in below:
         yield from (" " * _LEFT + line for line in wrapped(text, width - _LEFT))

@@ -91,7 +91,9 @@ class Shell:
         world = innermost(run.port)
         module = getattr(sys.modules.get(type(world).__module__), "__file__", None)
         read = (*self.paths, *run.library.library.files, module)
-        check_output(path, output, (read, "is a file of the library or of the world"))
+        check_output(
+            path, output, (read, "is a source file of the library or of the world")
+        )
 
     @property
     def breakpoints(self) -> Breakpoints:

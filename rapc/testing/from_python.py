@@ -81,7 +81,7 @@ def test(
     for report in found.reports:
         raise CheckError(report)
     if not found.cases:
-        raise ArgumentError("there are no tests in the sources given")
+        raise ArgumentError("no tests found in the sources given")
     return tuple(
         _result(run_case(case, seed, listener=listener, modules=permitted))
         for case in found.cases

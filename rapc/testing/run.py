@@ -283,7 +283,7 @@ class _Run:
             now = readable(self.interpreter.now)
             reason = self.interpreter.reason
             self._fail(
-                at.span, f"never reached: the run was over at time {now} ({reason})"
+                at.span, f"never reached: the run ended at time {now} ({reason})"
             )
 
     def _fail(self, span: Span, *happened: str) -> None:

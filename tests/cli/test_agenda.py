@@ -61,4 +61,4 @@ def test_an_unknown_agenda_is_refused_with_the_nearest_name(path: Path) -> None:
 def test_without_agenda_and_task_there_is_nothing_to_do(path: Path) -> None:
     done = rapc("run", str(path), "--world", "truck")
     assert done.returncode == 2
-    assert "give --task or --agenda" in done.stderr
+    assert "missing --task or --agenda" in done.stderr

@@ -177,7 +177,7 @@ def test_options_that_do_not_exist_are_refused(option: str, program: Path) -> No
     program.write_text(ERROR)
     done = rapc("check", str(program), option)
     assert (done.returncode, done.stdout) == (2, "")
-    assert f"there is no option `{option}`" in done.stderr
+    assert f"unknown option `{option}`" in done.stderr
 
 
 def test_each_option_of_check_is_a_field_of_one_table() -> None:

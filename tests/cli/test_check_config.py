@@ -98,7 +98,7 @@ def test_a_configuration_can_be_named(folder: Path) -> None:
         ('fail-level = "grave"', "`fail-level`: there is no value `grave` here"),
         ('select = "RAP013"', "`select`: expected a list, got text"),
         ("ignore = [", None),
-        ('output-format = "pdf"', "there is no output format `pdf`"),
+        ('output-format = "pdf"', "unknown output format `pdf`"),
     ],
 )
 def test_a_bad_configuration_is_refused(
@@ -124,7 +124,7 @@ def test_a_baseline_leaves_out_what_is_known(folder: Path) -> None:
     done = rapc("check", "lib", "--baseline", "known.json", cwd=folder)
     assert done.returncode == 0
     assert done.stdout == (
-        "checked 1 file, 1 RAP: no findings; 2 known from known.json\n"
+        "checked 1 file, 1 RAP: no findings; 2 hidden by known.json\n"
     )
     file = folder / "lib" / "go.rap"
     file.write_text(f"; moved\n\n{TWO}(define-rap (new) (succeed (up)))\n")
@@ -132,7 +132,9 @@ def test_a_baseline_leaves_out_what_is_known(folder: Path) -> None:
     assert new == ["undeclared-predicate error"]
     file.write_text("(define-rap (go))\n")
     done = rapc("check", "lib", "--baseline", "known.json", cwd=folder)
-    assert done.stdout.endswith("2 of known.json are gone: write it again\n")
+    assert done.stdout.endswith(
+        "2 findings of known.json are fixed: write the baseline again\n"
+    )
 
 
 def test_a_baseline_is_seen_from_its_own_folder(folder: Path) -> None:
@@ -140,7 +142,7 @@ def test_a_baseline_is_seen_from_its_own_folder(folder: Path) -> None:
     (folder / "rapc.toml").write_text('baseline = "known.json"')
     done = rapc("check", ".", cwd=folder / "lib")
     assert (done.returncode, done.stderr) == (0, "")
-    assert "no findings; 2 known from" in done.stdout
+    assert "no findings; 2 hidden by" in done.stdout
 
 
 @pytest.mark.parametrize("text", ["", "[]", '{"rapc-baseline": 9, "findings": []}'])

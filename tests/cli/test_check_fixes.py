@@ -28,7 +28,7 @@ def test_safe_fixes_are_carried_out_and_reported(tmp_path: Path) -> None:
     assert done.stdout.endswith("1 warning; 1 fixable with --fix\n")
     done = rapc("check", "--fix", "one.rap", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout == "checked 1 file, 1 RAP: no findings, 1 fix carried out\n"
+    assert done.stdout == "checked 1 file, 1 RAP: no findings, 1 fix applied\n"
     assert file.read_text() == FIXED
 
 
@@ -36,7 +36,7 @@ def test_a_difference_is_shown_and_nothing_written(tmp_path: Path) -> None:
     file = tmp_path / "one.rap"
     file.write_text(UNUSED)
     done = rapc("check", "--diff", "one.rap", cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (1, "would carry out 1 fix\n")
+    assert (done.returncode, done.stderr) == (1, "1 fix would be applied\n")
     assert done.stdout == (
         "--- one.rap\n+++ one.rap\n@@ -1,2 +1,2 @@\n"
         "-; rapc: ignore[unknown-rap] nothing to ignore\n+\n (define-rap (wait))\n"
@@ -68,7 +68,7 @@ def test_fixes_that_improve_nothing_are_counted_and_not_offered(
     text += "  (method\n    (primitive (drive ?place)))\n"
     file.write_text(text)
     done = rapc("check", "--fix", "--unsafe-fixes", "one.rap", cwd=tmp_path)
-    assert done.stdout.endswith(": 1 error, 1 fix not kept\n")
+    assert done.stdout.endswith(": 1 error, 1 fix rejected\n")
     assert (done.returncode, file.read_text()) == (1, text)
 
 
@@ -114,15 +114,15 @@ def test_a_text_on_standard_input_may_have_a_name(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("args", "said"),
     [
-        (("--unsafe-fixes",), "--unsafe-fixes goes with --fix or --diff"),
-        (("--stdin-filename", "a"), "--stdin-filename goes with the path -"),
+        (("--unsafe-fixes",), "--unsafe-fixes requires --fix or --diff"),
+        (("--stdin-filename", "a"), "--stdin-filename requires the path `-`"),
         (
             ("--isolated", "--config", "rapc.toml"),
-            "--config and --isolated exclude each other",
+            "cannot combine --config and --isolated",
         ),
         (
             ("--fix", "--write-baseline", "b"),
-            "--write-baseline does not go with --fix or --diff",
+            "cannot combine --write-baseline with --fix or --diff",
         ),
         (
             ("--per-file-ignores", "a.rap"),

@@ -158,7 +158,7 @@ def test_an_input_is_not_written_over(option: str, folder: Path) -> None:
     file = folder / "lib" / "a b%,:c.rap"
     done = rapc("check", "lib", option, str(file), cwd=folder)
     assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr == f"error: {option}: `{file}` is a file of the library\n"
+    assert done.stderr == f"error: {option}: `{file}` is a source file of the library\n"
     assert file.read_text() == TWO
 
 
@@ -174,7 +174,7 @@ def test_nor_is_what_says_what_is_reported(folder: Path) -> None:
         before = (folder / file).read_text()
         done = rapc("check", "lib", *others, option, file, cwd=folder)
         assert done.returncode == 2
-        assert done.stderr == f"error: {option}: `{file}` says what is reported\n"
+        assert done.stderr == f"error: {option}: `{file}` configures the report\n"
         assert (folder / file).read_text() == before
 
 
@@ -189,4 +189,6 @@ def test_statistics_count_the_findings_of_each_rule(folder: Path) -> None:
     assert sum(row["count"] for row in json.loads(done.stdout)) == len(rows)
     done = rapc("check", "lib", "--statistics", "--output-format", "sarif", cwd=folder)
     assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr == "error: --statistics are printed as full or json\n"
+    assert done.stderr == (
+        "error: --statistics requires the output format full or json\n"
+    )

@@ -128,11 +128,11 @@ def test_errors_in_its_tests_stop_it_too(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("args", "said"),
     [
-        (("compile", "go.test.rap"), "-o FILE or --explain RAP is missing"),
+        (("compile", "go.test.rap"), "missing -o FILE or --explain RAP"),
         (("compile", "go.rapc", "-o", "x"), "`go.rapc` is already a compiled library"),
         (
             ("compile", "go.test.rap", "-o", "go.test.rap"),
-            "-o: `go.test.rap` is a file of the library",
+            "-o: `go.test.rap` is a source file of the library",
         ),
         (
             ("compile", "go.test.rap", "-o", "no/x"),
@@ -145,7 +145,7 @@ def test_errors_in_its_tests_stop_it_too(tmp_path: Path) -> None:
         ),
         (
             ("compile", "go.test.rap", "-o", "-"),
-            "-o takes a file: standard output is /dev/stdout",
+            "-o requires a file; use /dev/stdout for standard output",
         ),
         (("check", "go.rapc"), "`go.rapc` is a compiled library: sources are wanted"),
         (
@@ -182,7 +182,7 @@ def test_no_file_that_is_there_is_lost(tmp_path: Path) -> None:
         (tmp_path / name).write_text(text)
     assert rapc("compile", ".", "-o", "go.rapc", cwd=tmp_path).returncode == 0
     done = rapc("compile", ".", "-o", "go.test.rap", cwd=tmp_path)
-    assert done.stderr == "error: -o: `go.test.rap` is a file of the library\n"
+    assert done.stderr == "error: -o: `go.test.rap` is a source file of the library\n"
     assert sorted(os.listdir(tmp_path)) == sorted([*texts, "go.rapc"])
     assert {name: (tmp_path / name).read_text() for name in texts} == texts
 

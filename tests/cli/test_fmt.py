@@ -15,11 +15,11 @@ def test_files_and_tests_below_a_folder_are_laid_out_in_place(tmp_path: Path) ->
         (tmp_path / name).write_text(FINE if name == "fine.rap" else ROUGH)
     done = rapc("fmt", ".", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout == "changed 2 files, 1 file is well\n"
+    assert done.stdout == "2 files reformatted, 1 file unchanged\n"
     assert (tmp_path / "one.rap").read_text() == FINE
     assert (tmp_path / "two.test.rap").read_text() == FINE
     assert (tmp_path / "other.txt").read_text() == ROUGH
-    assert rapc("fmt", ".", cwd=tmp_path).stdout == "3 files are well\n"
+    assert rapc("fmt", ".", cwd=tmp_path).stdout == "3 files unchanged\n"
 
 
 def test_check_and_diff_change_nothing(tmp_path: Path) -> None:
@@ -27,9 +27,9 @@ def test_check_and_diff_change_nothing(tmp_path: Path) -> None:
     file.write_text(ROUGH)
     done = rapc("fmt", "--check", "one.rap", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (1, "")
-    assert done.stdout == "would change one.rap\nwould change 1 file\n"
+    assert done.stdout == "would reformat one.rap\n1 file would be reformatted\n"
     done = rapc("fmt", "--diff", "one.rap", cwd=tmp_path)
-    assert (done.returncode, done.stderr) == (1, "would change 1 file\n")
+    assert (done.returncode, done.stderr) == (1, "1 file would be reformatted\n")
     assert done.stdout == (
         "--- one.rap\n+++ one.rap\n@@ -1 +1,2 @@\n"
         "-(define-rap (a)(succeed (b)))\n+(define-rap (a)\n+  (succeed (b)))\n"
@@ -45,7 +45,7 @@ def test_a_faulty_file_is_left_and_the_others_are_laid_out(tmp_path: Path) -> No
     done = rapc("fmt", ".", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (2, "")
     assert "error[RAP001 missing-parenthesis]" in done.stdout
-    assert done.stdout.endswith("changed 1 file, 1 file cannot be laid out\n")
+    assert done.stdout.endswith("1 file reformatted, 1 file cannot be formatted\n")
     assert (tmp_path / "faulty.rap").read_text() == "(define-rap (a)"
     assert (tmp_path / "one.rap").read_text() == FINE
 
@@ -54,7 +54,7 @@ def test_standard_input_goes_to_standard_output() -> None:
     done = rapc("fmt", "-", stdin=ROUGH)
     assert (done.returncode, done.stdout, done.stderr) == (0, FINE, "")
     done = rapc("fmt", "--check", "-", stdin=ROUGH)
-    assert (done.returncode, done.stdout) == (1, "would change <stdin>\n")
+    assert (done.returncode, done.stdout) == (1, "would reformat <stdin>\n")
 
 
 def test_what_is_not_there_is_refused(tmp_path: Path) -> None:

@@ -284,7 +284,7 @@ def test_bad_usage(folder: Path) -> None:
     assert done.stderr == ("error: unknown RAP `setp`\n  did you mean `step`?\n")
     done = rapc("graph", "lib.rap", "--rap", "go", "--claims", cwd=folder)
     assert (done.returncode, done.stdout) == (2, "")
-    said = "options that select a graph exclude each other"
+    said = "cannot combine options that select a graph"
     assert done.stderr == f"error: {said}\n"
     done = rapc("graph", "lib.rap", "--dependents", "parkd", cwd=folder)
     assert done.stderr == "error: unknown name `parkd`\n  did you mean `parked`?\n"
@@ -332,10 +332,10 @@ def test_the_network_of_skills_at_a_moment_is_drawn(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        (("--skills", "1"), "--skills takes --world"),
-        (WORLD, "--skills takes --world; --world, --task and the like take --skills"),
-        (("--task", "(follow-hall)"), "take --skills"),
-        (("--skills", "1", *WORLD, "--claims"), "exclude each other"),
+        (("--skills", "1"), "--skills requires --world"),
+        (WORLD, "--skills requires --world; options of a run require --skills"),
+        (("--task", "(follow-hall)"), "require --skills"),
+        (("--skills", "1", *WORLD, "--claims"), "cannot combine options"),
         (("--skills", "-1", *WORLD), "-1"),
         (("--skills", "nan", *WORLD), "'nan' is not a finite number"),
         (("--skills", "inf", *WORLD), "'inf' is not a finite number"),
@@ -378,7 +378,7 @@ def test_a_world_without_a_network_has_none_to_be_drawn() -> None:
     truck = ("stdlib/truck", "--world", "truck", "--skills", "1")
     done = rapc("graph", *truck, cwd=ROOT)
     assert done.returncode == 2
-    assert "the world `truck` has no network of skills to be drawn" in done.stderr
+    assert "the world `truck` has no network of skills" in done.stderr
 
 
 def test_a_tag_that_names_no_step_is_not_drawn(folder: Path) -> None:

@@ -110,15 +110,15 @@ def test_version_is_told() -> None:
 @pytest.mark.parametrize(
     ("args", "said"),
     [
-        (("chek",), "there is no command `chek`; did you mean `check`?"),
-        (("frobnicate",), "there is no command `frobnicate`"),
+        (("chek",), "unknown command `chek`; did you mean `check`?"),
+        (("frobnicate",), "unknown command `frobnicate`"),
         (
             ("check", "--selct", "x", "."),
-            "there is no option `--selct`; did you mean `--select`?",
+            "unknown option `--selct`; did you mean `--select`?",
         ),
         (
             ("--colour", "always"),
-            "there is no option `--colour`; did you mean `--color`?",
+            "unknown option `--colour`; did you mean `--color`?",
         ),
         (("check", "--fail-level", "fatal", "."), "invalid value for '--fail-level'"),
     ],
@@ -220,7 +220,7 @@ def test_full_disk_is_no_fault_of_rapc(
     with pytest.raises(SystemExit) as ended:
         main.main(["check", str(tmp_path)])
     assert ended.value.code == 2
-    said = "error: the output cannot be written: no space left on device\n"
+    said = "error: cannot write the output: no space left on device\n"
     assert capsys.readouterr().err == said
 
 

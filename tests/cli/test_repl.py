@@ -53,7 +53,7 @@ def test_library_without_primitives_needs_no_world(tmp_path: Path) -> None:
     assert "task accomplished (wait hall) [1]" in done.stdout
     library.write_text(f"{text}(declare-primitive shine (?lamp) (okay))\n")
     done = rapc(*args, "-c", ":run")
-    assert (done.returncode, "a world is missing" in done.stderr) == (2, True)
+    assert (done.returncode, "missing --world" in done.stderr) == (2, True)
 
 
 def test_what_cannot_begin_is_said() -> None:

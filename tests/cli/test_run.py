@@ -88,14 +88,20 @@ def _run(
 @pytest.mark.parametrize(
     ("more", "said"),
     [
-        (("--until", "-1"), "--until takes a time, and the clock begins at 0"),
+        (("--until", "-1"), "--until must not be negative"),
         (("--task", "(spin) :at -1"), "`:at` takes a time, and the clock begins at 0"),
         (("--task", "(spin) :deadline -0.5"), "`:deadline` takes a time, and the"),
-        (("--until", "nan"), "--until takes a finite number"),
+        (("--until", "nan"), "--until must be finite"),
         (("--task", "(spin 1)"), "`spin` has no inputs, not 1"),
-        (("--trace", "doze.rap"), "--trace: `doze.rap` is a file of the library"),
-        (("--trace", "no/../doze.rap"), "--trace: `no/../doze.rap` is a file of the"),
-        (("--trace", "bed.py"), "--trace: `bed.py` is the file of the world"),
+        (
+            ("--trace", "doze.rap"),
+            "--trace: `doze.rap` is a source file of the library",
+        ),
+        (
+            ("--trace", "no/../doze.rap"),
+            "--trace: `no/../doze.rap` is a source file of the",
+        ),
+        (("--trace", "bed.py"), "--trace: `bed.py` is the source file of the world"),
         (("--trace", "no/x"), "cannot write `no/x`: no such file or directory"),
         (("--set", "rapc.cycle-cost=-1"), "`rapc.cycle-cost` takes 0 or more, not"),
         (
@@ -206,7 +212,7 @@ def test_a_task_that_is_never_done_is_named_where_nothing_ends_the_run(
 ) -> None:
     guard = "(define-rap (guard) (succeed nil) (monitor-state (rested)))"
     (bed / "doze.rap").write_text(f"{LIBRARY}{guard}\n")
-    note = "note: (guard) is never done, and nothing else ends the run: give --until, "
+    note = "note: (guard) never ends, so the run never ends: use --until, "
     assert note in _run(bed, task="(guard)").stderr
     for more in (("--until", "3"), ("--task", "(guard) :background true")):
         done = _run(bed, *more, task="(guard) :background true")
@@ -218,7 +224,7 @@ def test_tasks_in_the_background_alone_are_noted_for_the_run_is_over(
 ) -> None:
     guard = "(define-rap (guard) (succeed nil) (monitor-state (rested)))"
     (bed / "doze.rap").write_text(f"{LIBRARY}{guard}\n")
-    note = "note: a run does not go on for tasks in the background, and no others"
+    note = "note: the run ends at once: all tasks are in the background"
     alone = _run(bed, "--until", "3", task="(guard) :background true")
     assert alone.stderr.startswith(note)
     beside = _run(bed, "--task", "(guard) :background true", task="(turn)")

@@ -110,6 +110,6 @@ def test_a_scheduler_without_workers_is_told(tmp_path: Path) -> None:
         place = address.removeprefix("tcp://")
         args = ("experiment", "truck.toml", "--cluster", place, "--out", "out")
         with watched(*args, cwd=tmp_path) as process:
-            wait_for(process, f"`{place}` has no workers yet: waiting")
+            wait_for(process, f"`{place}` has no workers; waiting")
             process.send_signal(signal.SIGINT)
             assert process.wait() == 130

@@ -108,8 +108,8 @@ WITHOUT_END = ("--seeds", "50000")
 """So many runs that a command is not done before it is interrupted, however late."""
 
 INTERRUPTED = (
-    r"error: interrupted: (\d+) of 200000 runs are done, the same command does the "
-    r"others\n"
+    r"error: interrupted: (\d+) of 200000 runs finished; run the command again for the "
+    r"rest\n"
 )
 """What is said of it then."""
 

@@ -100,8 +100,8 @@ def test_runs_that_fail_are_told_and_the_others_kept(naps: Path) -> None:
     assert re.search(r"^well +1 +0 +2 +1\.0 ", done.stdout, re.M)
     assert re.search(r"^killed +0/1 +0 +- ", done.stdout, re.M)
     faults = re.findall(
-        r"^error: a run has no result: part `naps`, naps.how (\S+), seed 0: (.*)\n"
-        r"  to see it again: (.*)$",
+        r"^error: run without a result: part `naps`, naps.how (\S+), seed 0: (.*)\n"
+        r"  to repeat the run: (.*)$",
         done.stderr,
         re.M,
     )
@@ -142,7 +142,7 @@ def test_without_matplotlib_there_are_tables(truck: Path) -> None:
     done = rapc(*args, cwd=truck, PYTHONPATH=str(truck))
     assert (done.returncode, done.stderr) == (
         0,
-        "no plots: install `rapc[viz]` to have them drawn\n",
+        "plots not drawn: install `rapc[viz]`\n",
     )
     assert (truck / "truck-results" / "tables.md").exists()
 
@@ -162,7 +162,7 @@ def test_results_that_cannot_be_kept_or_read(copied: Path) -> None:
     assert done.returncode == 1
     assert done.stderr == (
         "error: `out/results.sqlite` cannot be used: no room: "
-        "0 of 4 runs are done, the same command does the others\n"
+        "0 of 4 runs finished; run the command again for the rest\n"
     )
     base.execute("drop trigger full")
     base.execute("update result set counts = '3'")
@@ -187,7 +187,10 @@ def test_results_that_cannot_be_kept_or_read(copied: Path) -> None:
             "  did you mean `drops`?\n",
         ),
         (["truck.toml", "--seeds", "0"], "error: invalid value for '--seeds': "),
-        (["truck.toml", "--out", "truck.toml/x"], "error: cannot make `truck.toml/x`"),
+        (
+            ["truck.toml", "--out", "truck.toml/x"],
+            "error: cannot create `truck.toml/x`",
+        ),
         (["bad.toml"], "error: bad.toml: there is no key `worlds`\n  did you mean"),
         (
             ["truck.toml", "--out", "base"],
@@ -199,7 +202,7 @@ def test_results_that_cannot_be_kept_or_read(copied: Path) -> None:
         ),
         (
             ["truck.toml", "--cluster", "x", "--jobs", "1"],
-            "error: --jobs is for this machine, --cluster for others\n",
+            "error: cannot combine --jobs and --cluster\n",
         ),
     ],
 )
@@ -230,6 +233,4 @@ def test_tables_that_cannot_be_written_are_printed_all_the_same(copied: Path) ->
     assert done.returncode == 2
     assert done.stderr == "error: cannot write in `out`: is a directory\n"
     printed = (copied / "printed").read_text()
-    assert done.stdout == printed.removesuffix(
-        "Results, tables and plots are in `out`.\n"
-    )
+    assert done.stdout == printed.removesuffix("results, tables and plots: `out`\n")

@@ -139,9 +139,9 @@ def test_installed_alone_it_runs_the_experiments_that_come_with_it(
 ) -> None:
     batch = ("experiment", "chapter6", "--part", "still", "--seeds", "1")
     done = installed.run("rapc", *batch)
-    told = "no plots: install `rapc[viz]` to have them drawn\n"
+    told = "plots not drawn: install `rapc[viz]`\n"
     assert (done.returncode, done.stderr) == (0, told), done.stdout
     assert "T 6.2 behind the stroke" in done.stdout
     done = installed.run("rapc", *batch, "--cluster", "tcp://127.0.0.1:1", "--out", "x")
-    told = "error: --cluster needs Dask: install `rapc[cluster]`\n"
+    told = "error: --cluster requires Dask: install `rapc[cluster]`\n"
     assert (done.returncode, done.stderr) == (2, told)

@@ -123,7 +123,7 @@ def test_branches_are_listed_and_taken_up() -> None:
 @pytest.mark.parametrize(
     ("text", "answer"),
     [
-        (":stpe", "there is no command `:stpe`; did you mean `:step`?"),
+        (":stpe", "unknown command `:stpe`; did you mean `:step`?"),
         (":step x", "how many cycles is a whole number, not `x`"),
         (":step 1 2", "`2` is too much here"),
         (":to", "a cycle is missing"),
@@ -132,7 +132,7 @@ def test_branches_are_listed_and_taken_up() -> None:
         (":out", "no task has been chosen yet: say which is meant"),
         (":source frob", "unknown RAP `frob`"),
         (":show some", "`:show` takes all, requests, none; not `some`"),
-        (":help stpe", "there is no command `:stpe`; did you mean `:step`?"),
+        (":help stpe", "unknown command `:stpe`; did you mean `:step`?"),
         ("hello", "`hello` is neither a command, which begins with a colon, nor"),
         ("(", "a parenthesis or a string is left open"),
         ("*2", "there is no answer `*2` yet"),
@@ -188,7 +188,7 @@ def test_what_the_run_was_read_from_is_not_written_over(
     done = rapc("repl", str(library), *args, stdin=script)
     assert done.returncode == 1
     told = " ".join(done.stdout.split())
-    assert "is a file of the library or of the world" in told
+    assert "is a source file of the library or of the world" in told
     assert library.read_text() == text
     assert (tmp_path / "other").exists()
 

@@ -79,7 +79,7 @@ def test_every_so_many_frames_follow_one_another() -> None:
 def test_how_often_to_show_is_said_of_a_show() -> None:
     done = command("run", *RUN, "--show-every", "3")
     assert done.returncode == 2
-    assert "--show-every says how often to --show" in done.stderr
+    assert "--show-every requires --show" in done.stderr
 
 
 def test_colour_tells_right_from_unknown() -> None:
@@ -129,7 +129,10 @@ def test_a_world_without_a_picture_is_refused(tmp_path: Path) -> None:
         cwd=lamps,
     )
     assert (done.returncode, done.stdout) == (2, "")
-    said = "error: the world `lamps:LampWorld` has no picture of itself to --show\n"
+    said = (
+        "error: the world `lamps:LampWorld` cannot be shown: it has no `picture` "
+        "method\n"
+    )
     assert done.stderr == said
     assert not trace.exists()
 

@@ -115,8 +115,8 @@ def test_findings_in_a_library_of_several_files_of_tests_are_told_once(
     ("args", "message"),
     [
         (("nowhere",), "`nowhere` does not exist"),
-        ((), "a file or folder with tests is missing"),
-        (("none",), "there are no tests in `none`"),
+        ((), "missing a file or folder with tests"),
+        (("none",), "no tests found in `none`"),
         ((".", "--fault", "(grab ?x)"), "--fault: the result is missing"),
         ((".", "--fault", "(grip ?x) x"), "unknown primitive `grip`"),
         ((".", "--seeds", "0"), "--seeds"),
@@ -160,7 +160,7 @@ def test_two_reports_are_not_written_to_one_file(folder: Path) -> None:
     both = ("--junit=out.json", "--coverage=./out.json")
     done = rapc("test", "below/legs.test.rap", *both, cwd=folder)
     assert (done.returncode, done.stdout) == (2, "")
-    assert "--junit and --coverage are to be written to one file" in done.stderr
+    assert "cannot write --junit and --coverage to the same file" in done.stderr
 
 
 def test_coverage_without_a_file(folder: Path) -> None:
@@ -309,6 +309,7 @@ def test_a_file_that_was_read_is_not_written(
     done = rapc("test", option, "link.json", path, cwd=tmp_path)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr == (
-        f"error: {option}: `link.json` is a file of the tests or of their library\n"
+        f"error: {option}: `link.json` is a source file of the tests or of their "
+        f"library\n"
     )
     assert (tmp_path / name).read_bytes() == before

@@ -176,9 +176,9 @@ def test_a_number_of_cycles(tmp_path: Path, limit: str) -> None:
 
 def test_an_expectation_that_is_never_reached_fails(tmp_path: Path) -> None:
     at = "(at 30 (expect (memory true)))"
-    told = ["never reached: the run was over at time 20 (until)"]
+    told = ["never reached: the run ended at time 20 (until)"]
     assert happened(run(tmp_path, f"(until 20) {at}")) == told
-    told = ["never reached: the run was over at time 9 (until)"]
+    told = ["never reached: the run ended at time 9 (until)"]
     within = "(at 5 (expect (memory true)))"
     assert happened(run(tmp_path, f"{LONG} (until 9) {within}")) == told
     assert passes(tmp_path, "(until 20) (at 30 (asserts (have cup)))")

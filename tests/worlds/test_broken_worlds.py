@@ -322,4 +322,4 @@ def test_a_name_that_ends_the_process_does_not_end_it_well(tmp_path: Path) -> No
     words = ("run", "a.rap", "--world", "ends:Any", "--task", "(go)")
     done = command(*words, cwd=tmp_path)
     assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr == "error: ends.py:5 ends the process: SystemExit: 0\n"
+    assert done.stderr == "error: ends.py:5 ended the process: SystemExit: 0\n"

@@ -282,21 +282,27 @@ def unheard_of(self: Any, ticket: int) -> None:
 
 
 WORSE: dict[str, tuple[dict[str, Any], str]] = {
-    "restores another": ({"restore": forgets}, "does not take up all of it"),
-    "restores nonsense": ({"restore": restores_anything}, "takes up what is no state"),
-    "saves otherwise": ({"save": saves_otherwise}, "is another once it is saved"),
+    "restores another": ({"restore": forgets}, "does not restore the whole state"),
+    "restores nonsense": (
+        {"restore": restores_anything},
+        "accepts a state that is not",
+    ),
+    "saves otherwise": (
+        {"save": saves_otherwise},
+        "returns a different state when called",
+    ),
     "saves too little": (
         {"save": saves_too_little, "perform": counts_again},
-        "goes on otherwise than it was saved",
+        "continues differently from the saved world",
     ),
-    "by its own chance": ({"perform": by_chance}, "a second time seed 0 brings"),
+    "by its own chance": ({"perform": by_chance}, "two runs with seed 0 differ"),
     "a picture of nowhere": ({"picture": drawn_apart}, "has no spot `moon`"),
-    "two spots of one name": ({"picture": drawn_apart}, "two spots of its picture"),
-    "drawn on": ({"picture": drawn_on}, "is another world once it is drawn"),
-    "a time that takes time": ({"usual_time": in_no_time}, "moves its clock on"),
+    "two spots of one name": ({"picture": drawn_apart}, "two spots of the picture"),
+    "drawn on": ({"picture": drawn_on}, "changes the world"),
+    "a time that takes time": ({"usual_time": in_no_time}, "advances the clock"),
     "a time that is none": ({"usual_time": lambda *_: -1}, "a usual time .* is `-1`"),
-    "a request without end": ({"next_time": never}, "has begun .doze., and nothing mo"),
-    "a refusal of nothing": ({"perform": refuses}, "beside the request 17, which is"),
+    "a request without end": ({"next_time": never}, "started .doze., which never ends"),
+    "a refusal of nothing": ({"perform": refuses}, "because of request 17, which is"),
     "a ticket unheard of": ({"cancel": unheard_of}, "failed at test_contract.py:"),
 }
 
@@ -325,11 +331,11 @@ def test_an_offer_fits_its_options_and_handlers() -> None:
     make: Any = world
     (first, *_) = try_world(lambda seed: make(random.Random(seed), {}))
     assert first.faults == (
-        "there are several options `one`",
-        "the default of the option `one`, 'many', is no number",
-        "the results of `look` must differ, with `okay` among them",
-        "the handler of `lok`: nothing on offer is called so; did you mean `look`?",
-        "the sensor `see`: nothing on offer is called so",
+        "duplicate option `one`",
+        "the default of the option `one`, 'many', is not of kind number",
+        "the results of `look` must be different and include `okay`",
+        "the handler of `lok`: unknown name; did you mean `look`?",
+        "the sensor `see`: unknown name",
         "the datum `smelt` has no handler",
     )
 

@@ -36,8 +36,8 @@ def test_the_simple_world_of_the_manual_keeps_to_the_port(tmp_path: Path) -> Non
     shown = re.findall(r"```python\n(.*?)```", section, re.DOTALL)[0]
     (tmp_path / "lamp.py").write_text(shown)
     done = command("worlds", "lamp:Lamp", "--test", cwd=tmp_path)
-    assert "lamp keeps to the port" in done.stdout
-    assert "ok      it is saved and restored" in done.stdout
+    assert "lamp: 6 checks passed" in done.stdout
+    assert "passed  save and restore" in done.stdout
 
 
 @dataclass

@@ -127,7 +127,7 @@ class Driver:
         """Validate that a refusal names requests under way. Raises PortError."""
         for ticket in answer.conflicts:
             if ticket not in self._run.state.pending:
-                said = f"refuses {format_list(request)} beside the request {ticket}"
+                said = f"refuses {format_list(request)} because of request {ticket}"
                 said += ", which is not under way"
                 raise self.world.breach("perform", said)
 
@@ -151,7 +151,7 @@ class Driver:
                 break
         if ticket in run.state.pending and world.ended() is None:
             asked = format_list(run.state.pending[ticket][1])
-            said = f"has begun {asked}, and nothing more comes: it never ends"
+            said = f"started {asked}, which never ends: no message announced"
             raise world.breach("next_time", said)
 
     def _listen(self) -> int:

@@ -36,7 +36,7 @@ def try_skills(driver: Driver, copy: HeldWorld) -> Iterator[str]:
     """
     world, on = driver.world, set[int]()
     if not isinstance(world, Skilled):
-        yield f"the world `{world.name}` offers skills, and has no `activate`"
+        yield f"the world `{world.name}` offers skills but has no `activate`"
         return
     for ticket in range(1, ACTIVATIONS + 1):
         skills, events = driver.activation()
@@ -44,7 +44,7 @@ def try_skills(driver: Driver, copy: HeldWorld) -> Iterator[str]:
         if answer is None:
             on.add(ticket)
         elif not set(answer.conflicts) <= on:
-            said = "refuses skills beside an activation that is not on"
+            said = "refuses skills because of an activation that is not on"
             yield f"{driver.world.breach('activate', said)}"
         _let_live(driver, on)
         if ticket % _SAVED == 0:
@@ -69,7 +69,7 @@ def _saved(driver: Driver, copy: HeldWorld, on: Collection[int]) -> Iterator[str
         seen = [_goes_on(one) for one in (world, copy)]
         driver.hold(seen[0][1], on)
         if seen[0] != seen[1] or world.save() != copy.save():
-            said = "goes on otherwise than it was saved, with skills on"
+            said = "continues differently from the saved world, with skills on"
             yield f"{world.breach('restore', said)}"
             return
 

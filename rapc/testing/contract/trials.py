@@ -106,7 +106,7 @@ def try_world(
     trials: list[Trial] = []
     for part, check in _PARTS.items():
         if any(trial.part == CODE and trial.faults for trial in trials):
-            trials.append(Trial(part, left_out="its code is to be mended first"))
+            trials.append(Trial(part, left_out="correct the code first"))
         else:
             trials.append(_try(tried, part, check))
     return tuple(
@@ -145,14 +145,14 @@ def _offer(tried: _Tried) -> Iterator[str]:
     kit = tried.make(0).kit
     names = [option.name for option in kit.options]
     for name in dict.fromkeys(n for n in names if names.count(n) > 1):
-        yield f"there are several options `{name}`"
+        yield f"duplicate option `{name}`"
     for option in kit.options:
         if type(option.default) not in TYPES[option.kind]:
             what = f"the default of the option `{option.name}`"
-            yield f"{what}, {option.default!a}, is no {option.kind}"
+            yield f"{what}, {option.default!a}, is not of kind {option.kind}"
     for name, (count, results) in kit.offer.primitives.items():
         if count < 0 or "okay" not in results or len(set(results)) < len(results):
-            yield f"the results of `{name}` must differ, with `okay` among them"
+            yield f"the results of `{name}` must be different and include `okay`"
     for what, listed, known in (
         ("the handler of", kit.handlers.results, kit.offer.primitives),
         ("the handler of the datum", kit.handlers.data, kit.offer.data),
@@ -162,7 +162,7 @@ def _offer(tried: _Tried) -> Iterator[str]:
         for name in listed:
             if name not in known:
                 meant = hint(name, known)
-                yield f"{what} `{name}`: nothing on offer is called so{meant}"
+                yield f"{what} `{name}`: unknown name{meant}"
     for name in kit.offer.data:
         if name not in kit.handlers.data:
             yield f"the datum `{name}` has no handler"
@@ -180,10 +180,10 @@ def _start(tried: _Tried) -> Iterator[str]:
     """Test that a new world has its clock at 0, no message, and valid facts."""
     world = tried.held(0)
     if world.now() != 0:
-        yield f"its clock begins at {format_atom(world.now())}, not at 0"
+        yield f"the clock starts at {format_atom(world.now())}, not at 0"
     ended = world.ended()
     if ended is not None:
-        yield f"{world.breach('ended', f'ends the run before it begins: {ended!a}')}"
+        yield f"{world.breach('ended', f'ended the run before its start: {ended!a}')}"
     world.facts()
 
 
@@ -197,9 +197,8 @@ def _requests(tried: _Tried) -> Iterator[str]:
         for first, second in pairs:
             if first != second:
                 yield (
-                    f"a second time seed {seed} brings something else: first "
-                    f"{_short(first)}, then {_short(second)}; does all chance come "
-                    "from the random stream that it is given?"
+                    f"two runs with seed {seed} differ: first {_short(first)}, "
+                    f"then {_short(second)}; take all randomness from `rng`"
                 )
                 return
 
@@ -223,17 +222,15 @@ def _time(tried: _Tried) -> Iterator[str]:
             if world.ended() is not None:
                 break
             if world.now() < target and due != NOT_KNOWN:
-                said = f"did not move its clock on to {format_atom(target)}"
+                said = f"did not advance the clock to {format_atom(target)}"
                 raise world.breach("advance", said)
             if due not in (None, NOT_KNOWN) and not sent:
-                said = (
-                    f"announced something for {format_atom(target)}, and sent nothing"
-                )
+                said = f"announced time {format_atom(target)}, but sent no message then"
                 raise world.breach("next_time", said)
         before = world.now()
         world.advance(0)
         if world.now() < before:
-            yield f"{world.breach('advance', 'sets its clock back to a time gone')}"
+            yield f"{world.breach('advance', 'sets the clock back')}"
         world.cancel(10**6)
 
 
@@ -247,18 +244,21 @@ def _saving(tried: _Tried) -> Iterator[str]:
         driver.drive(tried.count // 2)
         state = world.save()
         if world.save() != state:
-            yield f"{driver.world.breach('save', 'is another once it is saved')}"
+            said = "returns a different state when called again"
+            yield f"{driver.world.breach('save', said)}"
             return
         copy.restore(state)
         if copy.save() != state:
-            yield f"{driver.world.breach('restore', 'does not take up all of it')}"
+            said = "does not restore the whole state"
+            yield f"{driver.world.breach('restore', said)}"
             return
         yield from _apart(driver, copy, tried.count // 2)
         try:
             copy.restore(b"no state")
         except ValueError:
             continue
-        yield f"{driver.world.breach('restore', 'takes up what is no state')}"
+        said = "accepts a state that is not its own; raise ValueError"
+        yield f"{driver.world.breach('restore', said)}"
 
 
 def _apart(driver: Driver, copy: HeldWorld, requests: int) -> Iterator[str]:
@@ -277,7 +277,8 @@ def _apart(driver: Driver, copy: HeldWorld, requests: int) -> Iterator[str]:
             (one.now(), one.next_time(), list(one.messages())) for one in (world, copy)
         ]
         if answers[0] != answers[1] or seen[0] != seen[1]:
-            yield f"{world.breach('restore', 'goes on otherwise than it was saved')}"
+            said = "continues differently from the saved world"
+            yield f"{world.breach('restore', said)}"
             return
 
 
@@ -290,14 +291,14 @@ def _picture(tried: _Tried) -> Iterator[str]:
         picture = world.picture()
         names = [spot.name for spot in picture.spots]
         if len(set(names)) < len(names):
-            yield "two spots of its picture have one name"
+            yield "two spots of the picture have the same name"
         for name in {picture.here, *(end for road in picture.roads for end in road)}:
             if name not in names:
-                yield f"its picture has no spot `{name}`, which it speaks of"
+                yield f"the picture has no spot `{name}`"
         one.drive(5)
         other.drive(5)
     if one.history != other.history:
-        yield f"{one.world.breach('picture', 'is another world once it is drawn')}"
+        yield f"{one.world.breach('picture', 'changes the world')}"
 
 
 def _usual_times(tried: _Tried) -> Iterator[str]:
@@ -311,7 +312,7 @@ def _usual_times(tried: _Tried) -> Iterator[str]:
         if request is not None:
             world.usual_time(request)
         if driver.world.now() != now:
-            yield f"{driver.world.breach('usual_time', 'moves its clock on')}"
+            yield f"{driver.world.breach('usual_time', 'advances the clock')}"
             return
 
 
@@ -329,18 +330,18 @@ def _handlers(tried: _Tried) -> Iterator[str]:
     yield from ()
 
 
-ASKING = "requests, messages and chance"
-CODE = "its code"
-SAVING = "it is saved and restored"
-PICTURE = "its picture"
-SKILLS = "its skills"
-TIMES = "how long requests take"
-HANDLERS = "its handlers"
+ASKING = "requests and messages"
+CODE = "signatures of the code"
+SAVING = "save and restore"
+PICTURE = "picture"
+SKILLS = "skills"
+TIMES = "usual times"
+HANDLERS = "handlers"
 
 _PARTS: Mapping[str, Callable[[_Tried], Iterator[str]]] = {
-    "what it offers": _offer,
+    "offer": _offer,
     CODE: _code,
-    "the start": _start,
+    "start": _start,
     ASKING: _requests,
     "time": _time,
     SAVING: _saving,
@@ -351,16 +352,16 @@ _PARTS: Mapping[str, Callable[[_Tried], Iterator[str]]] = {
 }
 
 _NEEDS: Mapping[str, tuple[Callable[[_Tried, World], bool], str]] = {
-    SAVING: (lambda _, world: isinstance(world, Savable), "it cannot be saved"),
-    PICTURE: (lambda _, world: isinstance(world, Drawable), "it has no picture"),
+    SAVING: (lambda _, world: isinstance(world, Savable), "no `save` and `restore`"),
+    PICTURE: (lambda _, world: isinstance(world, Drawable), "no `picture`"),
     TIMES: (
         lambda _, world: isinstance(world, Timed),
-        "it does not say how long requests take",
+        "no `usual_time`",
     ),
-    SKILLS: (lambda _, world: bool(world.kit.offer.skills), "it has none"),
+    SKILLS: (lambda _, world: bool(world.kit.offer.skills), "no skills in the offer"),
     HANDLERS: (
         lambda tried, _: tried.library is not None,
-        "they need a library that declares their words: `--test LIBRARY`",
+        "no library: `--test LIBRARY`",
     ),
 }
 """The requirements of some parts, and the reasons for leaving a part out."""

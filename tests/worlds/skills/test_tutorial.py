@@ -49,7 +49,7 @@ def test_the_world_keeps_to_the_port(folder: Path) -> None:
     done = rapc("worlds", "kettle:Kettle", "--test", "kettle.rap", cwd=folder)
     assert "broken" not in done.stdout
     assert done.returncode == 0, done.stdout
-    assert "150 requests under each of 3 seeds" in done.stdout
+    assert "150 requests with each of 3 seeds" in done.stdout
 
 
 @pytest.mark.slow
