@@ -9,16 +9,20 @@ A page may have generated parts:
     ...
     <!-- end -->
 
-`PARTS` lists the names. The front page and the page of each rule are generated as a
-whole (`pages`).
+`PARTS` lists the names. Graphviz draws the figures (`FIGURES`). The front page and the
+page of each rule are generated as a whole (`pages`), and so is the navigation of the
+site in mkdocs.yml.
 """
 
 from __future__ import annotations
 
 import argparse
 import ast
+import hashlib
 import inspect
 import re
+import shlex
+import subprocess
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from html import escape
@@ -30,6 +34,7 @@ from typing import Any
 
 import click
 import msgspec
+from click.testing import CliRunner
 
 from rapc import events
 from rapc.analysis.registry import rules
@@ -47,6 +52,7 @@ from rapc.worlds import registry
 
 DOCS = Path(__file__).parent
 ROOT = DOCS.parent
+CONFIG = ROOT / "mkdocs.yml"
 
 # --- Markdown -----------------------------------------------------------------------
 
@@ -451,6 +457,89 @@ def pages() -> Iterator[tuple[Path, str]]:
         yield DOCS / "reference" / "rules" / f"{rule.name}.md", note + rule_page(rule)
 
 
+# --- Figures ------------------------------------------------------------------------
+
+FIGURES: Mapping[str, str] = {
+    "fill-order.svg": "stdlib/truck --rap fill-order",
+    "stay-charged.svg": "examples/courier --effects stay-charged",
+    "s-figure2.svg": "s-figure2.dot",
+}
+"""The figures that Graphviz draws: a file, or arguments of `rapc graph`."""
+
+
+def graph(source: str) -> str:
+    """Return the graph that a figure shows, in the language of Graphviz."""
+    if source.endswith(".dot"):
+        return (DOCS / "figures" / source).read_text(encoding="utf-8")
+    path, *options = shlex.split(source)
+    done = CliRunner().invoke(cli, ["graph", str(ROOT / path), *options])
+    if done.exit_code:
+        raise ValueError(done.output)
+    return done.stdout
+
+
+def drawn(text: str) -> str:
+    """Return a graph as SVG, with the digest of its text."""
+    done = subprocess.run(
+        ["dot", "-Tsvg"], input=text, text=True, capture_output=True, check=True
+    )
+    svg = re.sub(
+        r"<!--.*?-->\n*", "", done.stdout[done.stdout.index("<svg") :], flags=re.S
+    )
+    return f"<!-- {digest(text)} -->\n{svg}"
+
+
+def digest(text: str) -> str:
+    """Return a digest of a text."""
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def stale_figures() -> Iterator[tuple[Path, str]]:
+    """Yield the figures that show an old graph, with their new graphs."""
+    for name, source in FIGURES.items():
+        path = DOCS / "figures" / name
+        text = graph(source)
+        old = path.read_text(encoding="utf-8") if path.exists() else ""
+        if not old.startswith(f"<!-- {digest(text)} -->"):
+            yield path, text
+
+
+# --- Navigation ---------------------------------------------------------------------
+
+SECTIONS: Mapping[str, str] = {
+    "Tutorials": "first-robot standard-library debugger skills",
+    "How-to": "index behaviour-trees claims sensing maintenance-goals choosing "
+    "similar-items write-a-world drive-a-machine test ci experiments embed compile",
+    "Explanation": "index how-raps-work memory rap-or-tree checker determinism",
+    "Language": "index words",
+    "Reference": "index cli rules repl tests trace python-api worlds-api settings "
+    "formats limits truck hallway courier glossary",
+    "Libraries": "index truck truck-beyond hallway",
+    "Research": "index",
+    "Developers": "index architecture performance slips",
+}
+"""The sections of the site, each with the pages that come first; others follow."""
+
+
+def navigation() -> str:
+    """Return the navigation of the site: every page except the pages of rules."""
+    lines = ["nav:", "  - rapc: index.md"]
+    for title, first in SECTIONS.items():
+        folder = title.lower()
+        names = [path.stem for path in sorted((DOCS / folder).glob("*.md"))]
+        order = {name: at for at, name in enumerate(first.split())}
+        names.sort(key=lambda name: order.get(name, len(order)))
+        lines += [f"  - {title}:"] * bool(names)
+        lines += [f"      - {folder}/{name}.md" for name in names]
+    return "\n".join(lines) + "\n"
+
+
+def configuration() -> str:
+    """Return mkdocs.yml with the navigation at its end."""
+    before, _, _ = CONFIG.read_text(encoding="utf-8").partition("nav:\n")
+    return before + navigation()
+
+
 # --- Parts of pages -----------------------------------------------------------------
 
 PARTS: Mapping[str, Callable[..., str]] = {
@@ -483,7 +572,7 @@ def written(page: str) -> str:
 def stale() -> dict[Path, str | None]:
     """Return the new texts of stale pages; None for pages to remove."""
     found: dict[Path, str | None] = {}
-    whole = dict(pages())
+    whole = {**dict(pages()), CONFIG: configuration()}
     for path in sorted({*DOCS.rglob("*.md"), *whole}):
         text = path.read_text(encoding="utf-8") if path.exists() else ""
         if path in whole:
@@ -500,7 +589,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--check", action="store_true", help="only list stale pages")
     check = parser.parse_args().check
-    found = stale()
+    found = {**stale(), **dict(stale_figures())}
     for path, text in found.items():
         print(path.relative_to(ROOT).as_posix())
         if check:
@@ -509,7 +598,8 @@ def main() -> int:
             path.unlink()
         else:
             path.parent.mkdir(exist_ok=True)
-            path.write_text(text, encoding="utf-8")
+            new = drawn(text) if path.suffix == ".svg" else text
+            path.write_text(new, encoding="utf-8")
     return int(check and bool(found))
 
 

@@ -91,7 +91,7 @@ def test_a_figure_is_what_its_command_prints(name: str, tmp_path: Path) -> None:
 
 def test_figure_3_is_what_its_code_prints(capsys: pytest.CaptureFixture[str]) -> None:
     found = re.findall(
-        r"^```python\n(.*?)^```\n\n```mermaid\n(.*?)^```", PAGE, re.M | re.S
+        r"^```python\n(.*?)^```\n\n```text\n(.*?)^```", PAGE, re.M | re.S
     )
     [(code, drawn)] = found
     exec(compile(code, "hallway.md", "exec"), {})  # noqa: S102  # a page of ours
