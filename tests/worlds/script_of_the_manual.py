@@ -1,4 +1,4 @@
-"""The script that docs/how-to/write-a-world.md shows."""
+"""The script that docs/reference/worlds-api.md shows."""
 
 from rapc.library.loader import load_text
 from rapc.worlds.script import At, Row

@@ -1,4 +1,4 @@
-"""The world of docs/how-to/write-a-world.md, installed as a package of its own."""
+"""A world that is installed as a package of its own."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ pytestmark = pytest.mark.xdist_group("lamps")
 
 HERE = Path(__file__).parent
 PACKAGE = HERE / "lamps"
-DOCS = HERE.parents[1] / "docs" / "how-to" / "write-a-world.md"
 
 SCRIPT = """
 import json, sys
@@ -60,15 +59,11 @@ def test_it_is_found_by_its_entry_point(installed: Path) -> None:
     assert Path(file) == installed / "lamps.py"
 
 
-def test_it_keeps_to_the_port_as_the_manual_shows(installed: Path) -> None:
+def test_installed_world_keeps_to_the_port(installed: Path) -> None:
     (installed / "lamps.rap").write_text((PACKAGE / "lamps.rap").read_text())
     done = rapc(installed, "worlds", "lamps", "--test", "lamps.rap")
     assert (done.returncode, done.stderr) == (0, "")
-    section = DOCS.read_text().partition("## Whether it keeps to the port")[2]
-    shown = section.partition("$ rapc worlds lamps --test lamps.rap\n")[2]
-    assert shown.partition("```")[0] == done.stdout
-    [python] = re.findall(r"```python\n(.*?)```", section.partition("\n## ")[0], re.S)
-    assert run([sys.executable, "-c", python], installed).returncode == 0
+    assert "lamps: 6 checks passed" in done.stdout
 
 
 def test_its_declarations_are_a_library(installed: Path) -> None:
@@ -102,8 +97,3 @@ def test_a_library_runs_in_it(installed: Path, name: str) -> None:
     )  # fmt: skip
     assert other.returncode == 0, other.stderr
     assert other.stdout != done.stdout
-
-
-@pytest.mark.parametrize("file", ["pyproject.toml", "lamps.py", "lamps.rap"])
-def test_the_manual_quotes_it_word_for_word(file: str) -> None:
-    assert (PACKAGE / file).read_text().strip() in DOCS.read_text()

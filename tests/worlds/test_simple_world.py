@@ -1,10 +1,8 @@
-"""`SimpleWorld`: a world of ten lines, from the manual and from a function."""
+"""`SimpleWorld`: a world of a few lines, from a class and from a function."""
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -24,20 +22,6 @@ from rapc.world import (
     SimpleWorld,
 )
 from rapc.worlds.registry import build_world, find_world, refuse_incomplete
-from tests.cli.command import rapc as command
-
-PAGE = (Path(__file__).parents[2] / "docs" / "how-to" / "write-a-world.md").read_text(
-    encoding="utf-8"
-)
-
-
-def test_the_simple_world_of_the_manual_keeps_to_the_port(tmp_path: Path) -> None:
-    section = PAGE.partition("## A simple world\n")[2]
-    shown = re.findall(r"```python\n(.*?)```", section, re.DOTALL)[0]
-    (tmp_path / "lamp.py").write_text(shown)
-    done = command("worlds", "lamp:Lamp", "--test", cwd=tmp_path)
-    assert "lamp: 6 checks passed" in done.stdout
-    assert "passed  save and restore" in done.stdout
 
 
 @dataclass
