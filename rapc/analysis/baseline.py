@@ -81,11 +81,11 @@ def read_baseline(file: Path) -> tuple[KnownFinding, ...]:
     try:
         found = msgspec.json.decode(content, type=_File)
     except (msgspec.DecodeError, RecursionError) as error:
-        message = f"`{file}` holds no baseline: `--write-baseline` writes one"
+        message = f"`{file}` is not a baseline; `--write-baseline` writes a baseline"
         raise BaselineError(message) from error
     if found.rapc_baseline != FORMAT:
         message = (
-            f"`{file}` holds a baseline of format {found.rapc_baseline}, not {FORMAT}"
+            f"`{file}` is a baseline of format {found.rapc_baseline}, not {FORMAT}"
         )
         raise BaselineError(message)
     return found.findings

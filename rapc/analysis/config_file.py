@@ -33,7 +33,7 @@ def read_config(file: Path) -> Configured | None:
                 return None
             table = table["tool"]["rapc"]
         if not isinstance(table, dict):
-            raise ConfigError(f"`{file}`: `tool.rapc` is no table")
+            raise ConfigError(f"`{file}`: expected a table as `tool.rapc`")
         known = [field.encode_name for field in msgspec.structs.fields(Config)]
         for key in table:
             if key not in known:
@@ -41,7 +41,7 @@ def read_config(file: Path) -> Configured | None:
                 help = (
                     f"did you mean `{near}`?" if near else f"known: {', '.join(known)}"
                 )
-                raise ConfigError(f"`{file}`: there is no key `{key}`", help)
+                raise ConfigError(f"`{file}`: unknown key `{key}`", help)
         return Configured(toml.converted(table, Config), file)
     except toml.TomlError as error:
         raise ConfigError(f"`{file}`: {error.message}") from error

@@ -32,9 +32,9 @@ UNUSED = Rule(
     code="RAP071",
     name="unused-suppression",
     severity=Severity.WARNING,
-    summary="a suppression silences nothing",
-    fix="safe: takes the comment out",
-    ignore="where the finding comes and goes with what is checked beside the file",
+    summary="a suppression silences no finding",
+    fix="safe: removes the comment",
+    ignore="where the finding depends on the other checked files",
     source="L 1",
 )
 
@@ -42,8 +42,8 @@ BAD = Rule(
     code="RAP072",
     name="bad-suppression",
     severity=Severity.WARNING,
-    summary="a comment is meant as a suppression, but names no rule",
-    ignore="never: mend the name, or take the comment out",
+    summary="a comment looks like a suppression but names no rule",
+    ignore="never: correct the name, or remove the comment",
     source="L 1",
 )
 
@@ -158,12 +158,12 @@ def unused(suppression: Suppression, source: SourceFile) -> Diagnostic:
     while start > 0 and source.text[start - 1] in " \t":
         start -= 1
     edit = Edit(source.span(start, comment.end), "")
-    fix = Fix(Applicability.SAFE, "take the comment out", (edit,))
+    fix = Fix(Applicability.SAFE, "remove the comment", (edit,))
     return Diagnostic(
         rule=UNUSED.name,
-        message=f"there is no `{suppression.rule}` here to ignore",
+        message=f"no finding of `{suppression.rule}` to ignore here",
         span=comment,
-        help="take it out" if suppression.alone else "take this name out",
+        help="remove the comment" if suppression.alone else "remove this name",
         fix=fix if suppression.alone else None,
     )
 
@@ -224,7 +224,7 @@ def _is_blank(line: str) -> bool:
 def _malformed(comment: Comment) -> Diagnostic:
     return Diagnostic(
         rule=BAD.name,
-        message="this comment looks like a suppression, but is none",
+        message="invalid suppression",
         span=comment.span,
         help="write `; rapc: ignore[rule-name] reason`, "
         "or `file-ignore` for the whole file",

@@ -187,13 +187,13 @@ def _unregistered(library: Library, functions: Mapping[str, object]) -> Iterator
         if default not in CONSTANT_DEFAULTS and default not in functions:
             place = _place(library, declared.span)
             yield (
-                f"{place}no default function is registered as `{default}`: a default "
+                f"{place}unknown default function `{default}`: a default "
                 "is `unknown`, `true`, `false` or a function"
             )
     for function in library.functions.values():
         if function.name not in functions:
             place = _place(library, function.span)
-            yield f"{place}no function is registered as `{function.name}`"
+            yield f"{place}unknown function `{function.name}`"
 
 
 def _uncompared(library: Library, comparators: Mapping[str, object]) -> Iterator[str]:
@@ -202,7 +202,7 @@ def _uncompared(library: Library, comparators: Mapping[str, object]) -> Iterator
     for name, span in named:
         if name is not None and name not in comparators:
             place = _place(library, span)
-            yield f"{place}no comparator is registered as `{name}`"
+            yield f"{place}unknown comparator `{name}`"
 
 
 def _unskilled(library: Library, world: World) -> Iterator[str]:

@@ -221,7 +221,7 @@ def _problems(
     yield from _faults(signatures, "datum", one.data)
     for datum in one.data:
         if datum[0] not in handled:
-            yield f"there is no handler for the datum `{datum[0]}`"
+            yield f"unknown handler for the datum `{datum[0]}`"
 
 
 def _unbound(facts: Iterable[Fact], pattern: Fact) -> Iterator[str]:

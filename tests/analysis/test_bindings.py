@@ -110,4 +110,4 @@ def test_agrees_with_all_orders_tried(net: Net) -> None:
 
 
 def _further(labels: Sequence[Label]) -> Iterator[Span]:
-    return (label.span for label in labels if label.message == "nor here")
+    return (label.span for label in labels if label.message == "not bound here, either")

@@ -140,9 +140,9 @@ def test_a_library_named_beside_its_tests_is_checked_once(tmp_path: Path) -> Non
 
 
 LACKING = [
-    ("(options (fuel-capacity 3))", "these are options of a world, and the test"),
-    ("(script ((look) okay :data ((seen))))", "there is no handler for the datum"),
-    ("(answers ((near) 3))", "no function is registered as `far`"),
+    ("(options (fuel-capacity 3))", "options of a world require a world"),
+    ("(script ((look) okay :data ((seen))))", "unknown handler for the datum"),
+    ("(answers ((near) 3))", "unknown function `far`"),
 ]
 
 

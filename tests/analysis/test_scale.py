@@ -55,7 +55,7 @@ def test_one_name_unknown_in_many_places_is_one_finding() -> None:
     text = f"(define-rap (y) (method (task-net {steps})))"
     (finding,) = check_library(load_text(text)).findings
     assert len(finding.diagnostic.labels) == 2
-    assert finding.diagnostic.notes == ("it is used in 97 more places",)
+    assert finding.diagnostic.notes == ("used in 97 other places",)
 
 
 def test_the_index_knows_the_children_of_every_node() -> None:

@@ -33,53 +33,58 @@ def net(first: str) -> str:
     [
         (
             net("(stroll) (wait-for (:seen ?what) :succeed) (for t2)"),
-            "bound by a signal that ends step `t1`, which may end without it",
-            "let only a signal end `stroll`, as with `(succeed nil)`, or let it hand "
-            "out `?what`",
+            "bound by a signal that ends step `t1`, but the step may end without it",
+            "end `stroll` only by a signal, as with `(succeed nil)`, or "
+            "return `?what` as an output",
         ),
         (
             net("(stroll) (wait-for (:seen ?what) :succeed)"),
-            "bound by a signal that ends step `t1`, which nothing puts before this one",
-            "put `(for t2)` on step `t1`, and let only a signal end `stroll`, as with "
-            "`(succeed nil)`, or let it hand out `?what`",
+            "bound by a signal that ends step `t1`, which is not ordered "
+            "before this step",
+            "add `(for t2)` to step `t1`, and end `stroll` only by a "
+            "signal, as with `(succeed nil)`, or return `?what` as an "
+            "output",
         ),
         (
             net("(stand-guard) (wait-for (:seen ?what) :succeed)"),
-            "bound by a signal that ends step `t1`, which nothing puts before this one",
-            "put `(for t2)` on step `t1`",
+            "bound by a signal that ends step `t1`, which is not ordered "
+            "before this step",
+            "add `(for t2)` to step `t1`",
         ),
         (
             net(
                 "(stand-guard) (wait-for (:seen ?what) :succeed) "
                 "(wait-for (:bell) :succeed) (for t2)"
             ),
-            "bound by a signal that ends step `t1`, which may end without it",
-            "let each signal that ends step `t1` bind `?what`",
+            "bound by a signal that ends step `t1`, but the step may end without it",
+            "bind `?what` in each signal that ends step `t1`",
         ),
         (
             net("(stroll) (wait-for (:seen ?what) :fail) (for t2)"),
             "bound by a signal that fails step `t1`",
-            "bind it in `context`, or in a step ordered before this one",
+            "bind the variable in `context`, or in a step ordered before this step",
         ),
         (
             net("(find => ?what) (wait-for (:bell) :succeed) (for t2)"),
-            "bound by step `t1`, which a signal may end before that",
-            "bind it in `context`, or in a step ordered before this one",
+            "bound by step `t1`, which a signal may end before",
+            "bind the variable in `context`, or in a step ordered before this step",
         ),
         (
             "(task-net (t1 (tell ?what) (wait-for (:seen ?what) :succeed)))",
             "bound by a signal that ends step `t1`",
-            "with `:proceed` the signal comes before the step begins",
+            "with `:proceed`, the signal comes before the step begins",
         ),
         (
             "(context (and (< ?size 3) (size box ?size))) (task-net (t1 (tell ?size)))",
-            "bound here, but asked only after that: parts go from left to right",
-            "put the part that binds it to the left of this",
+            "bound here, but evaluated after the use: parts are evaluated "
+            "from left to right",
+            "move the part that binds the variable to the left",
         ),
         (
             net("(find => ?what) ((and (< ?size 3) (size ?what ?size)) for t2)"),
-            "bound here, but asked only after that: parts go from left to right",
-            "put the part that binds it to the left of this",
+            "bound here, but evaluated after the use: parts are evaluated "
+            "from left to right",
+            "move the part that binds the variable to the left",
         ),
     ],
 )

@@ -91,7 +91,7 @@ def test_a_configuration_can_be_named(folder: Path) -> None:
     [
         (
             'ignor = ["x"]',
-            "there is no key `ignor`\n  did you mean `ignore`?",
+            "unknown key `ignor`\n  did you mean `ignore`?",
         ),
         ("ignore = 3", "`ignore`: expected a list, got a whole number"),
         ("ignore = [3]", "`ignore 1`: expected text, got a whole number"),
@@ -150,7 +150,7 @@ def test_what_is_no_baseline_is_refused(text: str, folder: Path) -> None:
     (folder / "known.json").write_text(text)
     done = rapc("check", "lib", "--baseline", "known.json", cwd=folder)
     assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr.startswith("error: `known.json` h")
+    assert done.stderr.startswith("error: `known.json` is ")
     assert "`object`" not in done.stderr
 
 

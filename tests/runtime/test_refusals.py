@@ -76,16 +76,16 @@ def reasons(
         ),
         (
             "(declare-memory-function near (?x ?y))",
-            "t.rap:11:1: no function is registered as `near`",
+            "t.rap:11:1: unknown function `near`",
         ),
         (
             "(declare-memory-property weight (?x ?value) weigh)",
-            "t.rap:11:1: no default function is registered as `weigh`: a default is "
+            "t.rap:11:1: unknown default function `weigh`: a default is "
             "`unknown`, `true`, `false` or a function",
         ),
         (
             "(declare-indistinct-class cup looks)",
-            "t.rap:11:1: no comparator is registered as `looks`",
+            "t.rap:11:1: unknown comparator `looks`",
         ),
     ],
 )

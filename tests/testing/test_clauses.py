@@ -118,7 +118,7 @@ def test_a_question_without_an_answer_fails_the_test(tmp_path: Path) -> None:
 def test_a_function_without_any_answer_is_told_before_the_run(tmp_path: Path) -> None:
     ended = asked(tmp_path, "((distance ? ?) 1)", "((heavy ?) nil)")
     assert ended.status is Status.ERROR
-    assert "no function is registered as `usual`" in happened(ended)[-1]
+    assert "unknown function `usual`" in happened(ended)[-1]
 
 
 OTHER_WORLD = """
@@ -213,7 +213,7 @@ def test_what_the_world_of_a_test_does_not_take_is_an_error(
 def test_options_without_a_world_are_an_error(tmp_path: Path) -> None:
     ended = run(tmp_path, "(options (lit true))")
     assert ended.status is Status.ERROR
-    assert happened(ended) == ["these are options of a world, and the test names none"]
+    assert happened(ended) == ["options of a world require a world"]
 
 
 def test_defaults_hold_for_all_tests_of_a_file(tmp_path: Path) -> None:

@@ -279,9 +279,7 @@ def test_the_configuration_permits_worlds_of_modules(
     (tmp_path / "tests" / "rapc.toml").write_text("world-module = 3")
     done = rapc("test", "tests", cwd=tmp_path)
     assert (done.returncode, done.stdout) == (2, "")
-    assert (
-        "there is no key `world-module`\n  did you mean `world-modules`?" in done.stderr
-    )
+    assert "unknown key `world-module`\n  did you mean `world-modules`?" in done.stderr
 
 
 def test_a_world_whose_class_has_capitals_is_wanted_in_quotes(tmp_path: Path) -> None:

@@ -27,15 +27,15 @@ PROBLEMS = [
     ("(script ((grab box) :data ((noise))))", "unknown sensor datum `noise`"),
     (
         "(script ((grab box) :data ((sighting box))))",
-        "there is no handler for the datum `sighting`",
+        "unknown handler for the datum `sighting`",
     ),
     (
         "(script ((look box) :after 3))",
-        "`look` is declared atomic, so it does not end `:after` its request",
+        "`look` is declared atomic and cannot end `:after` its request",
     ),
     (
         "(script ((look box) :every 3))",
-        "only a skill tells signals with waits between them, or again",
+        "only a skill emits signals with waits between them, or repeatedly",
     ),
     ("(script ((enable (:roll 1))))", "unknown skill `:roll`"),
     ("(at 1 (asserts (hold box)))", "unknown predicate `hold`"),
@@ -59,11 +59,11 @@ PROBLEMS = [
     ("(expect (memory (not (where box))))", None),
     (
         "(expect (method fetch by-foot 0 times))",
-        "`fetch` has no method called `by-foot`",
+        "unknown method `by-foot` of `fetch`",
     ),
     (
         "(expect (method find #2))",
-        "`find` has no method called `#2`",
+        "unknown method `#2` of `find`",
     ),
     (
         "(expect (trace (task-fails)))",
@@ -71,7 +71,7 @@ PROBLEMS = [
     ),
     (
         "(expect (trace (task-failed :gaol ?)))",
-        "`task-failed` has no key `gaol`; did you mean `goal`?",
+        "unknown key `gaol` of `task-failed`; did you mean `goal`?",
     ),
     ("(world trukc)", "unknown world `trukc`; did you mean `truck`?"),
 ]
@@ -129,7 +129,7 @@ def test_a_library_that_needs_a_function_needs_a_world(tmp_path: Path) -> None:
     found = cases(tmp_path, f"{library} (define-test it (expect (memory true)))")
     outcome = run_case(found["it"])
     assert outcome.status is Status.ERROR
-    assert happened(outcome)[0].endswith("no function is registered as `louder`")
+    assert happened(outcome)[0].endswith("unknown function `louder`")
 
 
 def test_data_go_through_the_handlers_of_a_world(tmp_path: Path) -> None:

@@ -22,8 +22,9 @@ LOW = Rule(
     code="RAP130",
     name="powerless-reaction",
     severity=Severity.WARNING,
-    summary="a standing task is no more urgent than the work that it is to interrupt",
-    ignore="where the reaction may well wait until the work is done",
+    summary="a standing task has no higher priority than the tasks that it "
+    "must interrupt",
+    ignore="where the reaction may wait until the other task ends",
     source="T 5.4.1",
 )
 
@@ -32,8 +33,10 @@ REACHES = Rule(
     code="RAP131",
     name="priority-out-of-band",
     severity=Severity.WARNING,
-    summary="a step is more urgent than a standing task that stands above its own task",
-    ignore="where the step must come before the reaction, as waking up does",
+    summary="a step has a higher priority than a standing task with "
+    "priority over the parent",
+    ignore="where the step must run before the reaction, for example to "
+    "wake the robot up",
     source="T 5.4.1",
 )
 
@@ -41,8 +44,8 @@ ENDS = Rule(
     code="RAP132",
     name="standing-task-ends",
     severity=Severity.WARNING,
-    summary="a task that stands by in the background is done once it has reacted",
-    ignore="where the task is to end",
+    summary="a standing task in the background ends after one reaction",
+    ignore="where the task must end",
     source="T 4.7.1, figure 4.3",
 )
 
@@ -96,10 +99,10 @@ def _low(
         if lowest >= task.priority and _stands(run, task):
             yield LOW.at(
                 task.goal.span,
-                f"`{task.goal.name}` stands by at priority {task.priority}, "
+                f"standing task `{task.goal.name}` has priority {task.priority} "
                 "and interrupts nothing",
                 labels=(Label(highest.span, f"priority {highest.priority}"),),
-                help="give it a higher priority than the work",
+                help="give the standing task a higher priority than the other tasks",
             )
 
 
@@ -148,9 +151,10 @@ def _reaches(
                 f"{task.priority + high}, up to `{next_.goal.name}`",
                 labels=(
                     Label(task.span, f"this task has priority {task.priority}"),
-                    Label(next_.span, f"this one has {next_.priority}"),
+                    Label(next_.span, f"this task has priority {next_.priority}"),
                 ),
-                help="lower the step, or leave more room between the two tasks",
+                help="lower the priority of the step, or increase the difference "
+                "between the two tasks",
             )
 
 
@@ -179,15 +183,15 @@ def _ended(run: Pass, task: nodes.GivenTask) -> Diagnostic | None:
     monitor = next((one for one in monitors if one is not None), None)
     if monitor is None or is_never(rap.succeed):
         return None
-    message = f"`{rap.name}` is done when a method has ended well once"
+    message = f"`{rap.name}` ends when a method has succeeded once"
     if rap.succeed is not None:
-        message = f"`{rap.name}` is done for good when this holds once"
+        message = f"`{rap.name}` ends when this formula holds once"
     return ENDS.at(
         rap.name_span if rap.succeed is None else rap.succeed.span,
         message,
         labels=(
-            Label(monitor.span, "its monitor"),
-            Label(task.span, "given as a task that stands by"),
+            Label(monitor.span, "the monitor of the RAP"),
+            Label(task.span, "submitted here as a standing task"),
         ),
-        help="write `(succeed nil)` if it is to stand by for good",
+        help="write `(succeed nil)` to let the task stand by without end",
     )

@@ -54,8 +54,8 @@ CONTRADICTION = Rule(
     code="RAP110",
     name="contradiction",
     severity=Severity.WARNING,
-    summary="two parts of a formula never hold together",
-    ignore="where a method is switched off on purpose: write `nil` as its context",
+    summary="two parts of a formula contradict each other",
+    ignore="where a method is disabled on purpose: write `nil` as its context",
     source="T 4.1.3",
 )
 
@@ -185,9 +185,9 @@ def first_clash(
 def _contradiction(clash: Clash) -> Diagnostic:
     return clash_at(
         CONTRADICTION,
-        f"{said(clash.second)} and {said(clash.first)} never hold together",
+        f"{said(clash.second)} and {said(clash.first)} contradict each other",
         clash.second.span,
-        Label(clash.first.span, "asked here" if clash.first.holds else "denied here"),
+        Label(clash.first.span, "queried here" if clash.first.holds else "denied here"),
     )
 
 
@@ -207,9 +207,8 @@ UNREACHABLE = Rule(
     code="RAP111",
     name="unreachable-method",
     severity=Severity.WARNING,
-    summary="a method is never chosen, whatever happens",
-    ignore="where a method is kept for a situation that other libraries will bring "
-    "about",
+    summary="a method can never be chosen",
+    ignore="where other libraries make the context of the method possible",
     source="T 3.2.2",
 )
 
@@ -309,10 +308,10 @@ def _succeeds_first(at: _Chosen, rap: nodes.DefineRap) -> Diagnostic | None:
         if goal is not None:
             return clash_at(
                 UNREACHABLE,
-                f"no method is ever chosen: where `{clause.word}` holds, "
-                "`succeed` does",
+                "no method can be chosen: `succeed` holds wherever "
+                f"`{clause.word}` holds",
                 formula.span,
-                Label(goal.span, "the RAP has succeeded then"),
+                Label(goal.span, "the RAP has already succeeded then"),
             )
     return None
 
@@ -331,8 +330,7 @@ def _apart(at: _Chosen, rap: nodes.DefineRap) -> Diagnostic | None:
         return None
     return clash_at(
         UNREACHABLE,
-        f"no method is ever chosen: {said(second.written)} never holds where "
-        f"`{first.clause}` does",
+        f"no method can be chosen: {said(second.written)} contradicts `{first.clause}`",
         clash.second.span,
         Label(clash.first.span, _why(first.clause)),
     )
@@ -401,7 +399,9 @@ def _never(
                 for span, branch in branches
             ]
             if parts and all(found):
-                message = f"{what} is never chosen: no branch of this ever holds"
+                message = (
+                    f"{what} can never be chosen: no branch of this formula can hold"
+                )
                 label = (
                     found[0].labels[0]
                     if found[0] and found[0].labels
@@ -435,7 +435,7 @@ def _refuted(
             return None
         return clash_at(
             UNREACHABLE,
-            f"{said(clash.second)} never holds when a method is chosen",
+            f"{said(clash.second)} cannot hold when a method is chosen",
             clash.second.span,
             Label(clash.first.span, _why(clause)),
         )
@@ -445,16 +445,16 @@ def _refuted(
         return None
     return clash_at(
         UNREACHABLE,
-        f"{what} is never chosen: where this holds, `succeed` does",
+        f"{what} can never be chosen: `succeed` holds wherever this formula holds",
         span,
-        Label(goal.span, "the RAP has succeeded then"),
+        Label(goal.span, "the RAP has already succeeded then"),
     )
 
 
 def _why(clause: str) -> str:
     if clause == "succeed":
-        return "this holds as long as `succeed` does not"
-    return f"`{clause}` asks for this"
+        return "this formula holds until `succeed` holds"
+    return f"`{clause}` requires this formula"
 
 
 def _asks_otherwise(context: nodes.Formula) -> bool:
@@ -464,11 +464,14 @@ def _asks_otherwise(context: nodes.Formula) -> bool:
 def _after_always(
     contexts: Sequence[nodes.Formula], always: nodes.Method
 ) -> Diagnostic:
-    further = [Label(other.span, "nor is this one") for other in contexts[1:]]
+    further = [
+        Label(other.span, "this method can never be chosen, either")
+        for other in contexts[1:]
+    ]
     return UNREACHABLE.at(
         contexts[0].span,
-        "this method is never chosen: one before it has no context",
-        labels=(Label(always.span, "this one holds whatever happens"), *further),
+        "this method can never be chosen: a method before it has no context",
+        labels=(Label(always.span, "this method can always be chosen"), *further),
     )
 
 
@@ -476,9 +479,9 @@ TWICE = Rule(
     code="RAP117",
     name="said-twice",
     severity=Severity.WARNING,
-    summary="an `and` or `or` has the same part twice",
-    fix="safe: takes the second one away",
-    ignore="never: the second one asks nothing",
+    summary="duplicate part of an `and` or `or`",
+    fix="safe: removes the second part",
+    ignore="never: the second part changes nothing",
     source="T 4.1.3",
 )
 
@@ -504,10 +507,10 @@ def _look(
         if other is part or (joined and _is_another(run, parts[:at], part)):
             continue
         whole = Span(part.span.file, parts[at - 1].span.end, part.span.end)
-        fix = Fix(Applicability.SAFE, "take it away", (Edit(whole, ""),))
+        fix = Fix(Applicability.SAFE, "remove the part", (Edit(whole, ""),))
         yield TWICE.at(
             part.span,
-            f"`{format_formula(part)}` is said already",
+            f"duplicate part `{format_formula(part)}`",
             labels=(Label(other.span, "here"),),
             fix=fix,
         )
@@ -554,8 +557,8 @@ JOINED = Rule(
     name="joined-by-unknown",
     severity=Severity.INFO,
     opt_in=True,
-    summary="two properties are to have the same value, which may be `unknown`",
-    ignore="where something is always known of one of the two",
+    summary="two properties are compared for equality, and both may be `unknown`",
+    ignore="where one of the two values is always known",
     source="T 2.2.2",
 )
 
@@ -615,9 +618,9 @@ def _joined(
         if value not in elsewhere and value not in given:
             yield JOINED.at(
                 fact.span,
-                f"`{value}` may be `unknown` here, and equal for that alone",
-                labels=(Label(other.span, "the other one"),),
-                help=f"ask `(n= {value} unknown)` as well",
+                f"`{value}` may be `unknown` and equal for this reason alone",
+                labels=(Label(other.span, "the other property"),),
+                help=f"add `(n= {value} unknown)`",
             )
 
 
@@ -639,8 +642,8 @@ UNNAMED = Rule(
     code="RAP153",
     name="unnamed-item",
     severity=Severity.WARNING,
-    summary="a request is about an item whose sensor name may not be known",
-    ignore="where the robot has the thing in sight whenever the method is chosen",
+    summary="a request names an item that may have no sensor name",
+    ignore="where the item is in sight whenever the method is chosen",
     source="T 2.3.2",
 )
 
@@ -683,11 +686,14 @@ def _unnamed(
             told.add(term.name)
             yield UNNAMED.at(
                 term.span,
-                f"the sensors may have no name for `{term.name}` here",
+                f"`{term.name}` may have no sensor name here",
                 labels=(
-                    Label(unknown[term.name].span, "there is a method for that case"),
+                    Label(
+                        unknown[term.name].span,
+                        "this method covers an item without a sensor name",
+                    ),
                 ),
-                help=f"ask `(know-sensor-name {term.name} true)` in the context",
+                help=f"add `(know-sensor-name {term.name} true)` to the context",
             )
 
 

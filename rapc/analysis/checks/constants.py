@@ -52,9 +52,10 @@ MISSPELT = Rule(
     code="RAP100",
     name="misspelt-constant",
     severity=Severity.WARNING,
-    summary="a constant is used only once, and another one there is spelled almost so",
-    fix="unsafe: writes the constant that is spelled almost so, or the variable",
-    ignore="where the value comes from outside, and another one is spelled almost so",
+    summary="a constant is used once, and its argument has a similar constant",
+    fix="unsafe: writes the similar constant or the variable",
+    ignore="where the value comes from outside of the library, and a "
+    "similar value exists",
     source="T 4.1",
 )
 
@@ -62,8 +63,8 @@ FOREIGN = Rule(
     code="RAP102",
     name="foreign-constant",
     severity=Severity.WARNING,
-    summary="a constant of one kind stands where values of another are wanted",
-    ignore="where one word is a value of both kinds: say so with `:is`",
+    summary="a constant has a different kind than the other values of its argument",
+    ignore="where the word is a value of both kinds: declare the kind with `:is`",
     source="L 7",
 )
 
@@ -71,8 +72,10 @@ MIXED = Rule(
     code="RAP103",
     name="mixed-values",
     severity=Severity.WARNING,
-    summary="a number, word or truth value stands where all others are of another sort",
-    ignore="where a place takes values of several sorts on purpose, as a label may",
+    summary="a number, word or truth value is used where all other values "
+    "are of another type",
+    ignore="where an argument takes values of several types on purpose, "
+    "for example a label",
     source="L 2",
 )
 
@@ -132,7 +135,7 @@ class _Known:
             alike = other[0] == word[0] and not is_row(word, other)
             if alike and not apart and self.usage.count(other) > 1:
                 first = self.usage.standing(other)[:1]
-                label = "a constant with a close name"
+                label = "a similar constant"
                 return _slip(one, other, [Label(c.const.span, label) for c in first])
         return None
 
@@ -169,8 +172,9 @@ class _Known:
             return None
         return MIXED.at(
             one.const.span,
-            f"`{format_atom(one.const.value)}` stands where all others are {sort}s",
-            help=f"there are {count} of them at this place of `{place.name}`",
+            f"`{format_atom(one.const.value)}` is used where all other "
+            f"values are {sort}s",
+            help=f"this argument of `{place.name}` has {count} of them",
             about=_unmarked(one),
         )
 
@@ -194,8 +198,8 @@ class _Known:
             return None
         return FOREIGN.at(
             one.const.span,
-            f"`{one.written}` is a {homes[0]}, and a {wanted} is wanted",
-            help="is it the argument that was meant here?",
+            f"expected a {wanted}, not `{one.written}`, which is a {homes[0]}",
+            help="the arguments may be in the wrong order",
             about=_unmarked(one),
         )
 
@@ -217,7 +221,7 @@ def _slip(one: Constant, meant: str, labels: Sequence[Label]) -> Diagnostic:
     edit = Edit(one.const.span, meant)
     return MISSPELT.at(
         one.const.span,
-        f"`{one.const.value}` stands only here",
+        f"`{one.const.value}` is used only here",
         labels=tuple(labels),
         help=f"did you mean `{meant}`?",
         fix=Fix(Applicability.UNSAFE, f"write `{meant}`", (edit,)),
@@ -234,10 +238,10 @@ MARKED = Rule(
     code="RAP104",
     name="marked-constant",
     severity=Severity.WARNING,
-    summary="a variable is used only once, and its name is a constant of that place",
-    fix="unsafe: takes the question mark away",
-    ignore="where anything will do and the name is to say what stands there: write "
-    "another name",
+    summary="a variable is used once, and its name is a constant of the same argument",
+    fix="unsafe: removes the question mark",
+    ignore="where any value matches and the name is only a comment: "
+    "choose another name",
     source="T 4.1",
 )
 
@@ -285,9 +289,9 @@ def _marked(variable: nodes.Var, other: Span | None) -> Diagnostic:
     fix = Fix(Applicability.UNSAFE, f"write `{word}`", (Edit(variable.span, word),))
     return MARKED.at(
         variable.span,
-        f"`{variable.name}` is used only here, and matches anything",
-        labels=(Label(other, "the constant stands here"),) if other else (),
-        help=f"did you mean `{word}`? if anything will do, write `?`",
+        f"`{variable.name}` is used only here and matches any value",
+        labels=(Label(other, "the constant is used here"),) if other else (),
+        help=f"did you mean `{word}`? for any value, write `?`",
         fix=fix,
         about=(Subject(variable.span, variable.name),),
     )
@@ -297,9 +301,9 @@ SWAPPED = Rule(
     code="RAP101",
     name="swapped-arguments",
     severity=Severity.WARNING,
-    summary="two arguments seem to stand in each other's places",
-    fix="unsafe: swaps the two",
-    ignore="where a relation holds both ways, so that either order is meant",
+    summary="two arguments may be swapped",
+    fix="unsafe: swaps the two arguments",
+    ignore="where a relation is symmetric, so that the order does not matter",
     source="T 4.1",
 )
 
@@ -404,12 +408,12 @@ def _swap(used: NameUse, terms: tuple[nodes.Term, nodes.Term]) -> Diagnostic:
     spans: Mapping[int, Span] = {0: terms[0].span, 1: terms[1].span}
     return SWAPPED.at(
         Span(used.span.file, spans[0].start, spans[1].end),
-        f"`{one}` and `{other}` seem to be swapped",
-        help=f"everywhere else in the library the arguments of `{used.name}` are used "
-        "the other way round",
+        f"`{one}` and `{other}` may be swapped",
+        help=f"all other uses of `{used.name}` in the library have these "
+        "arguments in the opposite order",
         fix=Fix(
             Applicability.UNSAFE,
-            "swap the two",
+            "swap the two arguments",
             (Edit(spans[0], other), Edit(spans[1], one)),
         ),
     )

@@ -38,9 +38,8 @@ HOPELESS = Rule(
     code="RAP140",
     name="hopeless-goal",
     severity=Severity.WARNING,
-    summary="nothing that a RAP does brings its `succeed` about",
-    ignore="where the world brings it about by itself, and the methods only pass the "
-    "time",
+    summary="no action of a RAP can make its `succeed` true",
+    ignore="where the world makes the formula true, and the methods only wait",
     source="T 3.2.5",
 )
 
@@ -48,8 +47,8 @@ ENDLESS = Rule(
     code="RAP141",
     name="endless-reaction",
     severity=Severity.WARNING,
-    summary="nothing that a standing task does ends the state that wakes it",
-    ignore="where the state ends by itself while the task is at work",
+    summary="no action of a standing task can end the state that wakes the task",
+    ignore="where the state ends by itself while the task runs",
     source="T 4.7.1",
 )
 
@@ -57,8 +56,10 @@ EMPTY = Rule(
     code="RAP142",
     name="empty-promise",
     severity=Severity.WARNING,
-    summary="a RAP declares an effect that nothing it does has, or that it denies",
-    ignore="where the world brings the effect about, and the primitive cannot say so",
+    summary="a RAP declares an effect that its actions cannot have, or "
+    "that contradicts it",
+    ignore="where the world brings about the effect, and the primitive "
+    "cannot declare the effect",
     source="T 7.4.1",
 )
 
@@ -95,7 +96,7 @@ def _hopeless(
     if any(_way_can_come(run.library, way, done) for way in ways(goal)):
         return None
     return HOPELESS.at(
-        goal.span, f"nothing that `{rap.name}` does brings this about", help=_said(done)
+        goal.span, f"no action of `{rap.name}` can make this true", help=_said(done)
     )
 
 
@@ -127,14 +128,14 @@ def _endless(
     if not _ends(run.library, monitor, done):
         yield ENDLESS.at(
             monitor.span,
-            f"nothing that `{rap.name}` does ends the state that wakes it",
+            f"no action of `{rap.name}` can end the state that wakes the task",
             help=_said(done),
         )
     elif _brings_it_about(run, rap, monitor):
         yield ENDLESS.at(
             monitor.span,
-            f"what `{rap.name}` does brings about what wakes it",
-            help="ask for the contrary in the monitor, or do something else",
+            f"the actions of `{rap.name}` bring about the state that wakes the task",
+            help="query the opposite in the monitor, or change the actions",
         )
 
 
@@ -160,9 +161,11 @@ def _brings_it_about(run: Pass, rap: nodes.DefineRap, monitor: nodes.Formula) ->
 def _said(done: Sequence[Effect]) -> str:
     names = sorted({f"`{effect.name}`" for effect in done})
     if not names:
-        return "as far as it is declared, nothing in memory changes"
-    return f"as far as it is declared, it changes {', '.join(names[:_SHOWN_NAMES])}" + (
-        ", ..." if len(names) > _SHOWN_NAMES else ""
+        return "the declared effects of its actions change nothing in memory"
+    return (
+        "the declared effects of its actions change only "
+        f"{', '.join(names[:_SHOWN_NAMES])}"
+        + (", ..." if len(names) > _SHOWN_NAMES else "")
     )
 
 
@@ -191,7 +194,7 @@ def _denied(rap: nodes.DefineRap) -> Iterator[Diagnostic]:
         if other.negated is not effect.negated:
             yield EMPTY.at(
                 effect.span,
-                "the contrary of this effect is declared, too",
+                "the opposite of this effect is declared, too",
                 labels=(Label(other.span, "declared here"),),
             )
             continue
@@ -199,8 +202,8 @@ def _denied(rap: nodes.DefineRap) -> Iterator[Diagnostic]:
         if one is not None and one.holds is effect.negated:
             yield EMPTY.at(
                 effect.span,
-                "`succeed` asks for the contrary of this effect",
-                labels=(Label(one.span, "asked here"),),
+                "`succeed` requires the opposite of this effect",
+                labels=(Label(one.span, "queried here"),),
             )
     yield from _against_each_way(rap)
 
@@ -222,8 +225,8 @@ def _against_each_way(rap: nodes.DefineRap) -> Iterator[Diagnostic]:
         effect, one = denied[0]
         yield EMPTY.at(
             effect.span,
-            "every way to succeed asks for the contrary of an effect",
-            labels=(Label(one.span, "asked here"),),
+            "every branch of `succeed` requires the opposite of an effect",
+            labels=(Label(one.span, "queried here"),),
         )
 
 
@@ -237,7 +240,7 @@ def _empty(
         if fact not in asked and not may_establish(run.library, promised, done):
             yield EMPTY.at(
                 effect.span,
-                f"nothing that `{rap.name}` does brings `{promised.written}` about",
+                f"no action of `{rap.name}` can have the effect `{promised.written}`",
                 help=_said(done),
             )
 
@@ -247,8 +250,8 @@ LACKING = Rule(
     name="lacking-effect",
     severity=Severity.INFO,
     opt_in=True,
-    summary="a RAP declares effects, and lacks one that all its methods have",
-    ignore="where a planner has no use for the effect",
+    summary="a RAP declares effects, but not an effect that all its methods have",
+    ignore="where a planner does not need the effect",
     source="T 7.4.1",
 )
 
@@ -258,8 +261,9 @@ UNCONFIRMED = Rule(
     name="unconfirmed-effect",
     severity=Severity.INFO,
     opt_in=True,
-    summary="a RAP declares an effect that one of its methods is not known to have",
-    ignore="where the world brings the effect about, and the primitive cannot say so",
+    summary="a RAP declares an effect that one of its methods does not have",
+    ignore="where the world brings about the effect, and the primitive "
+    "cannot declare the effect",
     source="T 7.4.1",
 )
 
@@ -282,8 +286,7 @@ def _lacking(run: Pass, rap: nodes.DefineRap) -> Iterator[Diagnostic]:
     for one in lacking[:1]:
         yield LACKING.at(
             rap.effects[0].span,
-            f"`{rap.name}` changes `{format_formula(one.formula)}` too, and does not "
-            "say so",
+            f"`{rap.name}` does not declare its effect `{format_formula(one.formula)}`",
             labels=(Label(one.span, "declared here"),),
             help=f"add `{one.written}`",
         )
@@ -307,9 +310,10 @@ def _unconfirmed(run: Pass, rap: nodes.DefineRap) -> Iterator[Diagnostic]:
         if without:
             yield UNCONFIRMED.at(
                 without[0].span,
-                f"this method of `{rap.name}` is not known to bring "
-                f"`{promised.written}` about",
+                f"no action of this method of `{rap.name}` has the effect "
+                f"`{promised.written}`",
                 labels=(Label(effect.span, "declared here"),),
-                help="say what its primitives do, or ask for the effect in `succeed`",
+                help="declare the effects of the primitives, or require the effect "
+                "in `succeed`",
             )
             return

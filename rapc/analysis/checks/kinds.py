@@ -31,8 +31,8 @@ UNKNOWN = Rule(
     code="RAP081",
     name="unknown-kind",
     severity=Severity.ERROR,
-    summary="a kind of values is not declared, or is of itself",
-    fix="unsafe: writes the name that is spelled almost so, where there is one",
+    summary="unknown kind, or a kind that is its own parent",
+    fix="unsafe: writes the similar name, if there is one",
     source="L 7",
 )
 
@@ -40,8 +40,8 @@ WRONG = Rule(
     code="RAP082",
     name="wrong-kind",
     severity=Severity.ERROR,
-    summary="a constant is not of the kind that is wanted where it stands",
-    fix="unsafe: writes the value of the kind that is spelled almost so",
+    summary="a constant does not have the kind of its argument",
+    fix="unsafe: writes the similar value of the kind",
     source="L 7",
 )
 
@@ -49,8 +49,8 @@ APART = Rule(
     code="RAP083",
     name="kinds-apart",
     severity=Severity.WARNING,
-    summary="a variable of one kind is used as one of another",
-    ignore="where a value is of both kinds: say so with `:is`",
+    summary="a variable of one kind is used as another kind",
+    ignore="where a value has both kinds: declare the kind with `:is`",
     source="L 7",
 )
 
@@ -87,7 +87,7 @@ def _unknown(run: Pass, index: Index) -> Iterator[Diagnostic]:
     for named in index.kinds():
         name = named.kind
         if name not in kinds:
-            advice = "declare it with `declare-kind`, or `require` the file that does"
+            advice = "declare it with `declare-kind`, or `require` its file"
             fault = Fault(
                 "unknown",
                 f"unknown kind `{name}`",
@@ -107,7 +107,7 @@ def _circles(run: Pass) -> Iterator[Diagnostic]:
             reported.update(above)
             through = [f"`{name}`" for name in above if name != form.name]
             said = f", through {', '.join(through)}" if through else ""
-            yield UNKNOWN.at(form.span, f"the kind `{form.name}` is of itself{said}")
+            yield UNKNOWN.at(form.span, f"kind `{form.name}` is its own parent{said}")
 
 
 def _constants(run: Pass, used: NameUse, signature: Signature) -> Iterator[Diagnostic]:
@@ -140,8 +140,9 @@ def _defaults(run: Pass) -> Iterator[Diagnostic]:
             place = form.args[-1].span if form.args else form.span
             yield WRONG.at(
                 place,
-                f"the default `{form.default}` is no {kind}",
-                help=_listing(run, kind) or "write `unknown`, which is of every kind",
+                f"default `{form.default}` is not of kind {kind}",
+                help=_listing(run, kind)
+                or "write `unknown`, which is valid for every kind",
             )
 
 
@@ -161,7 +162,7 @@ def _listing(run: Pass, kind: str) -> str:
     values = run.signatures.kinds.values(kind) or ()
     words = list(dict.fromkeys(format_atom(value) for value in values))
     shown = ", ".join(f"`{word}`" for word in words[:_SHOWN])
-    return f"its values are {shown}{', ...' if len(words) > _SHOWN else ''}" * bool(
+    return f"the values are {shown}{', ...' if len(words) > _SHOWN else ''}" * bool(
         words
     )
 
@@ -200,14 +201,17 @@ def _variables(
         if run.signatures.kinds.apart(kind, arg.kind):
             labels = (
                 Label(place, "declared here"),
-                Label(declared_at(run, signature), f"`{arg.variable.name}` is here"),
+                Label(
+                    declared_at(run, signature),
+                    f"`{arg.variable.name}` is declared here",
+                ),
             )
             yield APART.at(term.span, _mixed_up(term, kind, arg.kind), labels=labels)
             return
 
 
 def _mixed_up(variable: nodes.Var, kind: str, wanted: str) -> str:
-    return f"`{variable.name}` is {_a(kind)}, and {_a(wanted)} is wanted"
+    return f"expected {_a(wanted)}, not `{variable.name}`, which is {_a(kind)}"
 
 
 def _a(kind: str) -> str:
@@ -246,7 +250,7 @@ def _no_such_value(run: Pass, term: nodes.Const, known: Learned) -> Diagnostic:
     word = format_atom(term.value)
     return WRONG.at(
         term.span,
-        f"`{word}` is no {known.kind}, as which it is used",
+        f"expected {_a(known.kind)}, not `{word}`",
         labels=(Label(known.span, f"used as {_a(known.kind)} here"),),
         help=_listed(run, known.kind).did_you_mean(word) or _listing(run, known.kind),
         fix=_another(run, known.kind, term),
@@ -258,7 +262,8 @@ NOT_A_NUMBER = Rule(
     code="RAP069",
     name="not-a-number",
     severity=Severity.ERROR,
-    summary="a constant that is no number stands where one is needed, or zero divides",
+    summary="a constant is not a number where a number is required, or the "
+    "divisor is zero",
     source="T 4.1",
 )
 
@@ -296,11 +301,11 @@ def _computed(index: Index) -> Found:
         if use.node.function in ARITHMETIC:
             for arg in use.node.args:
                 if _is_other(arg):
-                    yield arg, "is no number to compute with"
+                    yield arg, "is not a number"
         if use.node.function == "/":
             for arg in use.node.args[1:]:
                 if isinstance(arg, nodes.Const) and arg.value == 0:
-                    yield arg, "divides nothing"
+                    yield arg, "is not a valid divisor"
 
 
 def _compared(index: Index) -> Found:
@@ -310,28 +315,33 @@ def _compared(index: Index) -> Found:
             for one, other in (sides, sides[::-1]):
                 computed = type(one) is nodes.Call and one.function in CALLS
                 if computed and _is_other(other):
-                    yield other, "never equals a number"
+                    yield other, "is not a number and never equals the other side"
         else:
             for side in sides:
                 if _is_other(side):
-                    yield side, f"is no number, and `{use.node.op}` never holds of it"
+                    yield (
+                        side,
+                        f"is not a number, and `{use.node.op}` is never true for it",
+                    )
 
 
 def _times(index: Index) -> Found:
     for believe in index.of(nodes.Believe):
-        yield from _must_be_numbers("is no age", believe.node.age)
+        yield from _must_be_numbers("is not an age", believe.node.age)
     for window in index.of(nodes.Window):
-        yield from _must_be_numbers("is no time", window.node.start, window.node.stop)
+        yield from _must_be_numbers(
+            "is not a time", window.node.start, window.node.stop
+        )
     for delay in index.of(nodes.MonitorTime):
-        yield from _must_be_numbers("is no time", delay.node.start, delay.node.stop)
+        yield from _must_be_numbers("is not a time", delay.node.start, delay.node.stop)
     for rap in index.of(nodes.DefineRap):
-        yield from _must_be_numbers("is no time", rap.node.duration)
+        yield from _must_be_numbers("is not a time", rap.node.duration)
     for effect in index.of(nodes.ResourceChange):
         if effect.node.op.startswith("counter") and not _is_set(effect):
-            yield from _must_be_numbers("is no amount", effect.node.amount)
+            yield from _must_be_numbers("is not an amount", effect.node.amount)
     for resource in index.of(nodes.Resource):
         if resource.node.kind == "counter":
-            yield from _must_be_numbers("is no number", resource.node.initial)
+            yield from _must_be_numbers("is not a number", resource.node.initial)
 
 
 def _is_set(effect: Occurrence[nodes.ResourceChange]) -> bool:
@@ -356,7 +366,7 @@ def _declared(run: Pass, index: Index) -> Found:
         args = declared.args if declared is not None else None
         for term, arg in zip(used.node.args, args or (), strict=False):
             if arg.kind == "number" and _is_other(term) and not _unknown_numbers(term):
-                yield term, f"is no number, which `{arg.variable.name}` was declared"
+                yield term, f"is not a number, as declared for `{arg.variable.name}`"
 
 
 def _unknown_numbers(term: nodes.Term) -> bool:

@@ -55,9 +55,9 @@ IDLE = Rule(
     code="RAP118",
     name="idle-loop",
     severity=Severity.WARNING,
-    summary="`repeat-while` repeats nothing, or takes the same thing in each round",
-    fix="unsafe: adds a `succeed` for when there is nothing left to repeat",
-    ignore="where another task changes what is asked for in between",
+    summary="`repeat-while` repeats nothing, or finds the same thing in each round",
+    fix="unsafe: adds a `succeed` that holds when nothing is left",
+    ignore="where another task changes the queried facts meanwhile",
     source="T 4.6",
 )
 
@@ -88,10 +88,10 @@ def _repeats_nothing(rap: nodes.DefineRap, loop: nodes.Formula) -> Diagnostic:
     edit = Edit(Span(rap.span.file, over, over), word)
     return IDLE.at(
         loop.span,
-        f"`{rap.name}` is done when a method has ended well once, and repeats nothing",
-        labels=(Label(rap.name_span, "it has no `succeed`"),),
-        help="say in `succeed` when the work is done",
-        fix=Fix(Applicability.UNSAFE, "go on until there is none", (edit,)),
+        f"`{rap.name}` ends when a method has succeeded once, and repeats nothing",
+        labels=(Label(rap.name_span, "the RAP has no `succeed`"),),
+        help="add a `succeed` that holds when the work is done",
+        fix=Fix(Applicability.UNSAFE, "continue until no solution is left", (edit,)),
     )
 
 
@@ -112,8 +112,8 @@ def _same_again(
         return
     yield IDLE.at(
         loop.span,
-        f"each round finds the same `{taken}`: no method of `{rap.name}` "
-        "changes what is asked for",
+        f"each round finds the same `{taken}`: no method of "
+        f"`{rap.name}` changes the queried facts",
         help=_said(done),
     )
 
@@ -173,15 +173,18 @@ def _is_enough(run: Pass, rap: nodes.DefineRap, method: nodes.Method) -> bool:
 def _said(done: Sequence[Effect]) -> str:
     changed = sorted({f"`{effect.name}`" for effect in done})[:4]
     if not changed:
-        return "remember in a set what was dealt with"
-    return f"they change {', '.join(changed)}: ask for that, or remember it in a set"
+        return "store the processed values in a set"
+    return (
+        f"the methods change {', '.join(changed)}: query these, or "
+        "store the values in a set"
+    )
 
 
 ITSELF = Rule(
     code="RAP123",
     name="needs-itself",
     severity=Severity.WARNING,
-    summary="a RAP needs itself, with the inputs that it was given",
+    summary="a RAP requires itself with the same inputs",
     ignore="never: the step fails as futile each time",
     source="T 3.2.5",
 )
@@ -241,10 +244,10 @@ def _needing(rap: nodes.DefineRap, path: Sequence[nodes.Step]) -> Diagnostic:
     said = f", through {', '.join(through)}" if through else ""
     return ITSELF.at(
         path[0].goal.span,
-        f"`{rap.name}` needs itself, with the inputs it was given{said}",
+        f"`{rap.name}` requires itself with the same inputs{said}",
         labels=tuple(
-            Label(step.goal.span, f"which needs `{format_goal(step.goal)}`")
+            Label(step.goal.span, f"this RAP requires `{format_goal(step.goal)}`")
             for step in path[1:]
         ),
-        help="ask for another RAP, or for the same with other inputs",
+        help="use another RAP, or the same RAP with different inputs",
     )

@@ -54,8 +54,8 @@ AGE_IN_MONITOR = Rule(
     code="RAP068",
     name="age-in-monitor",
     severity=Severity.WARNING,
-    summary="a monitor binds an age, and so is tested whenever the clock moves",
-    ignore="where the task has a monitor of time too, which wakes it",
+    summary="a monitor binds an age, so no time wakes it",
+    ignore="where the task has a monitor of time too, which wakes the task",
     source="T 4.1.1, 4.7.1",
 )
 
@@ -66,7 +66,7 @@ def age_in_monitor(run: Pass) -> Iterator[Diagnostic]:
     for believe in run.result(BINDINGS).ages:
         yield AGE_IN_MONITOR.at(
             believe.age.span,
-            "an age is bound in a monitor, which no time wakes",
+            "a monitor binds an age, and no time wakes this monitor",
             help="give `believe` a number: `(not (believe p 30))` wakes the task "
             "when p is 30 old",
         )
@@ -76,9 +76,9 @@ ENDLESS_TASK = Rule(
     code="RAP134",
     name="endless-task",
     severity=Severity.WARNING,
-    summary="an agenda gives a task as work that is never done",
+    summary="an agenda submits a task that never ends",
     fix="unsafe: writes `:background true`",
-    ignore="where the run is ended by a time, or from outside",
+    ignore="where a time limit or the user ends the run",
     source="T 5.4",
 )
 
@@ -87,7 +87,7 @@ UNHEARD_MONITOR = Rule(
     code="RAP135",
     name="unheard-monitor",
     severity=Severity.WARNING,
-    summary="a monitor asks for what nothing in the library ever changes",
+    summary="a monitor queries a fact that nothing in the library changes",
     ignore="where a host program asserts the fact",
     source="T 4.7.2",
 )
@@ -97,8 +97,8 @@ UNREADY_REACTION = Rule(
     code="RAP138",
     name="unready-reaction",
     severity=Severity.WARNING,
-    summary="a standing task has no method for some of the states that wake it",
-    ignore="where the fact holds whenever the monitor does, as the world is made",
+    summary="a standing task has no method for some of the states that wake the task",
+    ignore="where the fact always holds in the world when the monitor holds",
     source="T 4.7.1",
 )
 
@@ -107,8 +107,9 @@ FAILING_REACTION = Rule(
     code="RAP139",
     name="failing-reaction",
     severity=Severity.WARNING,
-    summary="a standing task fails for good where a condition of its RAP does not hold",
-    ignore="where the task is to end for good then",
+    summary="a standing task ends with a failure if a condition of its RAP "
+    "does not hold",
+    ignore="where the task must end in this case",
     source="T 4.4.2, 4.7.1",
 )
 
@@ -148,14 +149,14 @@ def _endless(task: nodes.GivenTask, cause: Span, work: bool) -> Diagnostic:
     end = task.span.end - 1
     help_ = "write `:background true`"
     if not work:
-        help_ += ", and give a task that is done: a run lasts as long as that"
+        help_ += ", and add a task that ends: a run lasts as long as such a task"
     edit = Edit(Span(task.span.file, end, end), " :background true")
     return ENDLESS_TASK.at(
         task.goal.span,
-        f"`{task.goal.name}` is never done, so a run with this task never ends",
-        labels=(Label(cause, "this never succeeds"),),
+        f"`{task.goal.name}` never ends, so a run with this task never ends",
+        labels=(Label(cause, "this formula never holds"),),
         help=help_,
-        fix=Fix(Applicability.UNSAFE, "let it stand by", (edit,)),
+        fix=Fix(Applicability.UNSAFE, "make it a background task", (edit,)),
     )
 
 
@@ -201,10 +202,13 @@ def _unready(
         if name in changed and name not in asked and not is_computed(library, name):
             yield UNREADY_REACTION.at(
                 one.span,
-                f"`{rap.name}` has no method where this does not hold, and "
-                "fails for good",
-                labels=(Label(rap.monitor_state.span, "it wakes by this alone"),),
-                help="add a method with `otherwise`, or ask for this in the monitor",
+                f"`{rap.name}` has no method if this does not hold, and fails "
+                "without another try",
+                labels=(
+                    Label(rap.monitor_state.span, "only this formula wakes the task"),
+                ),
+                help="add a method with `otherwise`, or require this formula in the "
+                "monitor",
             )
             return
 
@@ -228,9 +232,11 @@ def _failing(
             continue
         yield FAILING_REACTION.at(
             one.span,
-            f"`{rap.name}` fails for good if it wakes where this does not hold",
-            labels=(Label(monitor.span, "it wakes by this alone"),),
-            help="ask for this in the monitor, or in the contexts of its methods",
+            f"`{rap.name}` fails without another try if it wakes when this "
+            "does not hold",
+            labels=(Label(monitor.span, "only this formula wakes the task"),),
+            help="require this formula in the monitor, or in the contexts of "
+            "the methods",
         )
         return
 
@@ -279,15 +285,17 @@ def _unheard(
     if not any(name in changed for name in facts):
         yield UNHEARD_MONITOR.at(
             monitor.span,
-            f"nothing in the library ever changes {names}",
-            help="ask for what a primitive, a datum or a rule changes, or declare that",
+            f"nothing in the library changes {names}",
+            help="query a fact that a primitive, a datum or a rule changes, or "
+            "declare the change",
         )
     elif all(name in idle for name in facts if name in changed):
         first = next(name for name in facts if name in idle)
         yield UNHEARD_MONITOR.at(
             monitor.span,
-            f"no RAP ever asks for what changes {names}",
-            help=f"`{idle[first]}` does: let a RAP ask for it, now and then",
+            f"no RAP uses a primitive that changes {names}",
+            help=f"`{idle[first]}` does: use `{idle[first]}` in a RAP from time "
+            "to time",
         )
 
 
@@ -295,8 +303,9 @@ RIVAL_REACTIONS = Rule(
     code="RAP136",
     name="rival-reactions",
     severity=Severity.WARNING,
-    summary="two standing tasks of one priority wake by one fact and need one thing",
-    ignore="where either of the two may wait for the other",
+    summary="two standing tasks of equal priority wake by the same fact "
+    "and use the same thing",
+    ignore="where the two tasks may run in any order",
     source="T 5.4.1",
 )
 
@@ -305,8 +314,8 @@ UNDOING_REACTIONS = Rule(
     code="RAP137",
     name="undoing-reactions",
     severity=Severity.WARNING,
-    summary="each of two standing tasks brings about what wakes the other one",
-    ignore="where the two take turns on purpose, as a lamp that blinks",
+    summary="two standing tasks bring about the states that wake each other",
+    ignore="where the tasks alternate on purpose, for example to make a lamp blink",
     source="T 4.7.1",
 )
 
@@ -339,9 +348,11 @@ def _between(
     if _wakes(run, one.goal, other.goal) and _wakes(run, other.goal, one.goal):
         yield UNDOING_REACTIONS.at(
             second.monitor_state.span,
-            f"`{first.name}` and `{second.name}` wake each other for good",
-            labels=(Label(first.monitor_state.span, "this one comes true in turn"),),
-            help="let one of them ask for more",
+            f"`{first.name}` and `{second.name}` wake each other without end",
+            labels=(
+                Label(first.monitor_state.span, "this formula becomes true in turn"),
+            ),
+            help="add a condition to one of the monitors",
         )
     elif one.priority == other.priority:
         shared = _shared_facts(library, one.goal, other.goal)
@@ -351,10 +362,10 @@ def _between(
         if shared and both:
             yield RIVAL_REACTIONS.at(
                 other.span,
-                f"`{first.name}` and `{second.name}` wake by `{shared[0]}`, "
-                f"need `{format_formula(both[0])}`, and have one priority",
-                labels=(Label(one.span, f"priority {one.priority} too"),),
-                help="give the more urgent one the higher priority",
+                f"`{first.name}` and `{second.name}` wake by `{shared[0]}`, use "
+                f"`{format_formula(both[0])}`, and have equal priority",
+                labels=(Label(one.span, f"priority {one.priority}, too"),),
+                help="give the more urgent task a higher priority",
             )
 
 
@@ -429,8 +440,9 @@ FRESHER_THAN_SENSED = Rule(
     code="RAP157",
     name="fresher-than-sensed",
     severity=Severity.WARNING,
-    summary="a belief is to be younger than the time between two sensings of the fact",
-    ignore="where the belief is to hold only just after a look",
+    summary="a belief must be younger than the interval between two "
+    "sensings of the fact",
+    ignore="where the belief must hold only directly after sensing",
     source="T 4.1.1",
 )
 
@@ -472,10 +484,10 @@ def _fresher(believe: nodes.Believe, age: Number, sensed: _Sensed) -> Diagnostic
     every = format_atom(sensed.every)
     return FRESHER_THAN_SENSED.at(
         believe.age.span,
-        f"`{believe.pattern.name}` is sensed every {every} at best, and is "
-        f"seldom younger than {format_atom(age)}",
-        labels=(Label(sensed.said, "the task that looks waits here"),),
-        help="ask for an older belief, or look more often",
+        f"`{believe.pattern.name}` is sensed at most once in {every}, "
+        f"and is rarely younger than {format_atom(age)}",
+        labels=(Label(sensed.said, "the task that senses the fact waits here"),),
+        help="allow an older belief, or sense the fact more often",
     )
 
 

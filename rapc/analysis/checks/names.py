@@ -47,10 +47,10 @@ UNKNOWN_RAP = Rule(
     code="RAP013",
     name="unknown-rap",
     severity=Severity.ERROR,
-    summary="a step, a rule or a test names a RAP that the library does not define",
-    fix="unsafe: writes the name that is spelled almost so, where there is one",
-    ignore="where a host program or a problem solver brings the RAP, and says so when "
-    "it runs",
+    summary="a step, a rule or a test uses an unknown RAP",
+    fix="unsafe: writes the similar name, if there is one",
+    ignore="where a host program or a problem solver adds the RAP and "
+    "declares so in the run",
     source="T 3.1.4",
 )
 
@@ -58,7 +58,7 @@ WRONG_STEP_ARITY = Rule(
     code="RAP014",
     name="wrong-step-arity",
     severity=Severity.ERROR,
-    summary="a RAP is given another number of inputs or outputs than its index has",
+    summary="a RAP has a different number of inputs or outputs than its index",
     source="T 4.2",
 )
 
@@ -67,8 +67,8 @@ UNDECLARED_PREDICATE = Rule(
     code="RAP015",
     name="undeclared-predicate",
     severity=Severity.ERROR,
-    summary="a fact, property or test is not declared",
-    fix="unsafe: writes the name that is spelled almost so, where there is one",
+    summary="unknown fact, property or test",
+    fix="unsafe: writes the similar name, if there is one",
     source="T A.1",
 )
 
@@ -76,7 +76,7 @@ NOT_A_FACT = Rule(
     code="RAP073",
     name="not-a-fact",
     severity=Severity.ERROR,
-    summary="a function or a query is asserted, noted or believed as if it were a fact",
+    summary="a function or a query is asserted, noted or believed like a fact",
     source="T A.1",
 )
 
@@ -84,8 +84,8 @@ UNDECLARED_FUNCTION = Rule(
     code="RAP018",
     name="undeclared-function",
     severity=Severity.ERROR,
-    summary="a term is computed by a function that is not declared",
-    fix="unsafe: writes the name that is spelled almost so, where there is one",
+    summary="unknown function in a term",
+    fix="unsafe: writes the similar name, if there is one",
     source="T A.1",
 )
 
@@ -93,7 +93,7 @@ WRONG_FUNCTION_ARITY = Rule(
     code="RAP019",
     name="wrong-function-arity",
     severity=Severity.ERROR,
-    summary="a declared function gets another number of arguments than was declared",
+    summary="a function has a different number of arguments than its declaration",
     source="T A.1",
 )
 
@@ -102,8 +102,8 @@ UNDECLARED_PRIMITIVE = Rule(
     code="RAP020",
     name="undeclared-primitive",
     severity=Severity.ERROR,
-    summary="a method or a test names a primitive that is not declared",
-    fix="unsafe: writes the name that is spelled almost so, where there is one",
+    summary="a method or a test uses an unknown primitive",
+    fix="unsafe: writes the similar name, if there is one",
     source="T 4.5.3",
 )
 
@@ -111,7 +111,7 @@ WRONG_PRIMITIVE_ARITY = Rule(
     code="RAP021",
     name="wrong-primitive-arity",
     severity=Severity.ERROR,
-    summary="a request has another number of arguments than its primitive",
+    summary="a request has a different number of arguments than its primitive",
     source="T 4.5.3",
 )
 
@@ -120,8 +120,8 @@ UNDECLARED_SIGNAL = Rule(
     code="RAP023",
     name="undeclared-signal",
     severity=Severity.ERROR,
-    summary="a skill or an event is not declared",
-    fix="unsafe: writes the name that is spelled almost so, where there is one",
+    summary="unknown skill or event",
+    fix="unsafe: writes the similar name, if there is one",
     source="S 2",
 )
 
@@ -129,7 +129,8 @@ WRONG_SIGNAL_ARITY = Rule(
     code="RAP024",
     name="wrong-signal-arity",
     severity=Severity.ERROR,
-    summary="a skill or an event has another number of arguments than was declared",
+    summary="a skill or an event has a different number of arguments than "
+    "its declaration",
     source="S 2",
 )
 
@@ -138,8 +139,8 @@ UNDECLARED_DATUM = Rule(
     code="RAP075",
     name="undeclared-datum",
     severity=Severity.ERROR,
-    summary="a test sends, or a primitive tells, a sensor datum that is not declared",
-    fix="unsafe: writes the name that is spelled almost so, where there is one",
+    summary="a test or a primitive sends an unknown sensor datum",
+    fix="unsafe: writes the similar name, if there is one",
     source="T 3.3.1",
 )
 
@@ -147,7 +148,7 @@ WRONG_DATUM_ARITY = Rule(
     code="RAP076",
     name="wrong-datum-arity",
     severity=Severity.ERROR,
-    summary="a sensor datum has another number of arguments than was declared",
+    summary="a sensor datum has a different number of arguments than its declaration",
     source="T 3.3.1",
 )
 
@@ -156,7 +157,7 @@ WRONG_FACT_ARITY = Rule(
     code="RAP016",
     name="wrong-fact-arity",
     severity=Severity.ERROR,
-    summary="a fact or test has another number of arguments than was declared",
+    summary="a fact or test has a different number of arguments than its declaration",
     source="T A.1",
 )
 
@@ -247,7 +248,7 @@ def _wrong_arity(run: Pass, rule: Rule, uses: Container[Use]) -> Iterator[Diagno
             label = Label(
                 declared_at(run, declared), f"declared here as `{declared.written}`"
             )
-            note = f"so it is in all {every} places: is the declaration wrong?"
+            note = f"all {every} uses have this number; the declaration may be wrong"
             yield rule.at(
                 one.used.span,
                 one.fault.message,
@@ -301,10 +302,8 @@ def _misfit(run: Pass, one: Misuse) -> Diagnostic:
     return WRONG_STEP_ARITY.at(
         used.span,
         one.fault.message,
-        labels=(Label(rap.name_span, f"its index is `{index}`"),),
-        help="write `?` after `=>` for an output that is not needed"
-        if lacks_outputs
-        else "",
+        labels=(Label(rap.name_span, f"the index is `{index}`"),),
+        help="write `?` after `=>` for an unused output" if lacks_outputs else "",
         about=tuple(_not_handed_out(used, len(rap.outputs))) if lacks_outputs else (),
     )
 
@@ -320,7 +319,7 @@ UNKNOWN_AGENDA = Rule(
     code="RAP080",
     name="unknown-agenda",
     severity=Severity.ERROR,
-    summary="a test names an agenda that the library does not define",
+    summary="a test uses an unknown agenda",
     source="T 5.4",
 )
 
@@ -334,7 +333,7 @@ def unknown_agenda(run: Pass) -> Iterator[Diagnostic]:
     for test in run.library.tests:
         name = test.agenda
         if name is not None and name not in known:
-            advice = "define it with `define-agenda`, or `require` the file that does"
+            advice = "define it with `define-agenda`, or `require` its file"
             help = near.did_you_mean(name, advice)
             message, meant = f"unknown agenda `{name}`", near.near(name)
             fault = Fault("unknown", message, help, name=name, meant=meant)
@@ -347,8 +346,8 @@ UNKNOWN_METHOD = Rule(
     code="RAP067",
     name="unknown-method",
     severity=Severity.ERROR,
-    summary="a question or a test names a method that its RAP does not have",
-    fix="unsafe: writes the name that is spelled almost so, where there is one",
+    summary="a query or a test names an unknown method of a RAP",
+    fix="unsafe: writes the similar name, if there is one",
     source="T 4.1.2",
 )
 
@@ -401,7 +400,7 @@ def _unknown_method(
         meant = counted if counted in known else known.near(name)
         yield UNKNOWN_METHOD.at(
             place,
-            f"`{rap.name}` has no method called `{name}`",
+            f"unknown method `{name}` of `{rap.name}`",
             help=f"did you mean `{meant}`?" if meant else "",
             fix=renaming(run.library.files, name, meant, [place]),
         )
@@ -411,9 +410,9 @@ IMPLIED_TRUE = Rule(
     code="RAP017",
     name="implied-true",
     severity=Severity.INFO,
-    summary="a property is used without its value, which then means `true`",
+    summary="a property has no value, which means `true`",
     fix="safe: writes the value `true`",
-    ignore="where all of a library leaves out the value of its yes-or-no properties",
+    ignore="where the library omits the value `true` of all its properties",
     source="T A.1",
 )
 
@@ -422,8 +421,8 @@ MISSING_VALUE = Rule(
     code="RAP106",
     name="missing-value",
     severity=Severity.WARNING,
-    summary="a property is used without its value, and its value is never `true`",
-    ignore="where a world asserts `true` and the library does not say so",
+    summary="a property has no value, and its value is never `true`",
+    ignore="where a world asserts `true` and the library does not declare so",
     source="T A.1",
 )
 
@@ -464,9 +463,9 @@ def _missing_value(run: Pass, used: NameUse, declared: Signature) -> Diagnostic:
     label = Label(declared_at(run, declared), f"declared here as `{declared.written}`")
     return MISSING_VALUE.at(
         used.span,
-        f"the value of `{used.name}` is left out, and `true` is none of its values",
+        f"`{used.name}` has no value, and `true` is not among its values",
         labels=(label,),
-        help="write the value that was meant, or a variable for any",
+        help="write the value, or a variable for any value",
     )
 
 
@@ -476,7 +475,7 @@ def _implied_value(run: Pass, used: NameUse, declared: Signature) -> Diagnostic:
     label = Label(declared_at(run, declared), f"declared here as `{declared.written}`")
     return IMPLIED_TRUE.at(
         used.span,
-        f"the value of `{used.name}` is left out and means `true`",
+        f"`{used.name}` has no value, which means `true`",
         labels=(label,),
         fix=Fix(Applicability.SAFE, "write the value", (edit,)),
     )
@@ -486,9 +485,9 @@ MISSING_REQUIRE = Rule(
     code="RAP088",
     name="missing-require",
     severity=Severity.WARNING,
-    summary="a file uses a name of another file that it does not require",
-    fix="unsafe: writes the `require`, where one file alone has the name",
-    ignore="where the files are always required together, and never alone",
+    summary="a file uses a name of another file without requiring the file",
+    fix="unsafe: writes the `require`, if only one file has the name",
+    ignore="where the files are always used together",
     source="L 1",
 )
 
@@ -588,7 +587,7 @@ def _finding(run: Pass, use: NameUse, form: nodes.TopForm) -> Diagnostic:
     library = run.library
     here, there = use.span.file, form.span.file
     fix = None
-    help_ = "require that file"
+    help_ = "add `require` for that file"
     if dirname(here) == dirname(there) and there.endswith(SUFFIX):
         word = f'(require "{basename(there).removesuffix(SUFFIX)}")'
         help_ = f"write `{word}`"

@@ -28,8 +28,8 @@ UNKNOWN_TAG = Rule(
     code="RAP026",
     name="unknown-tag",
     severity=Severity.ERROR,
-    summary="an annotation names a step that its task-net does not have",
-    fix="unsafe: writes the name that is spelled almost so, where there is one",
+    summary="an annotation names an unknown step of its task-net",
+    fix="unsafe: writes the similar name, if there is one",
     source="T 4.5.2",
 )
 
@@ -37,7 +37,7 @@ DUPLICATE_TAG = Rule(
     code="RAP027",
     name="duplicate-tag",
     severity=Severity.ERROR,
-    summary="two steps of a task-net have one tag",
+    summary="duplicate tag in a task-net",
     source="T 4.5.2",
 )
 
@@ -45,7 +45,7 @@ CYCLIC_TASK_NET = Rule(
     code="RAP025",
     name="cyclic-task-net",
     severity=Severity.ERROR,
-    summary="steps of a task-net wait for each other in a circle",
+    summary="the order of the steps of a task-net is cyclic",
     source="T 4.5.2",
 )
 
@@ -76,9 +76,9 @@ def _duplicates(
         if first != at:
             yield DUPLICATE_TAG.at(
                 _tag_span(run, step),
-                f"tag `{step.tag}` names another step already",
-                labels=(Label(_tag_span(run, net.steps[first]), "this one"),),
-                help="give each step a tag of its own",
+                f"duplicate tag `{step.tag}`",
+                labels=(Label(_tag_span(run, net.steps[first]), "the second step"),),
+                help="give each step a unique tag",
             )
 
 
@@ -110,8 +110,8 @@ def _unknown_tags(run: Pass, net: Net) -> Iterator[Diagnostic]:
     for tag, places in unknown.items():
         yield UNKNOWN_TAG.at(
             places[0],
-            f"no step of this task-net has the tag `{tag}`",
-            labels=tuple([Label(other, "named here too") for other in places[1:]]),
+            f"unknown step `{tag}` in this task-net",
+            labels=tuple([Label(other, "named here, too") for other in places[1:]]),
             help=names.did_you_mean(tag),
             fix=renaming(run.library.files, tag, names.near(tag), places),
         )
@@ -133,7 +133,7 @@ def _cycle(net: nodes.TaskNet, found: Net) -> Diagnostic:
         labels=tuple(
             Label(e.annotation.span, _says(net, e)) for e in links[:-1][:_SHOWN]
         ),
-        help="take one of these annotations away",
+        help="remove one of these annotations",
     )
 
 
@@ -143,14 +143,17 @@ def _links(net: Net) -> Iterator[StepOrder]:
 
 
 def _says(net: nodes.TaskNet, edge: StepOrder) -> str:
-    return f"puts `{net.steps[edge.before].tag}` before `{net.steps[edge.after].tag}`"
+    return (
+        f"this orders `{net.steps[edge.before].tag}` before "
+        f"`{net.steps[edge.after].tag}`"
+    )
 
 
 UNTIL_ITSELF = Rule(
     code="RAP074",
     name="until-itself",
     severity=Severity.WARNING,
-    summary="a step is to go on until it ends or starts itself",
+    summary="a step must run until its own end or start",
     ignore="never: the annotation does nothing",
     source="T 4.5.2",
 )
@@ -159,8 +162,8 @@ END_EACH_OTHER = Rule(
     code="RAP125",
     name="end-each-other",
     severity=Severity.WARNING,
-    summary="two steps that can begin at once end each other by starting",
-    ignore="where one of the two is to be dropped, whichever it is",
+    summary="two concurrent steps end each other when they start",
+    ignore="where only one of the two steps must finish, no matter which",
     source="T 4.5.2",
 )
 
@@ -168,8 +171,8 @@ IDLE_UNTIL = Rule(
     code="RAP127",
     name="idle-until",
     severity=Severity.WARNING,
-    summary="a step is to be ended by one that is never under way at the same time",
-    ignore="never: the annotation ends nothing that is under way",
+    summary="`until` names a step that never runs at the same time",
+    ignore="never: the annotation ends no running step",
     source="T 4.5.2",
 )
 
@@ -177,8 +180,8 @@ ENDED_BY_START = Rule(
     code="RAP128",
     name="ended-by-start",
     severity=Severity.WARNING,
-    summary="a step is taken away when another one starts, which can start at once",
-    ignore="where the other step waits for something that the library does not tell",
+    summary="a step is ended by the start of another step that can start at once",
+    ignore="where the other step waits for something that the library does not declare",
     source="T 4.5.2",
 )
 
@@ -186,8 +189,8 @@ UNTIL_NEVER = Rule(
     code="RAP148",
     name="until-never",
     severity=Severity.WARNING,
-    summary="a step is to go on until another one ends or starts, which never does",
-    ignore="where the step is to go on until its whole method is ended from above",
+    summary="a step must run until another step ends or starts, which never happens",
+    ignore="where the step must run until its method ends",
     source="T 4.5.2, 4.7.1",
 )
 
@@ -247,10 +250,10 @@ def _of_net(
         if mark.at == mark.by:
             continue
         if net.is_before(mark.at, mark.by):
-            why = f"`{by.tag}` begins only when `{one.tag}` has ended"
+            why = f"`{by.tag}` begins only after the end of `{one.tag}`"
             yield _idle(mark, by, why)
         elif net.is_before(mark.by, mark.at):
-            why = f"`{by.tag}` has ended when `{one.tag}` could begin"
+            why = f"`{by.tag}` ends before `{one.tag}` can begin"
             yield _idle(mark, by, why)
         elif (cause := _never_comes(every, net, mark, never_done)) is not None:
             yield _never(mark, by, cause)
@@ -268,11 +271,11 @@ def _by_themselves(rap: nodes.DefineRap) -> Iterator[Diagnostic]:
         for step in steps(method):
             for note in step.annotations if often[step.tag] == 1 else ():
                 if isinstance(note, _Until) and note.tag == step.tag:
-                    does = "ends" if type(note) is nodes.UntilEnd else "starts"
+                    does = "end" if type(note) is nodes.UntilEnd else "start"
                     yield UNTIL_ITSELF.at(
                         note.span,
-                        f"step `{step.tag}` is to go on until it {does} itself",
-                        help="name another step, or take the annotation away",
+                        f"step `{step.tag}` must run until its own {does}",
+                        help="name another step, or remove the annotation",
                     )
 
 
@@ -285,10 +288,10 @@ def _each_other(
     if not may_wait(run, one) and not may_wait(run, other):
         yield END_EACH_OTHER.at(
             mark.note.span,
-            f"steps `{other.tag}` and `{one.tag}` end each other by starting, "
-            "so only one of them is ever carried out",
-            labels=(Label(back.note.span, "and the other way round here"),),
-            help="leave one of the two out, or write `until-end`",
+            f"steps `{other.tag}` and `{one.tag}` end each other when they "
+            "start, so only one of them finishes",
+            labels=(Label(back.note.span, "the opposite annotation"),),
+            help="remove one of the two annotations, or write `until-end`",
         )
 
 
@@ -305,9 +308,9 @@ def may_wait(run: Pass, step: nodes.Step) -> bool:
 def _idle(mark: _Mark, by: nodes.Step, why: str) -> Diagnostic:
     return IDLE_UNTIL.at(
         mark.note.span,
-        f"this never ends a step at work: {why}",
+        f"this annotation never ends a running step: {why}",
         labels=(Label(by.span, "the other step"),),
-        help="leave this out, or what puts the two steps in order",
+        help="remove this annotation, or the annotation that orders the two steps",
     )
 
 
@@ -319,9 +322,9 @@ def _begins_together(
         return
     yield ENDED_BY_START.at(
         mark.note.span,
-        f"`{other.tag}` can start at once, and takes `{step.tag}` away then",
-        labels=(Label(other.span, "nothing keeps this one back"),),
-        help=f"write `(until-end {other.tag})`, or let that step wait",
+        f"`{other.tag}` can start at once, and then ends `{step.tag}`",
+        labels=(Label(other.span, "nothing delays this step"),),
+        help=f"write `(until-end {other.tag})`, or let step `{other.tag}` wait",
     )
 
 
@@ -346,7 +349,7 @@ def _never(mark: _Mark, by: nodes.Step, cause: Span) -> Diagnostic:
     does = "ends" if isinstance(mark.note, nodes.UntilEnd) else "starts"
     return UNTIL_NEVER.at(
         mark.note.span,
-        f"`{by.tag}` never {does}, so this step goes on for good",
-        labels=(Label(cause, "this never succeeds"),),
-        help="name a step that is done some time, or turn the `until` round",
+        f"`{by.tag}` never {does}, so this step runs without end",
+        labels=(Label(cause, "this formula never holds"),),
+        help="name a step that ends, or exchange the steps of the `until`",
     )

@@ -13,7 +13,7 @@ MISPLACED = Rule(
     code="RAP078",
     name="misplaced-otherwise",
     severity=Severity.ERROR,
-    summary="`otherwise` stands elsewhere than in a method's context",
+    summary="`otherwise` outside of the context of a method",
     source="T 4.5.1",
 )
 
@@ -21,8 +21,8 @@ FIRST = Rule(
     code="RAP085",
     name="first-otherwise",
     severity=Severity.WARNING,
-    summary="the first method of a RAP asks for `otherwise`, which always holds there",
-    ignore="never: leave out the context if it is to hold always",
+    summary="the first method of a RAP has `otherwise`, which always holds there",
+    ignore="never: remove the context if the method fits always",
     source="T 4.5.1",
 )
 
@@ -48,17 +48,17 @@ def otherwise(run: Pass) -> Iterator[Diagnostic]:
         if id(one.node) not in sound:
             yield MISPLACED.at(
                 one.node.span,
-                "`otherwise` cannot stand here",
-                help="it stands alone in the context of a method, or is one of the "
-                "parts of its `and`",
+                "`otherwise` is not allowed here",
+                help="write `otherwise` as the whole context of a method, or as a "
+                "part of its `and`",
             )
 
 
 def _first(part: nodes.Otherwise) -> Diagnostic:
     return FIRST.at(
         part.span,
-        "no method stands before this one, so this always holds",
-        help="put this method behind the others",
+        "`otherwise` always holds here: no method precedes this method",
+        help="move this method after the other methods",
     )
 
 

@@ -56,9 +56,8 @@ THREAT = Rule(
     code="RAP126",
     name="threatened-protection",
     severity=Severity.WARNING,
-    summary="a step may undo what another step protects with `for`",
-    ignore="where priorities, or things that both use, keep the step from coming "
-    "between",
+    summary="a step may undo a fact that another step protects with `for`",
+    ignore="where priorities, or things that both steps use, prevent this",
     source="T 4.7.3, 4.9",
 )
 
@@ -66,8 +65,9 @@ RACING = Rule(
     code="RAP119",
     name="racing-steps",
     severity=Severity.WARNING,
-    summary="a step may undo what another step needs before it can begin",
-    ignore="where what both use keeps the one back until the other is done",
+    summary="a step may undo a fact that another step requires before its start",
+    ignore="where a thing that both steps use delays the one until the "
+    "end of the other",
     source="T 4.4.2, 4.5.2",
 )
 
@@ -152,12 +152,13 @@ def _needed(run: Pass, goal: nodes.Goal) -> Iterator[Literal]:
 def _race(needed: Literal, step: nodes.Step, by: nodes.Step) -> Diagnostic:
     return RACING.at(
         by.goal.span,
-        f"step `{by.tag}` may undo `{needed.written}`, which `{step.tag}` needs",
+        f"step `{by.tag}` may undo `{needed.written}`, which step "
+        f"`{step.tag}` requires",
         labels=(
-            Label(step.goal.span, f"`{format_goal(step.goal)}` may come later"),
-            Label(needed.span, "asked here"),
+            Label(step.goal.span, f"`{format_goal(step.goal)}` may run after that"),
+            Label(needed.span, "queried here"),
         ),
-        help=f"put `{step.tag}` before it",
+        help=f"put `{step.tag}` before step `{by.tag}`",
     )
 
 
@@ -180,9 +181,13 @@ def _protected(
 def _threat(note: nodes.For, undone: Literal, step: nodes.Step) -> Diagnostic:
     return THREAT.at(
         note.span,
-        f"step `{step.tag}` may undo `{undone.written}` before `{note.tag}` begins",
+        f"step `{step.tag}` may undo `{undone.written}` before step "
+        f"`{note.tag}` begins",
         labels=(
-            Label(step.goal.span, f"`{format_goal(step.goal)}` may run in between"),
+            Label(
+                step.goal.span,
+                f"`{format_goal(step.goal)}` may run between the two steps",
+            ),
         ),
         help=f"put `{step.tag}` before this step, or after `{note.tag}`",
     )
@@ -192,8 +197,8 @@ BROKEN = Rule(
     code="RAP129",
     name="broken-constraint",
     severity=Severity.WARNING,
-    summary="a step undoes what a constraint asks for while other steps are left",
-    ignore="where the steps that are left are to be dropped then",
+    summary="a step violates a constraint while other steps follow",
+    ignore="where the other steps must not run in this case",
     source="T 4.4.3, 5.3.4",
 )
 
@@ -309,17 +314,18 @@ def _handed(goal: nodes.Goal, given: Mapping[str, nodes.Term], far: int) -> node
 
 
 def _break(step: nodes.Step, wanted: Literal, by: nodes.Goal) -> Diagnostic:
-    labels = [Label(wanted.span, "asked here")]
+    labels = [Label(wanted.span, "queried here")]
     way = ""
     if by.span != step.goal.span:
-        labels.append(Label(by.span, f"`{format_goal(by)}` does"))
-        way = " on its way"
+        labels.append(Label(by.span, f"`{format_goal(by)}` does so"))
+        way = " in a step below it"
     return BROKEN.at(
         step.goal.span,
-        f"step `{step.tag}` undoes `{format_formula(wanted.formula)}`{way}, a "
-        "constraint of the steps that are left",
+        f"step `{step.tag}` undoes "
+        f"`{format_formula(wanted.formula)}`{way}, a constraint of the "
+        "remaining steps",
         labels=tuple(labels),
-        help="let it come last, or ask for this in the context",
+        help="make it the last step, or query the fact in the context instead",
     )
 
 
@@ -327,8 +333,8 @@ VAIN = Rule(
     code="RAP143",
     name="vain-protection",
     severity=Severity.WARNING,
-    summary="a formula with `for` asks for what no step up to there can bring about",
-    ignore="where the fact holds from the start, and nothing is to take it away",
+    summary="`for` protects a fact that no step before it can bring about",
+    ignore="where the fact holds from the start and nothing must undo it",
     source="T 4.7.3",
 )
 
@@ -494,16 +500,16 @@ def _vain(one: Literal, step: nodes.Step) -> Diagnostic:
     written = format_formula(one.formula)
     return VAIN.at(
         one.span,
-        f"nothing up to here brings `{written}` about"
+        f"no step up to here brings about `{written}`"
         if one.holds
-        else f"this step brings `{written}` about, and not the contrary",
+        else f"this step brings about `{written}`, not the opposite",
         labels=(
             Label(
                 step.goal.span,
                 f"`{format_goal(step.goal)}` does{' not' * one.holds}",
             ),
         ),
-        help="protect what the step brings about, or declare that it does",
+        help="protect an effect of the step, or declare the effect",
     )
 
 
@@ -511,8 +517,8 @@ CROSSED = Rule(
     code="RAP133",
     name="crossed-claims",
     severity=Severity.WARNING,
-    summary="two tasks of an agenda take the same two things in opposite orders",
-    ignore="where the two tasks are never under way together",
+    summary="two tasks of an agenda claim the same two things in opposite orders",
+    ignore="where the two tasks never run at the same time",
     source="T 7.2.1",
 )
 
@@ -600,10 +606,10 @@ def _crossing(one: _Taken, other: _Taken) -> Diagnostic:
     first, second = format_formula(one.thing), format_formula(other.thing)
     return CROSSED.at(
         one.rap.name_span,
-        f"`{one.rap.name}` wants `{first}` while `{second}` is held, "
-        f"`{other.rap.name}` the other way round",
+        f"`{one.rap.name}` claims `{first}` while `{second}` is held, "
+        f"and `{other.rap.name}` claims them in the opposite order",
         labels=(
-            Label(other.rap.name_span, f"wants `{second}` while `{first}` is held"),
+            Label(other.rap.name_span, f"claims `{second}` while `{first}` is held"),
         ),
-        help="claim both at one place, or in one order",
+        help="claim both things in one method, or in the same order",
     )

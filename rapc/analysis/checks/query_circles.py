@@ -13,7 +13,7 @@ CIRCLE = Rule(
     code="RAP079",
     name="query-in-a-circle",
     severity=Severity.ERROR,
-    summary="a named query asks itself",
+    summary="a named query uses itself",
     source="T 4.1",
 )
 
@@ -43,9 +43,12 @@ def _finding(
     through = f", through {', '.join(f'`{name}`' for name in others)}" if others else ""
     return CIRCLE.at(
         queries[first].name_span,
-        f"the query `{first}` asks itself{through}",
+        f"query `{first}` uses itself{through}",
         labels=tuple(
-            [Label(queries[n].name_span, "which stands for this") for n in others]
+            [
+                Label(queries[n].name_span, "this query is part of the cycle")
+                for n in others
+            ]
         ),
-        help="let a RAP with a `repeat-while` go step by step, or declare a function",
+        help="use a RAP with `repeat-while`, or declare a function",
     )

@@ -51,8 +51,8 @@ NOT_A_RESOURCE = Rule(
     code="RAP065",
     name="not-a-resource",
     severity=Severity.ERROR,
-    summary="something is used as a set or counter that cannot be one",
-    fix="unsafe: writes the resource that is spelled almost so, where there is one",
+    summary="a term that is neither a set nor a counter is used as one",
+    fix="unsafe: writes the similar resource, if there is one",
     source="T 4.8.1",
 )
 
@@ -187,7 +187,7 @@ def _wrong_kind(
     term: nodes.Term, declared: nodes.Resource, demand: Demand
 ) -> Diagnostic:
     name = declared.variable.name
-    labels = [Label(declared.variable.span, f"a {declared.kind} is declared here")]
+    labels = [Label(declared.variable.span, f"declared as a {declared.kind} here")]
     if demand.term is not term:
         labels.append(Label(demand.term.span, f"used as a {demand.kind} here"))
     return WRONG_KIND.at(
@@ -212,11 +212,11 @@ def _no_resource(
         near = nearest(term.name, (r.variable.name for r in demand.rap.resources))
     return NOT_A_RESOURCE.at(
         term.span,
-        f"{what} is no {demand.kind}",
+        f"{what} is not a {demand.kind}",
         labels=labels,
         help=f"did you mean `{near}`?"
         if near
-        else f"declare one: `(resources ({demand.kind} ?name))`",
+        else f"declare the resource: `(resources ({demand.kind} ?name))`",
         fix=renaming(run.library.files, name, near, [term.span]),
         about=tuple(Subject(term.span, name) for name in _mixed_up(term, demand)),
     )
@@ -233,8 +233,8 @@ RESOURCE_AS_VALUE = Rule(
     code="RAP066",
     name="resource-as-value",
     severity=Severity.ERROR,
-    summary="a set or counter stands where a plain value is needed",
-    fix="unsafe: takes the `value` of a counter",
+    summary="a set or counter is used where a plain value is required",
+    fix="unsafe: writes the `value` of the counter",
     source="T 4.8.1",
 )
 
@@ -324,14 +324,18 @@ _LOOK_INSIDE = ("size-of", "value")
 def _as_value(variable: nodes.Var, kind: str, declared: nodes.Var) -> Diagnostic:
     counter = kind == "counter"
     content = f"(value {variable.name})"
-    fix = Fix(Applicability.UNSAFE, "take its value", (Edit(variable.span, content),))
+    fix = Fix(
+        Applicability.UNSAFE,
+        "write the value of the counter",
+        (Edit(variable.span, content),),
+    )
     return RESOURCE_AS_VALUE.at(
         variable.span,
-        f"`{variable.name}` is a {kind}, not a plain value",
+        f"expected a plain value, not the {kind} `{variable.name}`",
         labels=(Label(declared.span, "declared here"),),
-        help=f"write `{content}` for the number it holds"
+        help=f"write `{content}` for the value of the counter"
         if counter
-        else f"ask `(member {variable.name} x)` or `(size-of {variable.name})`",
+        else f"query `(member {variable.name} x)` or `(size-of {variable.name})`",
         fix=fix if counter else None,
         about=(Subject(variable.span, variable.name),),
     )
@@ -341,7 +345,7 @@ IDLE = Rule(
     code="RAP124",
     name="idle-resource",
     severity=Severity.WARNING,
-    summary="a set or counter is asked about, and nothing ever brings it there",
+    summary="a set or counter is queried, but never changed in the required way",
     ignore="where a host or a problem solver changes the resource",
     source="T 4.8.1",
 )
@@ -352,9 +356,9 @@ UNREAD = Rule(
     name="unread-resource",
     severity=Severity.INFO,
     opt_in=True,
-    summary="a set or counter is changed, and nobody asks about it",
-    ignore="where a counter shows the interpreter that a loop gets on, or is there to "
-    "be seen",
+    summary="a set or counter is changed, but never queried",
+    ignore="where a counter shows the progress of a loop to the "
+    "interpreter or to the user",
     source="T 4.8",
 )
 
@@ -380,20 +384,20 @@ def _judge(
         return
     if not uses.asked:
         if not uses.changes:
-            message = f"nobody uses the {resource.kind} `{name}`"
+            message = f"nothing uses the {resource.kind} `{name}`"
             yield _idle(resource, uses, message)
         else:
             yield _unread(resource, uses)
         return
     if not uses.changes and resource.initial is None:
-        what = "put into" if resource.kind == "set" else "counted by"
-        yield _idle(resource, uses, f"nothing is ever {what} `{name}`")
+        what = "adds to" if resource.kind == "set" else "changes"
+        yield _idle(resource, uses, f"nothing {what} `{name}`")
     elif not uses.changes and _is_awaited(uses, rap):
-        message = f"nothing changes `{name}`, for which `succeed` waits"
+        message = f"nothing changes `{name}`, and `succeed` waits for a change"
         yield _idle(resource, uses, message)
     elif resource.kind == "set" and resource.initial is None:
         if all(change.op == "set-sub" for change in uses.changes):
-            yield _idle(resource, uses, f"nothing is ever put into `{name}`")
+            yield _idle(resource, uses, f"nothing adds to `{name}`")
     elif resource.kind == "counter":
         yield from _wrong_way(resource, uses, rap)
 
@@ -415,7 +419,7 @@ def _wrong_way(
             yield _idle(
                 resource,
                 uses,
-                f"`{clause}` waits for `{name}` to {turn}, and it never does",
+                f"`{clause}` waits for `{name}` to {turn}, but `{name}` never does",
             )
             return
 
@@ -423,9 +427,9 @@ def _wrong_way(
 def _unread(resource: nodes.Resource, uses: Flow) -> Diagnostic:
     return UNREAD.at(
         resource.variable.span,
-        f"nobody asks what is in `{resource.variable.name}`"
+        f"nothing queries the members of `{resource.variable.name}`"
         if resource.kind == "set"
-        else f"nobody asks what `{resource.variable.name}` has come to",
+        else f"nothing queries the value of `{resource.variable.name}`",
         labels=tuple([Label(c.span, "changed here") for c in uses.changes[:2]]),
         about=(Subject(resource.variable.span, resource.variable.name),),
     )
@@ -433,7 +437,7 @@ def _unread(resource: nodes.Resource, uses: Flow) -> Diagnostic:
 
 def _idle(resource: nodes.Resource, uses: Flow, message: str) -> Diagnostic:
     changes = [Label(change.span, "changed here") for change in uses.changes]
-    asked = [Label(one.span, "asked here") for one in uses.asked[:1]]
+    asked = [Label(one.span, "queried here") for one in uses.asked[:1]]
     return IDLE.at(
         uses.changes[0].span if uses.changes else resource.variable.span,
         message,

@@ -26,8 +26,8 @@ UNKNOWN = Rule(
     code="RAP022",
     name="unknown-result",
     severity=Severity.ERROR,
-    summary="a result is asked for, given or described that nothing can return",
-    fix="unsafe: writes the name that is spelled almost so, where there is one",
+    summary="a query, a script or a declaration has an unknown result",
+    fix="unsafe: writes the similar name, if there is one",
     source="T 4.1.2",
 )
 
@@ -42,7 +42,7 @@ def unknown_result(run: Pass) -> Iterator[Diagnostic]:
     for constant, owner in _results_asked(run.result(INDEX)):
         value = constant.value
         if not isinstance(value, str) or value not in known:
-            message = f"nothing returns the result `{value}`"
+            message = f"unknown result `{value}`"
             word = str(value)
             help_, meant = names.did_you_mean(word), names.near(word)
             fault = Fault("unknown", message, help_, name=word, meant=meant)
@@ -94,7 +94,7 @@ def _no_result(
     return UNKNOWN.at(
         place.span,
         wrong.message,
-        labels=(Label(declared, "its results are declared here"),),
+        labels=(Label(declared, "the results are declared here"),),
         help=wrong.help,
         fix=renaming(run.library.files, wrong.name, wrong.meant, [place.span]),
     )
@@ -104,8 +104,8 @@ OTHERS = Rule(
     code="RAP154",
     name="impossible-result",
     severity=Severity.WARNING,
-    summary="a RAP asks for a result that none of its own methods can have",
-    ignore="where a problem solver brings a method that ends so",
+    summary="a RAP queries a result that none of its methods can have",
+    ignore="where a problem solver adds a method with this result",
     source="T 4.1.2",
 )
 
@@ -183,13 +183,16 @@ def _impossible_result(
     names = ", ".join(dict.fromkeys(f"`{form.name}`" for _, form in answers))
     own = sorted({name for _, form in answers for name in _results(form)})
     others = ", ".join(f"`{name}`" for name in own)
-    further = [Label(other.span, "nor with this") for other, _ in wrong[1:]]
-    asked = Label(answers[0][0].span, "this is asked for")
+    further = [
+        Label(other.span, "this result is impossible, too") for other, _ in wrong[1:]
+    ]
+    asked = Label(answers[0][0].span, "queried here")
     return OTHERS.at(
         result.span,
-        f"{names} never ends with `{result.value}`",
+        f"{names} never ends with the result `{result.value}`",
         labels=(asked, *further),
-        help=Suggestions(own).did_you_mean(str(result.value)) or f"it has {others}",
+        help=Suggestions(own).did_you_mean(str(result.value))
+        or f"the results are {others}",
     )
 
 
@@ -198,8 +201,8 @@ ALIKE = Rule(
     name="failures-alike",
     severity=Severity.INFO,
     opt_in=True,
-    summary="a RAP has other methods, and never asks how its primitive has failed",
-    ignore="where each method serves against any failure",
+    summary="a RAP has several methods, but never queries how its primitive failed",
+    ignore="where each method fits any failure",
     source="T 4.1.2",
 )
 
@@ -218,10 +221,10 @@ def failures(run: Pass) -> Iterator[Diagnostic]:
                 if len(alike) >= least:
                     yield ALIKE.at(
                         request.span,
-                        f"no method of `{rap.name}` asks whether `{form.name}` has "
-                        f"failed with {', '.join(alike[:-1])} and {alike[-1]}",
+                        f"no method of `{rap.name}` queries whether `{form.name}` has "
+                        f"failed with {', '.join(alike[:-1])} or {alike[-1]}",
                         labels=(Label(form.span, "declared here"),),
-                        help="ask `last-result` in the contexts of the other methods",
+                        help="query `last-result` in the contexts of the other methods",
                     )
 
 
@@ -263,8 +266,8 @@ DEAD = Rule(
     code="RAP152",
     name="dead-case",
     severity=Severity.WARNING,
-    summary="a case of a memory rule can never be taken",
-    ignore="where a problem solver brings methods that end so",
+    summary="a case of a memory rule can never apply",
+    ignore="where a problem solver adds methods with this result",
     source="S 4.2",
 )
 
@@ -301,23 +304,24 @@ def _impossible(
             if not effects.tells(name, result.name):
                 yield DEAD.at(
                     result.span,
-                    f"no skill that `{name}` has on, or what is below it, tells "
+                    f"no enabled skill of `{name}` or its subtasks emits "
                     f"`{result.name}`",
-                    help="move it to the RAP with that skill, or make it an event rule",
+                    help="move the case to the RAP with the skill, or write an event "
+                    "rule",
                 )
         elif isinstance(result, nodes.Const) and isinstance(result.value, str):
             failure = result.value
             if failure == "okay":
                 yield DEAD.at(
                     result.span,
-                    "a task that ends well has the result `succeed`",
-                    help="write `succeed` for `okay`",
+                    "a task that succeeds has the result `succeed`",
+                    help="write `succeed` in place of `okay`",
                 )
             elif failure in results and not effects.fails_with(name, failure):
                 yield DEAD.at(
                     result.span,
                     f"`{name}` never fails with `{failure}`",
-                    help="name a result of what it does, or remove the case",
+                    help="write a result of the RAP, or remove the case",
                 )
 
 
@@ -334,21 +338,21 @@ def _dead(rule: nodes.MemoryRule) -> Iterator[Diagnostic]:
         if first is not None and first is not case:
             yield DEAD.at(
                 result.span,
-                "this case is never reached",
-                labels=(Label(first.result.span, "this one matches before it"),),
-                help="put it before that one, or remove it",
+                "this case can never apply",
+                labels=(Label(first.result.span, "this case matches first"),),
+                help="move the case before that case, or remove it",
             )
         elif rule.when == "event" and isinstance(result, nodes.Const):
             yield DEAD.at(
                 result.span,
-                f"`{result.value}` is a result, and this rule hears events",
-                help="name the event: `((:event ?what) (rule ...))`",
+                f"expected an event in an event rule, not the result `{result.value}`",
+                help="write an event: `((:event ?what) (rule ...))`",
             )
         elif rule.when == "finish" and isinstance(result, nodes.Signal):
             yield DEAD.at(
                 result.span,
-                f"`{result.name}` is an event, and this rule runs when a task ends",
-                help="make it an `:event` rule, or name a result",
+                f"expected a result in this rule, not the event `{result.name}`",
+                help="write an `:event` rule, or a result",
             )
         if isinstance(result, nodes.Var) and result.name not in names:
             every = every or case

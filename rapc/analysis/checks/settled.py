@@ -37,8 +37,8 @@ COPY = Rule(
     code="RAP112",
     name="copied-method",
     severity=Severity.WARNING,
-    summary="two methods of a RAP say the same",
-    ignore="where the second one is there to be tried once more",
+    summary="two methods of a RAP are equal",
+    ignore="where the second method is a second try",
     source="T 3.2.2",
 )
 
@@ -47,7 +47,7 @@ AT_ONCE = Rule(
     name="succeeds-at-once",
     severity=Severity.WARNING,
     summary="a RAP has succeeded before any of its methods can be chosen",
-    ignore="never: leave the methods out if nothing is to be done",
+    ignore="never: remove the methods if the RAP must do nothing",
     source="T 3.2.3",
 )
 
@@ -55,8 +55,8 @@ NEVER = Rule(
     code="RAP114",
     name="never-succeeds",
     severity=Severity.WARNING,
-    summary="a RAP can never succeed, and no monitor lets it wait",
-    ignore="where the task is to go on until it fails as futile, as in a test",
+    summary="a RAP can never succeed and has no monitor",
+    ignore="where the task must run until it fails as futile, for example in a test",
     source="T 4.7.1",
 )
 
@@ -64,8 +64,8 @@ ALWAYS = Rule(
     code="RAP115",
     name="monitor-always-holds",
     severity=Severity.WARNING,
-    summary="a monitor holds whatever happens, so that it lets nothing wait",
-    ignore="never: leave the monitor out if the task is to wait for nothing",
+    summary="a monitor always holds, so no task waits",
+    ignore="never: remove the monitor if the task must not wait",
     source="T 4.7.1",
 )
 
@@ -73,7 +73,7 @@ NOT_AT_FIRST = Rule(
     code="RAP116",
     name="never-begins",
     severity=Severity.WARNING,
-    summary="a clause does not hold of a new set or counter, so no method begins",
+    summary="a clause does not hold for a new set or counter, so no method begins",
     ignore="where a host fills the set or sets the counter before the task begins",
     source="T 4.8.1",
 )
@@ -109,9 +109,9 @@ def _copies(rap: nodes.DefineRap) -> Iterator[Diagnostic]:
         if other is not method:
             yield COPY.at(
                 method.span,
-                f"this method of `{rap.name}` says what another one says",
-                labels=(Label(other.span, "the other one"),),
-                help="change it, or take it away",
+                f"duplicate method of `{rap.name}`",
+                labels=(Label(other.span, "the first method"),),
+                help="change or remove the method",
             )
 
 
@@ -126,25 +126,29 @@ def _settled(
         assert succeed is not None
         yield AT_ONCE.at(
             succeed.span,
-            f"`succeed` of `{rap.name}` holds before anything has been changed",
-            labels=tuple(Label(r.variable.span, "begins here") for r in rap.resources),
+            f"`succeed` of `{rap.name}` holds before any change",
+            labels=tuple(
+                Label(r.variable.span, "the first value is set here")
+                for r in rap.resources
+            ),
         )
     elif succeed is not None and always.holds(succeed, given):
         yield AT_ONCE.at(
             succeed.span,
-            f"`succeed` of `{rap.name}` holds whatever happens",
+            f"`succeed` of `{rap.name}` always holds",
             help=_ADVICE if not isinstance(succeed, nodes.Truth) else "",
         )
     elif succeed is not None and is_never(succeed) and not _waits(rap):
         yield NEVER.at(
             succeed.span,
             f"`{rap.name}` never succeeds, and has no monitor",
-            help="say in `monitor-state` or `monitor-time` what it waits for",
+            help="add the awaited state to `monitor-state`, or a time to "
+            "`monitor-time`",
         )
     if monitor is not None and always.holds(monitor, given):
         yield ALWAYS.at(
             monitor.span,
-            f"the monitor of `{rap.name}` holds whatever happens",
+            f"the monitor of `{rap.name}` always holds",
             help=_ADVICE if not isinstance(monitor, nodes.Truth) else "",
         )
 
@@ -155,15 +159,16 @@ def _not_at_first(rap: nodes.DefineRap, first: FirstValues) -> Iterator[Diagnost
         if failing is not None:
             yield NOT_AT_FIRST.at(
                 failing.span,
-                f"`{clause.word}` of `{rap.name}` does not hold at first, "
-                "so no method ever begins",
+                f"`{clause.word}` of `{rap.name}` does not hold at the start, "
+                "so no method begins",
                 labels=tuple(
-                    Label(r.variable.span, "begins here") for r in rap.resources
+                    Label(r.variable.span, "the first value is set here")
+                    for r in rap.resources
                 ),
             )
 
 
-_ADVICE = "a property has a value even if nothing is known: test the value"
+_ADVICE = "a property has a value even if nothing is known: query the value"
 
 
 def _waits(rap: nodes.DefineRap) -> bool:
@@ -183,8 +188,8 @@ SETTLED_COMPARISON = Rule(
     code="RAP108",
     name="settled-comparison",
     severity=Severity.WARNING,
-    summary="a comparison holds always, or never, as it is written",
-    ignore="never: write `true` or `nil` if that is meant",
+    summary="a comparison is always true or never true",
+    ignore="never: write `true` or `nil` if this is meant",
     source="T 4.1",
 )
 
@@ -201,8 +206,9 @@ def settled_comparison(run: Pass) -> Iterator[Diagnostic]:
         if holds is not None:
             yield SETTLED_COMPARISON.at(
                 use.node.span,
-                f"`{format_formula(use.node)}` {'always' if holds else 'never'} holds",
-                help="compare with something else, or leave it out",
+                f"`{format_formula(use.node)}` is "
+                f"{'always' if holds else 'never'} true",
+                help="compare with another value, or remove the comparison",
             )
 
 

@@ -14,8 +14,8 @@ UNTOLD_EVENT = Rule(
     code="RAP150",
     name="untold-event",
     severity=Severity.WARNING,
-    summary="a primitive waits for an event that none of its skills tells",
-    ignore="where a host or another task has the skill on that tells it",
+    summary="a primitive waits for an event that none of its skills emits",
+    ignore="where a host or another task has enabled the skill that emits the event",
     source="S 3.2, 4.1",
 )
 
@@ -23,8 +23,8 @@ UNUSED_SKILL = Rule(
     code="RAP151",
     name="unused-skill",
     severity=Severity.INFO,
-    summary="a skill is declared that nothing enables, though others are enabled",
-    ignore="where the file lists all that a world offers",
+    summary="a skill is declared but never enabled, although other skills are enabled",
+    ignore="where the file lists everything that a world offers",
     source="S 2",
 )
 
@@ -33,7 +33,7 @@ VAIN_DISABLE = Rule(
     name="vain-disable",
     severity=Severity.WARNING,
     summary="a primitive disables a skill that it does not enable",
-    ignore="never: the skill that is named stays as it was",
+    ignore="never: the disabled skill stays unchanged",
     source="S 3.2",
 )
 
@@ -79,7 +79,7 @@ def _untold(run: Pass, wait: nodes.WaitFor) -> Diagnostic:
     tellers = list(_tellers(run, wait.signal))
     return UNTOLD_EVENT.at(
         wait.span,
-        f"no skill that is on here tells `{wait.signal}`",
+        f"no enabled skill emits `{wait.signal}`",
         help=f"enable {' or '.join(tellers)}, or wait for another event",
     )
 
@@ -98,7 +98,8 @@ def _disabled(run: Pass) -> Iterator[Diagnostic]:
                 yield VAIN_DISABLE.at(
                     skill.span,
                     f"this primitive does not enable `{skill.name}`",
-                    help="its skills go off by themselves; others it leaves on",
+                    help="a primitive disables its own skills when it ends, and no "
+                    "other skills",
                 )
 
 
@@ -114,7 +115,7 @@ def _unused(run: Pass, enabled: set[str]) -> Iterator[Diagnostic]:
             yield UNUSED_SKILL.at(
                 word_span(run.library.files, skill.span, 1),
                 f"nothing enables the skill `{name}`",
-                help="enable it somewhere, or remove its declaration",
+                help="enable the skill, or remove the declaration",
             )
 
 
@@ -123,7 +124,7 @@ NOTHING_AWAITED = Rule(
     name="nothing-awaited",
     severity=Severity.WARNING,
     summary="a primitive enables skills and waits for no event",
-    ignore="where the skill does its work at once when it is switched on",
+    ignore="where the skill acts at once when it is enabled",
     source="S 3.2",
 )
 
@@ -135,6 +136,6 @@ def nothing_awaited(run: Pass) -> Iterator[Diagnostic]:
         if use.node.enable and not use.node.waits:
             yield NOTHING_AWAITED.at(
                 use.node.span,
-                "this primitive awaits nothing and ends at once",
+                "this primitive waits for no event and ends at once",
                 help="add `(wait-for (:event) :succeed)`",
             )

@@ -19,7 +19,7 @@ WORLDLESS_TEST = Rule(
     code="RAP167",
     name="worldless-test",
     severity=Severity.ERROR,
-    summary="a test names no world, but needs what only a world brings along",
+    summary="a test uses parts of a world but names no world",
     source="L 1",
 )
 
@@ -30,42 +30,42 @@ def worldless_test(run: Pass) -> Iterator[Diagnostic]:
     for test in run.library.tests:
         if test.world is None:
             for place, message in _lacking(run.library, test):
-                help = "name the world by `(world name)`"
+                help = "name the world with `(world name)`"
                 yield WORLDLESS_TEST.at(place, message, help=help)
 
 
 def _lacking(library: Library, test: nodes.DefineTest) -> Iterator[tuple[Span, str]]:
     """Yield the missing features of a test without a world, each with its place."""
     for option in test.options[:1]:
-        message = "these are options of a world, and the test names none"
+        message = "options of a world require a world"
         yield option.span, message
     asked = [row for row in test.script if row.kind == "request"]
     for row in asked:
         for datum in row.data:
             if datum.name in library.data:
-                message = f"there is no handler for the datum `{datum.name}`"
+                message = f"unknown handler for the datum `{datum.name}`"
                 yield datum.span, message
     answered = {answer.call.function for answer in test.answers}
     for declared in library.properties.values():
         default = declared.default
         known = default in CONSTANT_DEFAULTS or default in library.functions
         if not known and default not in answered:
-            message = f"no default function is registered as `{default}`"
+            message = f"unknown default function `{default}`"
             yield test.name_span, message
     for name in library.functions:
         if name not in answered:
-            yield test.name_span, f"no function is registered as `{name}`"
+            yield test.name_span, f"unknown function `{name}`"
     named = [node.comparator for node in library.indistinct.values()]
     named += [node.function for node in library.comparators]
     for comparator in dict.fromkeys(filter(None, named)):
-        yield test.name_span, f"no comparator is registered as `{comparator}`"
+        yield test.name_span, f"unknown comparator `{comparator}`"
 
 
 IMPOSSIBLE_ROW = Rule(
     code="RAP087",
     name="impossible-row",
     severity=Severity.ERROR,
-    summary="a row of a script says what its request or skill cannot do",
+    summary="a row of a script has a part that is impossible for its request or skill",
     source="L 3.72",
 )
 
@@ -88,15 +88,16 @@ def _atomic(row: nodes.ScriptRow, declared: nodes.DeclarePrimitive) -> Diagnosti
     name = declared.name
     return IMPOSSIBLE_ROW.at(
         row.span,
-        f"`{name}` is declared atomic, so it does not end `:after` its request",
+        f"`{name}` is declared atomic and cannot end `:after` its request",
         labels=(Label(declared.span, "declared here"),),
-        help="declare it with `:atomic false`, or say how long it `:takes`",
+        help=f"declare `{name}` with `:atomic false`, or write the duration "
+        "with `:takes`",
     )
 
 
 def _of_request(row: nodes.ScriptRow) -> Iterator[str]:
     if row.every is not None or row.pauses:
-        yield "only a skill tells signals with waits between them, or again"
+        yield "only a skill emits signals with waits between them, or repeatedly"
 
 
 def _of_skill(row: nodes.ScriptRow) -> Iterator[str]:
@@ -113,15 +114,15 @@ def _of_skill(row: nodes.ScriptRow) -> Iterator[str]:
     )
     for what, said in given:
         if said:
-            yield f"a skill that {'goes off' if off else 'is enabled'} has no {what}"
+            yield f"a skill that {'is disabled' if off else 'is enabled'} has no {what}"
 
 
 UNKNOWN_EVENT = Rule(
     code="RAP077",
     name="unknown-event",
     severity=Severity.ERROR,
-    summary="a test expects an event, or a key of one, that no trace ever holds",
-    fix="unsafe: writes the event or key that is spelled almost so",
+    summary="a test expects an unknown event, or an unknown key of an event",
+    fix="unsafe: writes the similar event or key",
     source="L 1",
 )
 
@@ -143,7 +144,7 @@ def unknown_event(run: Pass) -> Iterator[Diagnostic]:
                 [place],
             )
             help_ = near_kinds.did_you_mean(
-                pattern.event, "`docs/reference/trace.md` lists them"
+                pattern.event, "`docs/reference/trace.md` lists the events"
             )
             message = f"unknown event `{pattern.event}`"
             yield UNKNOWN_EVENT.at(place, message, help=help_, fix=fix)
@@ -153,7 +154,7 @@ def unknown_event(run: Pass) -> Iterator[Diagnostic]:
         known = keys[pattern.event]
         for key, _ in pattern.keys:
             if key not in known:
-                message = f"`{pattern.event}` has no key `{key}`"
+                message = f"unknown key `{key}` of `{pattern.event}`"
                 near, place = known.near(key), pattern.span
                 fix = renaming(
                     run.library.files, f":{key}", near and f":{near}", [place]

@@ -24,9 +24,9 @@ WINDOW = Rule(
     code="RAP120",
     name="empty-window",
     severity=Severity.WARNING,
-    summary="a window closes before it opens, or before its step can be done",
+    summary="a window closes before it opens, or before its step can end",
     fix="unsafe: swaps the two times",
-    ignore="never: the step is never done in time",
+    ignore="never: the step cannot end in time",
     source="T 4.5.2, 4.7.1",
 )
 
@@ -34,8 +34,8 @@ RESTLESS = Rule(
     code="RAP121",
     name="restless-monitor",
     severity=Severity.WARNING,
-    summary="a standing task waits for no time at all between its methods",
-    ignore="where every method takes its time, as one that drives does",
+    summary="a standing task never pauses between its methods",
+    ignore="where every method takes time, for example to drive",
     source="T 4.7.2",
 )
 
@@ -43,8 +43,8 @@ STALE = Rule(
     code="RAP122",
     name="never-fresh",
     severity=Severity.WARNING,
-    summary="a belief is asked for that is younger than no time at all",
-    ignore="never: ask for the default itself if that is meant",
+    summary="a belief with an age of zero or less is queried",
+    ignore="never: query the default itself if this is meant",
     source="T 4.1.1",
 )
 
@@ -67,7 +67,7 @@ def times(run: Pass) -> Iterator[Diagnostic]:
             yield STALE.at(
                 believe.node.age.span,
                 f"no belief is younger than {format_atom(age)}",
-                help="say how old it may be, in time units",
+                help="write the maximal age in time units",
             )
 
 
@@ -84,10 +84,10 @@ def _window(run: Pass, window: nodes.Window, step: nodes.Step) -> Iterator[Diagn
         assert rap.duration is not None
         yield WINDOW.at(
             window.span,
-            f"the window is open for {format_atom(stop - start)}, and "
+            f"the window is open for {format_atom(stop - start)}, but "
             f"`{rap.name}` takes {format_atom(takes)}",
-            labels=(Label(rap.duration.span, "said here"),),
-            help="open it earlier, or close it later",
+            labels=(Label(rap.duration.span, "declared here"),),
+            help="open the window earlier, or close the window later",
         )
 
 
@@ -101,7 +101,7 @@ def _turned_round(
         Span(one.file, one.start, other.end),
         f"this {what} closes at {format_atom(stop)}, before it opens at "
         f"{format_atom(start)}",
-        help="the time at which it opens comes first",
+        help="write the opening time first",
         fix=Fix(Applicability.UNSAFE, "swap the two times", edits),
     )
 
@@ -116,5 +116,5 @@ def _monitor(timed: nodes.MonitorTime, rap: nodes.DefineRap) -> Iterator[Diagnos
         yield RESTLESS.at(
             timed.start.span,
             f"`{rap.name}` never pauses between its methods",
-            help="say how long it is to wait after each",
+            help="write the pause after each method",
         )

@@ -26,8 +26,8 @@ UNUSED_INPUT = Rule(
     name="unused-input",
     severity=Severity.INFO,
     opt_in=True,
-    summary="a RAP that has methods never uses one of its inputs",
-    ignore="where several RAPs are to be asked for in one way",
+    summary="a RAP with methods never uses one of its inputs",
+    ignore="where several RAPs must have the same inputs",
     source="T 4.2",
 )
 
@@ -36,9 +36,8 @@ UNREACHED_RAP = Rule(
     name="unreached-rap",
     severity=Severity.INFO,
     opt_in=True,
-    summary="no task of an agenda leads to a RAP, though the library has agendas",
-    ignore="where the RAP is asked for on a command line, by a program or by other "
-    "libraries",
+    summary="no task of the agendas leads to a RAP",
+    ignore="where the command line, a program or another library submits the RAP",
     source="T 5.4",
 )
 
@@ -65,7 +64,7 @@ def _unused_inputs(run: Pass, index: Index) -> Iterator[Diagnostic]:
                 yield UNUSED_INPUT.at(
                     variable.span,
                     f"`{rap.name}` never uses its input `{variable.name}`",
-                    help="use it, or take it away here and where the RAP is asked for",
+                    help="use the input, or remove it here and in all calls",
                 )
 
 
@@ -82,8 +81,9 @@ def _unreached(run: Pass, index: Index) -> Iterator[Diagnostic]:
         if rap.name not in reached:
             yield UNREACHED_RAP.at(
                 rap.name_span,
-                f"no task that is given here leads to `{rap.name}`",
-                help="give it as a task, ask for it in a step, or take it away",
+                f"no submitted task leads to `{rap.name}`",
+                help="submit the RAP as a task, call the RAP in a step, or remove "
+                "the RAP",
             )
 
 
@@ -92,8 +92,8 @@ SINGLETON_VARIABLE = Rule(
     name="singleton-variable",
     severity=Severity.INFO,
     opt_in=True,
-    summary="a variable occurs once in its form, where a bare `?` would do",
-    ignore="where the name tells a reader what stands there",
+    summary="a variable occurs once in its form, where `?` has the same meaning",
+    ignore="where the name explains the value to the reader",
     source="T 4.1",
 )
 
@@ -102,8 +102,8 @@ UNUSED_DECLARATION = Rule(
     name="unused-declaration",
     severity=Severity.INFO,
     opt_in=True,
-    summary="something is declared that nothing in the library uses",
-    ignore="where the file declares what several libraries use",
+    summary="a declaration is never used in the library",
+    ignore="where the file declares names for several libraries",
     source="T A.1",
 )
 
@@ -117,15 +117,15 @@ def singletons(run: Pass) -> Iterator[Diagnostic]:
             yield SINGLETON_VARIABLE.at(
                 variable.span,
                 f"`{variable.name}` occurs only here",
-                help="write `?` if anything will do",
+                help="write `?` for any value",
             )
     read = not any(run.unsure(form.span) for form in run.library.forms)
     if run.complete and read:
         for declared, how in _unused_declarations(run, index):
             yield UNUSED_DECLARATION.at(
                 declared_at(run, declared),
-                f"nobody {how} `{declared.name}`",
-                help="use it, or take the declaration away",
+                f"nothing {how} `{declared.name}`",
+                help="use the name, or remove the declaration",
             )
 
 
@@ -141,10 +141,10 @@ def _unused_declarations(run: Pass, index: Index) -> Iterator[tuple[Signature, s
         if any((use, name) in used for use in _FACTS) or name in reads:
             continue
         told = any((use, name) in used for use in _TOLD)
-        yield declared, "asks for" if told else "uses"
+        yield declared, "queries" if told else "uses"
     for name, declared in run.signatures.primitives.items():
         if ("primitive", name) not in used:
-            yield declared, "asks for"
+            yield declared, "requests"
     told_data = {name for p in run.library.primitives.values() for name in p.tells}
     for name, declared in run.signatures.data.items():
         if name not in told_data and ("datum", name) not in used:
@@ -156,8 +156,8 @@ UNREAD_FACT = Rule(
     name="unread-fact",
     severity=Severity.INFO,
     opt_in=True,
-    summary="a fact is put into memory, and nothing asks for it",
-    ignore="where the library describes a world for others",
+    summary="a fact is asserted, but never queried",
+    ignore="where the library describes a world for other libraries",
     source="T 2.2",
 )
 
@@ -166,8 +166,9 @@ UNASSERTED_FACT = Rule(
     name="unasserted-fact",
     severity=Severity.INFO,
     opt_in=True,
-    summary="a fact is asked for, and nothing in the library brings it there",
-    ignore="where the host or the world gives the fact at the start, as it gives a map",
+    summary="a fact is queried, but never asserted in the library",
+    ignore="where the host or the world asserts the fact at the start, "
+    "for example as a map",
     source="T 2.2",
 )
 
@@ -242,23 +243,23 @@ def _readers(library: Library) -> Iterator[tuple[str, ...] | None]:
 
 
 def _unasserted(run: Pass, uses: _Uses, name: str, place: Span) -> Diagnostic:
-    labels = [Label(uses.asked[name].place(run.library.files), "asked here")]
+    labels = [Label(uses.asked[name].place(run.library.files), "queried here")]
     if name in uses.taken:
-        labels.append(Label(uses.taken[name], "taken away here"))
+        labels.append(Label(uses.taken[name], "erased here"))
     return UNASSERTED_FACT.at(
         place,
-        f"nothing in the library ever brings `{name}` there",
+        f"nothing in the library asserts `{name}`",
         labels=tuple(labels),
-        help="ignore this where the host or the world gives it",
+        help="ignore this finding if the host or the world asserts the fact",
     )
 
 
 def _unread(name: str, place: Span, by: Span) -> Diagnostic:
     return UNREAD_FACT.at(
         place,
-        f"nothing in the library asks for `{name}`",
-        labels=(Label(by, "put into memory here"),),
-        help="ask for it, or leave it out",
+        f"nothing in the library queries `{name}`",
+        labels=(Label(by, "asserted here"),),
+        help="query the fact, or remove it",
     )
 
 
@@ -267,8 +268,8 @@ UNUSED_CLAIM = Rule(
     name="unused-claim",
     severity=Severity.WARNING,
     summary="a RAP that runs once claims a thing that nothing else uses or claims",
-    fix="unsafe: writes the thing that is spelled almost so, where there is one",
-    ignore="where another library uses the thing, and runs beside this one",
+    fix="unsafe: writes the similar thing, if there is one",
+    ignore="where another library that runs at the same time uses the thing",
     source="L 8",
 )
 
@@ -276,10 +277,9 @@ MISSPELT_THING = Rule(
     code="RAP086",
     name="misspelt-thing",
     severity=Severity.WARNING,
-    summary="a thing is named only once, and another one is spelled almost so",
-    fix="unsafe: writes the thing that is spelled almost so",
-    ignore="where the two things are meant: give one of them a name that is less like "
-    "the other",
+    summary="a thing is named once, and a similar thing exists",
+    fix="unsafe: writes the similar thing",
+    ignore="where both things are meant: choose a name that is less similar",
     source="L 8",
 )
 
@@ -360,7 +360,7 @@ def _close(run: Pass, thing: nodes.Thing, other: nodes.Thing) -> Diagnostic:
     return MISSPELT_THING.at(
         thing.span,
         f"nothing else uses or claims `{format_formula(thing)}`",
-        labels=(Label(other.span, "a thing with a close name"),),
+        labels=(Label(other.span, "a similar thing"),),
         help=f"did you mean `{other.name}`?",
         fix=renaming(run.library.files, thing.name, other.name, [thing.span]),
     )
@@ -438,7 +438,7 @@ def _unused_thing(
     if others:
         meant = None
         amount = plural(others[0], "argument") if others[0] else "no arguments"
-        help_ = f"`{thing.name}` is named with {amount} elsewhere"
+        help_ = f"other uses of `{thing.name}` have {amount}"
     return UNUSED_CLAIM.at(
         thing.span,
         f"nothing else uses or claims `{written}`",

@@ -31,8 +31,8 @@ UNBOUND_VARIABLE = Rule(
     code="RAP012",
     name="unbound-variable",
     severity=Severity.ERROR,
-    summary="a variable has no value where one is needed, in some order of the steps",
-    ignore="never: let a query or a function ask for what a host knows",
+    summary="a variable has no value in some order of the steps",
+    ignore="never: use a query or a function for values that a host knows",
     source="T 4.2, 4.5.2",
 )
 
@@ -42,21 +42,21 @@ _SHOWN = 3
 _SEES = {
     "duration": "inputs and resources",
     "monitor-time": "inputs and resources",
-    "resources": "inputs and the resources before it",
+    "resources": "inputs and the preceding resources",
     "effects": "inputs, outputs and resources",
 }
 """By clause without bindings of its own, the variables that the clause can use."""
 
 _BIND = {
-    "step": "bind it in `context`, or in a step ordered before this one",
-    "notations": "bind it in `context`",
-    "primitive": "bind it in `context`",
-    "claims": "bind it in `context`",
-    "skills": "bind it in `context`",
-    ":uses": "it can only be one of the arguments",
-    "rule": "bind it in the query of the rule",
-    "script": "the request of a row binds for what the row does",
-    "memory": "bind it by a fact to the left of this",
+    "step": "bind the variable in `context`, or in a step ordered before this step",
+    "notations": "bind the variable in `context`",
+    "primitive": "bind the variable in `context`",
+    "claims": "bind the variable in `context`",
+    "skills": "bind the variable in `context`",
+    ":uses": "use one of the arguments",
+    "rule": "bind the variable in the query of the rule",
+    "script": "the request of the row binds the variables of the row",
+    "memory": "bind the variable in a fact to the left",
 }
 """By clause, the place to bind the variables of the clause."""
 
@@ -142,7 +142,9 @@ def _explain(
         site = places.by_name[near][0]
         labels = [Label(site.span, _close_name(site))]
         help_ = f"did you mean `{near}`?"
-    labels += [Label(m.variable.span, "nor here") for m in further[:_SHOWN]]
+    labels += [
+        Label(m.variable.span, "not bound here, either") for m in further[:_SHOWN]
+    ]
     lack = () if places.binds(first) else (Subject(first.variable.span),)
     return UNBOUND_VARIABLE.at(
         first.variable.span,
@@ -171,16 +173,16 @@ def _with_fix(
 
 def _close_name(site: Site) -> str:
     if site.clause in ("input", "resource"):
-        return f"{site.what} with a close name is declared here"
-    return "a variable with a close name is bound here"
+        return f"{site.what} with a similar name is declared here"
+    return "a similar variable is bound here"
 
 
 def _why_not(site: Site, missing: Missing, net: Net | None, places: _Places) -> str:
     """Return why a binding of the variable is not available at the use."""
     if site.negated:
-        return "bound inside `not` only, which hands out nothing"
+        return "bound only inside `not`, which exports no bindings"
     if site.method is not None and missing.method is None:
-        return f"bound here, in a method, which `{missing.clause}` does not see"
+        return f"bound here in a method; `{missing.clause}` does not see this binding"
     if site.method is not None and site.method is not missing.method:
         return "bound here, in another method"
     return _out_of_order(site, missing, net) or _out_of_sight(site, missing, places)
@@ -192,14 +194,14 @@ def _out_of_order(site: Site, missing: Missing, net: Net | None) -> str | None:
     if one is None:
         return None
     if other is None or net is None:
-        return "bound here only when the method has begun"
+        return "bound here, but only after the method has begun"
     by = site.what
     if site.clause in SIGNALS.values():
         by = f"{site.clause} {by}"
         if one == other or site.clause == SIGNALS["fail"]:
             return f"bound by {by}"
         if one not in net.by_until and net.has_ended(one, other):
-            return f"bound by {by}, which may end without it"
+            return f"bound by {by}, but the step may end without it"
     elif one == other or (one not in net.early and net.has_ended(one, other)):
         return None
     return f"bound by {by}, {_order_in_words(one, other, net)}"
@@ -208,33 +210,36 @@ def _out_of_order(site: Site, missing: Missing, net: Net | None) -> str | None:
 def _order_in_words(one: int, other: int, net: Net) -> str:
     """Return why a step has not surely finished when another step begins."""
     if one in net.by_until:
-        return "which may be ended before that"
+        return "which may be ended before"
     if net.is_before(other, one):
-        return "which comes after this one"
+        return "which runs after this step"
     if not net.is_before(one, other):
-        return "which nothing puts before this one"
+        return "which is not ordered before this step"
     if one in net.early:
-        return "which a signal may end before that"
-    return "but what lies between may be ended before that"
+        return "which a signal may end before"
+    return "but a step between them may be ended before"
 
 
 def _out_of_sight(site: Site, missing: Missing, places: _Places) -> str:
     if site.branch:
-        return "bound here in one branch of an `or` only"
+        return "bound here, but only in one branch of an `or`"
     if missing.method is None and site.clause not in (missing.clause, "resource"):
-        return f"bound here, which `{missing.clause}` does not see"
+        return f"bound here, but `{missing.clause}` does not see this binding"
     if site.clause in ("monitor-state", "succeed", "preconditions", "constraints"):
-        return f"bound here, but {site.what} keeps no bindings"
+        return f"bound here, but {site.what} exports no bindings"
     if places.in_one_formula(site, missing):
-        return "bound here, but asked only after that: parts go from left to right"
-    return "bound here, but only after that"
+        return (
+            "bound here, but evaluated after the use: parts are evaluated "
+            "from left to right"
+        )
+    return "bound here, but only after the use"
 
 
 def _advice(
     elsewhere: Sequence[Site], missing: Missing, net: Net | None, places: _Places
 ) -> str:
     if missing.clause in _SEES:
-        return f"`{missing.clause}` sees {_SEES[missing.clause]} only"
+        return f"`{missing.clause}` sees only {_SEES[missing.clause]}"
     for site in elsewhere:
         if site.method is missing.method:
             found = _about_site(site, missing, net, places)
@@ -242,7 +247,7 @@ def _advice(
                 return found
     if missing.clause in _BIND:
         return _BIND[missing.clause]
-    return "bind it by a fact to the left of this, or make it an input"
+    return "bind the variable in a fact to the left, or make the variable an input"
 
 
 def _about_site(
@@ -250,13 +255,13 @@ def _about_site(
 ) -> str | None:
     """Return the advice about a place of the method that binds a variable, or None."""
     if site.branch and not site.negated:
-        return "bind it in every branch of the `or`"
+        return "bind the variable in every branch of the `or`"
     if not site.negated and places.in_one_formula(site, missing):
-        return "put the part that binds it to the left of this"
+        return "move the part that binds the variable to the left"
     if _may_precede(site, missing, net):
         assert missing.method is not None
         tag = steps(missing.method)[missing.step or 0].tag
-        return f"put the steps in order: `(for {tag})` on {site.what}"
+        return f"order the steps: add `(for {tag})` to {site.what}"
     if site.clause == SIGNALS["succeed"] and net is not None:
         return _by_signal(site, missing, net, places)
     return None
@@ -266,24 +271,24 @@ def _by_signal(site: Site, missing: Missing, net: Net, places: _Places) -> str:
     """Return how a step that a signal may end would surely bind a variable."""
     one, other, method = site.step, missing.step, site.method
     if one == other:
-        return "with `:proceed` the signal comes before the step begins"
+        return "with `:proceed`, the signal comes before the step begins"
     assert method is not None
     assert one is not None
     step, name = steps(method)[one], missing.variable.name
     needed = []
     if other is not None and not net.is_before(one, other):
-        needed.append(f"put `(for {steps(method)[other].tag})` on {site.what}")
+        needed.append(f"add `(for {steps(method)[other].tag})` to {site.what}")
     ending = [
         {term.name for term in note.args if isinstance(term, nodes.Var)}
         for note in step.annotations
         if isinstance(note, nodes.WaitFor) and note.mode == "succeed"
     ]
     if any(name not in bound for bound in ending):
-        needed.append(f"let each signal that ends {site.what} bind `{name}`")
+        needed.append(f"bind `{name}` in each signal that ends {site.what}")
     if step.goal.name not in places.never_done:
         needed.append(
-            f"let only a signal end `{step.goal.name}`, as with `(succeed nil)`, or "
-            f"let it hand out `{name}`"
+            f"end `{step.goal.name}` only by a signal, as with `(succeed "
+            f"nil)`, or return `{name}` as an output"
         )
     return ", and ".join(needed)
 
@@ -302,7 +307,7 @@ ANONYMOUS_VARIABLE = Rule(
     code="RAP063",
     name="anonymous-variable",
     severity=Severity.ERROR,
-    summary="a bare `?` stands where a value is needed",
+    summary="a bare `?` is used where a value is required",
     source="T 4.1",
 )
 
@@ -313,9 +318,9 @@ def anonymous_variable(run: Pass) -> Iterator[Diagnostic]:
     for variable in run.result(BINDINGS).anonymous:
         yield ANONYMOUS_VARIABLE.at(
             variable.span,
-            "`?` has no value here",
-            help="name the variable and bind it first; "
-            "`?` only matches, in queries and patterns",
+            "`?` has no value",
+            help="name the variable and bind it before; `?` only matches values "
+            "in queries and patterns",
         )
 
 
@@ -323,10 +328,9 @@ MISSPELT_VARIABLE = Rule(
     code="RAP029",
     name="misspelt-variable",
     severity=Severity.WARNING,
-    summary="a variable is used only once, and another one is spelled almost so",
-    fix="unsafe: writes the variable that is spelled almost so",
-    ignore="where the two names are meant: give one of them a name that is less like "
-    "the other",
+    summary="a variable is used once, and a similar variable exists",
+    fix="unsafe: writes the similar variable",
+    ignore="where both names are meant: choose a name that is less similar",
     source="T 4.1",
 )
 
@@ -381,8 +385,8 @@ def _misspelt(run: Pass, variable: nodes.Var, close: nodes.Var) -> Diagnostic:
     return MISSPELT_VARIABLE.at(
         variable.span,
         f"`{variable.name}` is used only here",
-        labels=(Label(close.span, "a variable with a close name"),),
-        help=f"did you mean `{close.name}`? if anything will do, write `?`",
+        labels=(Label(close.span, "a similar variable"),),
+        help=f"did you mean `{close.name}`? for any value, write `?`",
         fix=renaming(run.library.files, variable.name, close.name, [variable.span]),
         about=(Subject(variable.span, variable.name),),
     )
@@ -392,8 +396,8 @@ OUTPUT_IS_INPUT = Rule(
     code="RAP105",
     name="output-is-input",
     severity=Severity.WARNING,
-    summary="a step is to hand out its result in an input, which has a value already",
-    ignore="where the step is to fail unless it finds this very value",
+    summary="the output of a step is assigned to an input, which already has a value",
+    ignore="where the step must fail unless it finds this value",
     source="T 4.2",
 )
 
@@ -417,10 +421,10 @@ def _taken(goal: nodes.Goal, inputs: dict[str, nodes.Var]) -> Iterator[Diagnosti
         if first is not None:
             yield OUTPUT_IS_INPUT.at(
                 output.span,
-                f"`{output.name}` has a value already, which the output of "
-                f"`{goal.name}` would have to be",
-                labels=(Label(first.span, "it comes from here"),),
-                help="name another variable, or write `?`",
+                f"the output of `{goal.name}` is `{output.name}`, which already "
+                "has a value",
+                labels=(Label(first.span, "the value comes from here"),),
+                help="use another variable, or write `?`",
                 about=(Subject(output.span),),
             )
 
@@ -429,7 +433,7 @@ UNBINDABLE_OUTPUT = Rule(
     code="RAP028",
     name="unbindable-output",
     severity=Severity.WARNING,
-    summary="an output variable is bound neither by `succeed` nor by any method",
+    summary="neither `succeed` nor a method binds an output",
     ignore="where a problem solver adds methods that bind the output",
     source="T 4.2",
 )
@@ -460,8 +464,8 @@ def _unbindable(output: nodes.Var, names: set[str]) -> Diagnostic:
     near = nearest(output.name, names)
     return UNBINDABLE_OUTPUT.at(
         output.span,
-        f"nothing binds the output `{output.name}`",
+        f"nothing binds output `{output.name}`",
         help=f"did you mean `{near}`?"
         if near
-        else "bind it in `succeed`, in a context, or as the output of a step",
+        else "bind the output in `succeed`, in a context, or as the output of a step",
     )

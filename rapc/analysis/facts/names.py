@@ -128,12 +128,12 @@ class UnknownNames:
     ) -> Diagnostic:
         first, *further = spans
         left = len(further) - _SHOWN
-        places = "one more place" if left == 1 else f"{left} more places"
+        places = "one other place" if left == 1 else f"{left} other places"
         return self._rule.at(
             first,
             fault.message,
             labels=(*meant, *(Label(s, "also used here") for s in further[:_SHOWN])),
-            notes=(f"it is used in {places}",) if left > 0 else (),
+            notes=(f"used in {places}",) if left > 0 else (),
             help=fault.help,
             about=tuple(self._about[fault.message]),
         )
@@ -145,7 +145,7 @@ def _unused(run: Pass, meant: Signature | None) -> Iterator[Label]:
         return
     uses = run.result(MISUSES).uses()
     if not any(uses[use, meant.name] for use in _SAME[meant.kind]):
-        label = "nothing uses this, and the name is close"
+        label = "nothing uses this similar name"
         yield Label(declared_at(run, meant), label)
 
 
