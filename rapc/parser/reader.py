@@ -76,7 +76,7 @@ def read(source: SourceFile) -> Reading:
     if forms is None:
         log = ReadLog(source)
         forms = _recover(log, closers)
-    return log.finish(rejoin(log, forms))
+    return log.finish(rejoin(log, forms) if len(forms) > 1 else forms)
 
 
 def _recover(log: ReadLog, closers: Mapping[int, int]) -> list[Datum]:
