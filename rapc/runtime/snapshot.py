@@ -14,9 +14,8 @@ from rapc.ir.printer import format_formula
 from rapc.runtime.run import Run
 from rapc.runtime.state.deadlocks import deadlocks, held, in_words
 from rapc.runtime.state.states import BLOCKED, ELIGIBLE, UNTESTED, WAITING
-from rapc.runtime.state.task import MethodRun, Task
+from rapc.runtime.state.task import MethodRun, Task, TopLevelTask
 from rapc.runtime.state.things import ThingWait
-from rapc.runtime.state.top_level import TopLevelTask
 from rapc.world import OKAY, Time
 
 

@@ -31,9 +31,8 @@ from rapc.runtime.state.activations import Activation
 from rapc.runtime.state.agenda import Agenda
 from rapc.runtime.state.run_state import RunState
 from rapc.runtime.state.states import State
-from rapc.runtime.state.task import Ends, Env, MethodRun, Task
+from rapc.runtime.state.task import Ends, Env, MethodRun, Task, TopLevelTask
 from rapc.runtime.state.things import Ask, Hold, ThingWait
-from rapc.runtime.state.top_level import TopLevelTask
 from rapc.world import Time
 
 

@@ -15,8 +15,7 @@ from rapc.base.values import Fact
 from rapc.compiler.rap_plan import MethodPlan, RapPlan
 from rapc.runtime.fields import LEFT_OUT, Fields, Natural
 from rapc.runtime.state.activations import Activations
-from rapc.runtime.state.task import Task
-from rapc.runtime.state.top_level import TopLevelTask
+from rapc.runtime.state.task import Task, TopLevelTask
 from rapc.runtime.task_request import TaskRequest
 from rapc.world import Time
 

@@ -17,7 +17,7 @@ from rapc.base.resources import Counter, SetResource, Value
 from rapc.base.values import Fact
 from rapc.compiler.net_plan import StepPlan
 from rapc.compiler.rap_plan import MethodPlan, RapPlan
-from rapc.events import Goal
+from rapc.events import Cause, Goal
 from rapc.ir import nodes
 from rapc.runtime.fields import LEFT_OUT, Fields, Limit, Natural
 from rapc.runtime.memory.notations import Notation
@@ -381,6 +381,35 @@ class Task:
     def has_resources(self) -> bool:
         """Return whether the task has or was passed sets or counters."""
         return any(isinstance(value, _RESOURCES) for value in self.env.values())
+
+
+class TopLevelTask:
+    """A top-level task with its times and its result."""
+
+    FIELDS: ClassVar[Fields] = {
+        "task": LEFT_OUT,
+        "came": Time,
+        "ended": Time | None,
+        "background": bool,
+        "outcome": str | None,
+        "because": Cause | None,
+        "outputs": Env,
+    }
+    __slots__ = tuple(FIELDS)
+
+    def __init__(self, task: Task, background: bool, came: Time = 0) -> None:
+        self.task = task
+        #: When the task joined the run, and when it left; None before that.
+        self.came = came
+        self.ended: Time | None = None
+        #: Whether the task is in the background: it does not keep the run going.
+        self.background = background
+        #: `okay` or the failure of the task; None unless it has ended by itself.
+        self.outcome: str | None = None
+        #: The cause of the failure, if the run has listeners for causes.
+        self.because: Cause | None = None
+        #: The outputs.
+        self.outputs: Env = {}
 
 
 def _count_down(counts: dict[Any, int], key: object) -> None:

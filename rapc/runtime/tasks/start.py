@@ -15,8 +15,7 @@ from rapc.ir.printer import format_formula
 from rapc.runtime.query_context import QueryContext, time_of
 from rapc.runtime.run import Run
 from rapc.runtime.state.states import ELIGIBLE
-from rapc.runtime.state.task import Env, MethodRun, Task
-from rapc.runtime.state.top_level import TopLevelTask
+from rapc.runtime.state.task import Env, MethodRun, Task, TopLevelTask
 from rapc.runtime.state.wait_state import WaitState
 from rapc.runtime.task_request import TaskRequest
 
