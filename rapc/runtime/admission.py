@@ -1,7 +1,8 @@
 """Checks, before the first cycle, that library and world fit.
 
-The checks find names that a library declares and the world does not offer, callables
-that are not registered, and goals without a RAP.
+The checks find names that a library declares and the world does not offer, and
+callables that are not registered. Not here: whether a task can be run
+(`rapc.runtime.task_request`).
 """
 
 from __future__ import annotations
@@ -50,7 +51,7 @@ def refuse_other_world(program: Program, world: World) -> None:
         shown = _listed([one.name for _, one in lacking[:_EXAMPLES]])
         *kinds, last = dict.fromkeys(_PLURAL[use] for use, _ in lacking)
         whole = f"{', '.join(kinds)} and {last}" if kinds else last
-        place = _place(library, lacking[0][1].span)
+        place = place_in(library, lacking[0][1].span)
         line = (
             f"{place}the library is not for the world `{world.name}`, which lacks "
             f"{len(lacking)} of the {len(declared)} {whole} that it declares: {shown} "
@@ -129,7 +130,7 @@ def _lacking(library: Library, world: World) -> Iterator[str]:
     for use, declared in _offers(library):
         for form in declared.values():
             fault = offered.fault(use, form.name, len(form.args))
-            place = _place(library, form.span)
+            place = place_in(library, form.span)
             if fault is not None:
                 yield f"{place}in the world `{world.name}` {fault}"
             elif isinstance(form, nodes.DeclarePrimitive):
@@ -168,9 +169,9 @@ def _untellable(
         telling = f"the world `{world.name}` tells {format_list(fact)}"
         if known is not None and fault is None:
             said = f"`{known.written}` takes all of its arguments from a world"
-            yield f"{_place(library, known.span)}{said}: {telling}"
+            yield f"{place_in(library, known.span)}{said}: {telling}"
         elif fault is not None and fault.declared is not None:
-            place = _place(library, fault.declared.span)
+            place = place_in(library, fault.declared.span)
             yield f"{place}{fault.message}: {telling}"
         else:
             unknown[f"`{name}`"] = None
@@ -185,14 +186,14 @@ def _unregistered(library: Library, functions: Mapping[str, object]) -> Iterator
     for declared in library.properties.values():
         default = declared.default
         if default not in CONSTANT_DEFAULTS and default not in functions:
-            place = _place(library, declared.span)
+            place = place_in(library, declared.span)
             yield (
                 f"{place}unknown default function `{default}`: a default "
                 "is `unknown`, `true`, `false` or a function"
             )
     for function in library.functions.values():
         if function.name not in functions:
-            place = _place(library, function.span)
+            place = place_in(library, function.span)
             yield f"{place}unknown function `{function.name}`"
 
 
@@ -201,7 +202,7 @@ def _uncompared(library: Library, comparators: Mapping[str, object]) -> Iterator
     named.extend((node.function, node.span) for node in library.comparators)
     for name, span in named:
         if name is not None and name not in comparators:
-            place = _place(library, span)
+            place = place_in(library, span)
             yield f"{place}unknown comparator `{name}`"
 
 
@@ -212,28 +213,6 @@ def _unskilled(library: Library, world: World) -> Iterator[str]:
             f"the world `{world.name}` cannot switch skills on and off: it lacks "
             "`activate` or `deactivate`"
         )
-
-
-def refuse_tasks(library: Program, goals: Iterable[Fact]) -> None:
-    """Refuse goals without a RAP, or goals that reach a step without a RAP.
-
-    Raises:
-        RefusedError: with one line for each goal without a RAP.
-    """
-    reasons: list[str] = []
-    for goal in goals:
-        name = str(goal[0])
-        fault = library.signatures.fault("goal", name, len(goal) - 1)
-        if fault is None:
-            rap = library.library.raps[name]
-            wrong = library.signatures.wrong_kind("goal", name, goal[1:])
-            if wrong is not None:
-                reasons.append(f"{format_list(goal)}: {wrong}")
-            reasons.extend(_reached(library.library, rap))
-        else:
-            reasons.append(str(fault))
-    if reasons:
-        raise RefusedError(list(dict.fromkeys(reasons)))
 
 
 def refuse_extension(old: Library, new: Library) -> None:
@@ -255,26 +234,8 @@ def refuse_extension(old: Library, new: Library) -> None:
         raise RefusedError(reasons)
 
 
-def _reached(library: Library, root: nodes.DefineRap) -> Iterator[str]:
-    """Yield the goals without a RAP that a task of a RAP can reach, with places."""
-    seen = {root.name}
-    stack = [root]
-    while stack:
-        rap = stack.pop()
-        for method in rap.methods:
-            body = method.body
-            if isinstance(body, nodes.TaskNet):
-                for step in body.steps:
-                    below = library.raps.get(step.goal.name)
-                    if below is None:
-                        place = _place(library, step.goal.span)
-                        yield f"{place}unknown RAP `{step.goal.name}`"
-                    elif below.name not in seen:
-                        seen.add(below.name)
-                        stack.append(below)
-
-
-def _place(library: Library, span: Span) -> str:
+def place_in(library: Library, span: Span) -> str:
+    """Return the start of a span before a message; nothing for an unread file."""
     source = library.files.get(span.file)
     if source is None:
         return ""

@@ -31,7 +31,6 @@ from rapc.runtime.admission import (
     refusals,
     refuse_extension,
     refuse_other_world,
-    refuse_tasks,
 )
 from rapc.runtime.arguments import (
     need_call,
@@ -41,7 +40,6 @@ from rapc.runtime.arguments import (
     need_settings,
     need_spec,
     need_table,
-    need_task,
     need_time,
     need_world,
 )
@@ -55,7 +53,14 @@ from rapc.runtime.saving.save import restore, save
 from rapc.runtime.settings import Settings, read_settings
 from rapc.runtime.snapshot import AgendaEntry
 from rapc.runtime.state.task import Task
-from rapc.runtime.task_request import TaskRequest, as_text, of_agenda, read_task_request
+from rapc.runtime.task_request import (
+    TaskRequest,
+    as_text,
+    need_task,
+    of_agenda,
+    read_task_request,
+    refuse_tasks,
+)
 from rapc.runtime.tasks.cycle import run_cycle
 from rapc.runtime.tasks.finish import end_method, fail
 from rapc.runtime.tasks.hold_things import resume_skills
@@ -317,9 +322,9 @@ class Interpreter(Run):
         """
         if isinstance(task, str):
             task = read_task_request(task)
-        if not isinstance(task, TaskRequest):
-            raise ArgumentError(f"a task is {kind(task)}", 'as text: "(rap args)"')
-        self.check([task])
+        else:
+            need_task(task)
+        refuse_tasks(self.library, [task.goal])
         self.start()
         if task.at is not None and task.at > self.now:
             self.state.requests += 1

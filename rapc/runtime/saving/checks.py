@@ -14,7 +14,6 @@ from itertools import chain
 from rapc.base.resources import Counter, SetResource
 from rapc.errors import RefusedError
 from rapc.library.signatures import Use
-from rapc.runtime.admission import refuse_tasks
 from rapc.runtime.memory.validation import (
     WrongRecordError,
     need,
@@ -25,6 +24,7 @@ from rapc.runtime.saving.runs import RestoredRun
 from rapc.runtime.state.states import BLOCKED, ELIGIBLE, ENDED, RUNNING, WAITING
 from rapc.runtime.state.task import Env, MethodRun, Task
 from rapc.runtime.state.things import CONFLICT, Ask, ThingWait
+from rapc.runtime.task_request import refuse_tasks
 
 
 def check(restored: RestoredRun) -> None:
