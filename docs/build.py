@@ -17,6 +17,8 @@ from collections.abc import Iterator, Mapping
 from html.parser import HTMLParser
 from pathlib import Path
 
+from pygments.lexers import find_lexer_class_by_name
+
 DOCS = Path(__file__).parent
 ROOT = DOCS.parent
 SITE = ROOT / "site"
@@ -119,6 +121,7 @@ def main() -> int:
     if subprocess.run(generate, check=False).returncode:
         print("error: stale pages; run `python docs/generate.py`", file=sys.stderr)
         return 1
+    find_lexer_class_by_name("rap")  # ClassNotFound: install rapc anew
     zensical = Path(sys.executable).parent / "zensical"
     env = {**os.environ, "NO_COLOR": "1"}
     build = [str(zensical), "build", "--strict", "--clean"]

@@ -281,12 +281,30 @@ def _class(found: type) -> str:
     return "\n".join(filter(None, parts))
 
 
+class _Annotation(str):
+    """An annotation that a signature shows without quotes."""
+
+    __slots__ = ()
+
+    def __repr__(self) -> str:
+        return str(self)
+
+
 def _function(name: str, function: Callable[..., Any]) -> str:
     signature = inspect.signature(function)
-    kept = [p for p in signature.parameters.values() if p.name not in ("self", "cls")]
-    plain = signature.replace(parameters=kept)
-    text = block("python", _folded(name, str(plain).replace("'", "")))
+    parameters = [
+        parameter.replace(annotation=_annotation(parameter.annotation))
+        for parameter in signature.parameters.values()
+        if parameter.name not in ("self", "cls")
+    ]
+    returned = _annotation(signature.return_annotation)
+    signature = signature.replace(parameters=parameters, return_annotation=returned)
+    text = block("python", _folded(name, str(signature)))
     return f"{text}\n{_doc(inspect.cleandoc(function.__doc__ or ''))}"
+
+
+def _annotation(found: object) -> object:
+    return _Annotation(found) if isinstance(found, str) else found
 
 
 def _folded(name: str, signature: str, width: int = 76) -> str:
@@ -410,14 +428,13 @@ def rule_index() -> str:
     """Return the table of all rules; each row has the name of its rule as anchor."""
     rows = [
         (
-            rule.code,
             f'<a id="{rule.name}"></a>[{rule.name}](rules/{rule.name}.md)',
-            rule.severity.word + " (opt-in)" * rule.opt_in,
+            f"{rule.code}, {rule.severity.word}{', opt-in' * rule.opt_in}",
             rule.summary,
         )
         for rule in rules().values()
     ]
-    return table(("code", "rule", "severity", "finding"), rows)
+    return table(("rule", "code, severity", "finding"), rows)
 
 
 def rule_page(rule: Rule) -> str:
