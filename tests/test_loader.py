@@ -244,7 +244,7 @@ def test_folder_that_leads_back_into_itself_is_an_error(
 ) -> None:
     (tmp_path / "a" / "b").mkdir(parents=True)
     (tmp_path / "a" / "b" / "back").symlink_to(target, target_is_directory=True)
-    with pytest.raises(LoadError, match="`a/b/back` is a link back"):
+    with pytest.raises(LoadError, match="`a/b/back` is a link to"):
         load(["a"])
 
 

@@ -37,5 +37,5 @@ def stream_in(state: Stream) -> random.Random:
     try:
         rng.setstate(state)
     except (TypeError, OverflowError) as error:
-        raise ValueError(f"no state of a random stream: {error}") from error
+        raise ValueError(f"invalid state of a random stream: {error}") from error
     return rng

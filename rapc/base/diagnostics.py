@@ -128,7 +128,10 @@ class Rule(msgspec.Struct, frozen=True):
         form = rf"(.*?)\n\n## Example\n\n{block}\n\n## Use instead\n\n{block}\n"
         found = re.fullmatch(form, text, re.DOTALL)
         if found is None:
-            raise ValueError(f"the page of rule `{self.name}` lacks a section")
+            raise ValueError(
+                f"the page of rule `{self.name}` requires the sections Example "
+                "and Use instead"
+            )
         return RulePage(text, *found.groups())
 
     def at(

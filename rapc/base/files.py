@@ -119,7 +119,7 @@ def files_at(path: Path, tests: bool) -> Iterator[Path]:
             continue
         identity = identity_of(here)
         if identity in above:
-            raise LoadError(f"`{here}` is a link back to a folder that it lies in")
+            raise LoadError(f"`{here}` is a link to a folder that contains the link")
         if identity not in walked:
             walked.add(identity)
             stack.extend(reversed(_entries(here, (*above, identity), tests)))
@@ -203,7 +203,7 @@ def read_standard_input() -> str:
         LoadError: if standard input is closed, not UTF-8, or over the size limit.
     """
     if sys.stdin is None:  # closed by the caller
-        raise LoadError("cannot read `<stdin>`: it is closed")
+        raise LoadError("cannot read `<stdin>`: standard input is closed")
     return decoded("<stdin>", _all_of("<stdin>", sys.stdin.buffer))
 
 
@@ -254,7 +254,7 @@ def _opened(path: Path) -> BinaryIO:
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
     if not stat.S_ISREG(status.st_mode):
         raise LoadError(
-            f"`{path}` is neither a file nor a folder; RAP on standard input is `-`"
+            f"`{path}` is neither a file nor a folder; use `-` for standard input"
         )
     _measure(str(path), status.st_size)
     return open(path, "rb", opener=_without_waiting)
@@ -277,7 +277,7 @@ def all_there(name: str, file: BinaryIO) -> bytes:
     data: bytes | None = file.read(MAX_BYTES + 1)
     rest: bytes | None = b"" if data is None else file.read(1)
     if data is None or rest is None:
-        raise LoadError(f"cannot read `{name}`: it has no end, and waits for more")
+        raise LoadError(f"cannot read `{name}`: reading blocks without end")
     _measure(name, len(data))
     return data
 
@@ -304,9 +304,9 @@ def decoded(name: str, data: bytes) -> str:
         LoadError: if the bytes are not UTF-8, or not text.
     """
     if data.startswith(COMPILED):
-        raise LoadError(f"`{name}` is a compiled library: sources are wanted here")
+        raise LoadError(f"expected a source file, not the compiled library `{name}`")
     if b"\0" in data:
-        raise LoadError(f"`{name}` is a binary file: it holds a null byte")
+        raise LoadError(f"`{name}` is a binary file: it contains a null byte")
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:

@@ -41,33 +41,41 @@ class Offer(msgspec.Struct, frozen=True):
                 if type(count) is not int:
                     wanted = "a number of arguments"
                     raise TypeError(
-                        f"an Offer has {wanted} for `{name}`, not {count!a}"
+                        f"expected {wanted} for `{name}` in an Offer, not {count!a}"
                     )
         for name in (*self.skills, *self.events):
             if not name.startswith(":"):
-                raise TypeError(f"the name of `{name}` in an Offer begins with a colon")
+                raise TypeError(
+                    f"expected a colon at the start of the name `{name}` in an Offer"
+                )
         for names in (self.sensors, self.not_atomic):
             if isinstance(names, str):
-                raise TypeError(f"an Offer has a tuple of names, not {names!a}")
+                raise TypeError(f"expected a tuple of names in an Offer, not {names!a}")
         for name, called in self.arguments.items():
             if isinstance(called, str) or not all(map(_is_name, called)):
                 wanted = "a tuple of names for the arguments"
-                raise TypeError(f"an Offer has {wanted} of `{name}`, not {called!a}")
+                raise TypeError(
+                    f"expected {wanted} of `{name}` in an Offer, not {called!a}"
+                )
             if len(called) not in self.counts(name) or len({*called}) < len(called):
                 given = ", ".join(called) or "()"
-                raise TypeError(f"an Offer has no `{name}` with arguments {given}")
+                raise TypeError(
+                    f"unknown name `{name}` with arguments {given} in an Offer"
+                )
 
 
 def _look_at(primitives: object) -> None:
     """Validate the primitives of an Offer; raise TypeError."""
     if not isinstance(primitives, Mapping):
-        raise TypeError(f"an Offer has a dict of primitives, not {primitives!a}")
+        raise TypeError(
+            f"expected a dict of primitives in an Offer, not {primitives!a}"
+        )
     for name, offered in primitives.items():
         match offered:
             case [int(), [*results]] if all(type(r) is str for r in results):
                 continue
         wanted = "a number of arguments and a tuple of results"
-        raise TypeError(f"an Offer has {wanted} for `{name}`, not {offered!a}")
+        raise TypeError(f"expected {wanted} for `{name}` in an Offer, not {offered!a}")
 
 
 def _is_name(value: object) -> bool:

@@ -44,7 +44,7 @@ def parsed(text: str) -> dict[str, Any]:
     except tomllib.TOMLDecodeError as error:
         raise TomlError(_lower(str(error))) from error
     except RecursionError as error:
-        raise TomlError("it is nested too deeply") from error
+        raise TomlError("nested too deeply") from error
 
 
 def converted(table: Mapping[str, Any], kind: type[T]) -> T:
@@ -69,7 +69,9 @@ def _in_words(message: str) -> str:
     what = what.partition(" matching regex")[0] + _NAMES * ("regex" in what)
     what = re.sub(r"Object missing required field (.*)", r"the key \1 is missing", what)
     what = re.sub(r"Invalid enum value '(.*)'", r"there is no value `\1` here", what)
-    what = what.replace("`str` of length >= 1", "some text").replace(" | null`", "`")
+    what = what.replace("`str` of length >= 1", "a text that is not empty").replace(
+        " | null`", "`"
+    )
     what = re.sub(r"`([^`]*)`", lambda m: _WORDS.get(m[1], f"`{m[1]}`"), what)
     path = path.strip("`").removeprefix("$").replace("[...]", "").removeprefix(".")
     path = re.sub(r"\[(\d+)\]", lambda m: f" {int(m[1]) + 1}", path).replace(".", ", ")

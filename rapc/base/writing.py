@@ -106,7 +106,7 @@ def _give(file: str | Path, part: Path, old: os.stat_result, *, must: bool) -> N
         except PermissionError:
             if must:
                 raise WriteError(
-                    f"cannot write `{file}`: its owner and group cannot be kept"
+                    f"cannot write `{file}`: the owner and group cannot be preserved"
                 ) from None
     part.chmod(stat.S_IMODE(old.st_mode))
 

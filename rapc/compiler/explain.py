@@ -123,7 +123,7 @@ def describe_step(step: PlanStep, spread: Spread | None = None) -> str:
         expected = min(spread(pattern.name, *places) for places in _looks(step))
         parts[0] += f" (about {expected:,.1f})".replace(".0)", ")")
     if step.default is not None:
-        parts.append(f"without one the default `{step.default}`")
+        parts.append(f"default `{step.default}` if there is no value")
     if step.tested:
         terms = ", ".join(_term(step, at) for at in step.tested)
         parts.append(f"compare with {terms}")
@@ -140,12 +140,12 @@ def _how(step: PlanStep) -> str:
         index = " ".join([pattern.name, *(_term(step, at) for at in step.by)])
         return f"look up the value of ({index})"
     if step.way is AccessPath.ALL and pattern is not None:
-        return f"run through all facts of `{pattern.name}`"
+        return f"search all facts of `{pattern.name}`"
     if step.way is AccessPath.INDEX:
-        return f"run through the facts with {_place(step, step.by[0])}"
+        return f"search the facts with {_place(step, step.by[0])}"
     if step.way is AccessPath.SMALLEST:
         places = [_place(step, at) for at in step.by]
-        return f"run through the facts with {' or '.join(places)}, the fewer"
+        return f"search the smaller set of the facts with {' or '.join(places)}"
     words: str = step.way.value
     return words
 

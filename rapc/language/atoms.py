@@ -53,7 +53,9 @@ def need_atoms(values: object, what: str) -> None:
         what: the noun for the argument in messages.
     """
     if not isinstance(values, tuple):
-        raise ArgumentError(f"{what} is {kind(values)}, no tuple", '("name", arg...)')
+        raise ArgumentError(
+            f"expected a tuple for {what}, not {kind(values)}", '("name", arg...)'
+        )
     if not values or not isinstance(values[0], str):
         found = kind(values[0]) if values else "missing"
         raise ArgumentError(f"the name of {what} is {found}")
@@ -73,8 +75,8 @@ def need_fact(values: object, what: str) -> None:
     assert isinstance(values, tuple)
     for value in values:
         if not is_atom(value):
-            wanted = "symbols, numbers and `rapc.world.Text` can be held"
-            raise ArgumentError(f"a value of {what} is `{value!a:.60}`", wanted)
+            wanted = "use symbols, numbers and `rapc.world.Text`"
+            raise ArgumentError(f"invalid value `{value!a:.60}` in {what}", wanted)
 
 
 def kind(value: object) -> str:

@@ -90,7 +90,7 @@ def _nothing(folder: Path) -> None:
     [
         (_binary, "is a binary file"),
         (_not_utf8, "is not UTF-8: byte 0xe4 in line 2"),
-        (_loop, "is a link back to a folder that it lies in"),
+        (_loop, "is a link to a folder that contains the link"),
         (_link_to_itself, "cannot read `bad.rap`"),
         (_nothing, "does not exist"),
     ],
@@ -128,7 +128,9 @@ def test_no_path_is_not_the_working_folder(tmp_path: Path) -> None:
 
 def test_closed_standard_input_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("sys.stdin", None)
-    with pytest.raises(LoadError, match="cannot read `<stdin>`: it is closed"):
+    with pytest.raises(
+        LoadError, match="cannot read `<stdin>`: standard input is closed"
+    ):
         load(["-"])
 
 
@@ -169,7 +171,7 @@ def test_what_is_no_file_is_not_read(command: str, tmp_path: Path) -> None:
         done = rapc(command, path, *more, cwd=tmp_path)
         assert (done.returncode, done.stdout) == (2, "")
         assert done.stderr.startswith("error: `")
-        said = "is neither a file nor a folder; RAP on standard input is `-`\n"
+        said = "is neither a file nor a folder; use `-` for standard input\n"
         assert done.stderr.endswith(said)
 
 
@@ -180,7 +182,7 @@ def test_experiments_and_options_are_not_read_from_there_either(
     (tmp_path / "folder.toml").mkdir()
     (tmp_path / "go.rap").write_text("(define-rap (go) (method (task-net)))")
     run = ("run", "go.rap", "--world", "truck", "--task", "(go)")
-    no_file = "`{}` is neither a file nor a folder; RAP on standard input is `-`"
+    no_file = "`{}` is neither a file nor a folder; use `-` for standard input"
     for args, path, said in (
         (("experiment", "pipe.toml"), "pipe.toml", no_file),
         (("experiment", "folder.toml"), "folder.toml", "cannot read `{}`: is a dir"),

@@ -147,7 +147,10 @@ def test_errors_in_its_tests_stop_it_too(tmp_path: Path) -> None:
             ("compile", "go.test.rap", "-o", "-"),
             "-o requires a file; use /dev/stdout for standard output",
         ),
-        (("check", "go.rapc"), "`go.rapc` is a compiled library: sources are wanted"),
+        (
+            ("check", "go.rapc"),
+            "expected a source file, not the compiled library `go.rapc`",
+        ),
         (
             ("test", "cut"),
             "`cut` is damaged: its content does not match its checksum",

@@ -158,7 +158,7 @@ def test_a_file_whose_owner_cannot_be_kept_is_left(
     monkeypatch.setattr(writing, "_owner", lambda status: status.st_ino)
     monkeypatch.setattr(os, "chown", refuse)
     assert _status("fmt", "one.rap") == 2
-    said = "error: cannot write `one.rap`: its owner and group cannot be kept\n"
+    said = "error: cannot write `one.rap`: the owner and group cannot be preserved\n"
     assert capsys.readouterr().err == said
     assert file.read_text() == ROUGH
     assert os.listdir(tmp_path) == ["one.rap"]

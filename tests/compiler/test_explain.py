@@ -38,36 +38,36 @@ FUNCTIONS = {"nominal": lambda view, index: 1}
 
 TOLD = """\
 succeed at <text>:9 (?item ?from bound)
-  (location ?item depot): look whether it is in memory
-  (road ?from depot ?way): run through the facts with ?from as argument 1 or depot as \
-argument 2, the fewer; compare with ?from, depot; bind ?way
+  (location ?item depot): check whether the fact is in memory
+  (road ?from depot ?way): search the smaller set of the facts with ?from as \
+argument 1 or depot as argument 2; compare with ?from, depot; bind ?way
 monitor-state at <text>:10 (?item ?from bound)
-  (believe (location ?item ?from) 20): look up the value of (location ?item); without \
-one the default `unknown`; compare with ?from
+  (believe (location ?item ?from) 20): look up the value of (location ?item); default \
+`unknown` if there is no value; compare with ?from
 preconditions at <text>:11 (?from ?item bound)
-  there is no solution of:
-    each branch in turn:
-      (wet ?from): look whether it is in memory
-      (class ?item fragile true): look whether it is in memory
+  no solution exists of:
+    each branch in order:
+      (wet ?from): check whether the fact is in memory
+      (class ?item fragile true): check whether the fact is in memory
 context of method `straight` at <text>:13 (?from ?item ?seen bound)
-  (road ?from ?next ?kind): run through the facts with ?from as argument 1; bind ?next \
+  (road ?from ?next ?kind): search the facts with ?from as argument 1; bind ?next \
 ?kind
-  (road ?next depot ?kind): look whether it is in memory
-  (size ?item ?size): look up the value of (size ?item); without one the default \
-`nominal`; bind ?size
+  (road ?next depot ?kind): check whether the fact is in memory
+  (size ?item ?size): look up the value of (size ?item); default `nominal` \
+if there is no value; bind ?size
   (> ?size 3): test
-  (class ?other ? true): run through the facts with true as argument 3; bind ?other
-  there is no solution of:
+  (class ?other ? true): search the facts with true as argument 3; bind ?other
+  no solution exists of:
     (member ?seen ?other): test
-  (class ?item box false): look up the value of (class ?item box); without one the \
-default `false`; compare with false
+  (class ?item box false): look up the value of (class ?item box); default \
+`false` if there is no value; compare with false
 `for t2` formula at <text>:17 (?next bound)
-  (road ?next ? ?any): run through the facts with ?next as argument 1; bind ?any
+  (road ?next ? ?any): search the facts with ?next as argument 1; bind ?any
 context of method `round` at <text>:20
-  each branch in turn:
-    (wet ?x): run through all facts of `wet`; bind ?x
-    (road ?x ?y ?): run through all facts of `road`; bind ?x ?y
-    (road ?p ?q ?p): run through all facts of `road`; bind ?p ?q
+  each branch in order:
+    (wet ?x): search all facts of `wet`; bind ?x
+    (road ?x ?y ?): search all facts of `road`; bind ?x ?y
+    (road ?p ?q ?p): search all facts of `road`; bind ?p ?q
 """
 
 
@@ -89,17 +89,16 @@ def test_a_memory_says_how_many_facts_are_to_be_expected() -> None:
     run.assert_fact("road", "barn", "mill", "muddy")
     lines = list(describe(explain(library, "fetch"), run.memory.spread))
     assert [line.split("; ")[0] for line in lines if "about" in line] == [
-        "  (road ?from depot ?way): run through the facts with ?from as argument 1 or "
-        "depot as argument 2, the fewer (about 1.3)",
-        "  (road ?from ?next ?kind): run through the facts with ?from as argument 1 "
-        "(about 2)",
-        "  (class ?other ? true): run through the facts with true as argument 3 "
-        "(about 0)",
-        "  (road ?next ? ?any): run through the facts with ?next as argument 1 "
-        "(about 2)",
-        "    (wet ?x): run through all facts of `wet` (about 3)",
-        "    (road ?x ?y ?): run through all facts of `road` (about 4)",
-        "    (road ?p ?q ?p): run through all facts of `road` (about 4)",
+        "  (road ?from depot ?way): search the smaller set of the "
+        "facts with ?from as argument 1 or depot as argument 2 (about "
+        "1.3)",
+        "  (road ?from ?next ?kind): search the facts with ?from as "
+        "argument 1 (about 2)",
+        "  (class ?other ? true): search the facts with true as argument 3 (about 0)",
+        "  (road ?next ? ?any): search the facts with ?next as argument 1 (about 2)",
+        "    (wet ?x): search all facts of `wet` (about 3)",
+        "    (road ?x ?y ?): search all facts of `road` (about 4)",
+        "    (road ?p ?q ?p): search all facts of `road` (about 4)",
     ]
 
 
@@ -124,18 +123,18 @@ CHOICE = """\
 
 OF_CHOICE = """\
 context of method `straight` at <text>:5 (?from ?to bound)
-  (way ?from ?to): what the query says:
-    each branch in turn:
-      (road ?from ?to): look whether it is in memory
-      (road ?to ?from): look whether it is in memory
+  (way ?from ?to): the formula of the query:
+    each branch in order:
+      (road ?from ?to): check whether the fact is in memory
+      (road ?to ?from): check whether the fact is in memory
 context of method `round` at <text>:7 (?from bound)
-  otherwise: look whether a method before this one holds
-  (road ?from ?next): run through the facts with ?from as argument 1; bind ?next
+  otherwise: check whether a preceding method holds
+  (road ?from ?next): search the facts with ?from as argument 1; bind ?next
 constraints of method `round` at <text>:8 (?next bound)
-  there is no solution of:
-    (wet ?next): look whether it is in memory
+  no solution exists of:
+    (wet ?next): check whether the fact is in memory
 context of method `wait`
-  otherwise: look whether a method before this one holds
+  otherwise: check whether a preceding method holds
 """
 
 

@@ -41,7 +41,7 @@ def test_seeds_count_from_the_first() -> None:
     ("text", "message", "help_"),
     [
         ("until = ", "invalid value (at end of document)", None),
-        ("a = " + "[" * 20_000, "it is nested too deeply", None),
+        ("a = " + "[" * 20_000, "nested too deeply", None),
         ("seads = 3\n" + TRUCK, "there is no key `seads`", "did you mean `seeds`?"),
         (
             changed("notes =", "note ="),
@@ -69,7 +69,7 @@ def test_keys_and_toml(text: str, message: str, help_: str | None) -> None:
     [
         (changed('world = "truck"\n', ""), "the key `world` is missing"),
         (changed('name = "slow"\n', ""), "`part 2`: the key `name` is missing"),
-        (changed(f'"{LIBRARY}"', '""'), "`library`: expected some text"),
+        (changed(f'"{LIBRARY}"', '""'), "`library`: expected a text that is not empty"),
         (changed("= 4000", "= -1"), "`until`: expected a whole number >= 1"),
         (
             changed("= 4000", "= inf"),

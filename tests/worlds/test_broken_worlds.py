@@ -254,7 +254,7 @@ WORLDS = {
     "lacks:Any": ("\nimport no_such_module\n", "loaded (lacks.py:2): ModuleNotFound"),
     "offers:Any": (
         "from rapc.world import Offer\n\nOFFER = Offer({'look': (1, 'okay')})\n",
-        "loaded (offers.py:3): TypeError: an Offer has a number of arguments and a tup",
+        "loaded (offers.py:3): TypeError: expected a number of arguments and a tup",
     ),
     "quit:Any": (QUIT, "cannot be loaded (quit.py:2): SystemExit: 0"),
     "bare:Bare": (

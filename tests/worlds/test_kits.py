@@ -31,12 +31,18 @@ def test_a_kit_is_made_of_what_belongs_into_it() -> None:
 def test_an_offer_is_made_of_what_belongs_into_it() -> None:
     wrong: Any
     for wrong, said in (
-        ({"primitives": {"look": 1}}, "a tuple of results for `look`, not 1"),
+        (
+            {"primitives": {"look": 1}},
+            "a tuple of results for `look` in an Offer, not 1",
+        ),
         ({"primitives": {"look": (1, "okay")}}, "not .1, 'okay'"),
         ({"primitives": {"look": ("okay",)}}, "not .'okay',"),
         ({"data": {"seen": ("a",)}}, "a number of arguments for `seen`"),
-        ({"events": {"bell": 0}}, "the name of `bell` in an Offer begins with a colon"),
-        ({"skills": {"roll": 0}}, "the name of `roll`"),
+        (
+            {"events": {"bell": 0}},
+            "expected a colon at the start of the name `bell` in an Offer",
+        ),
+        ({"skills": {"roll": 0}}, "the name `roll`"),
         ({"sensors": "look"}, "a tuple of names, not 'look'"),
         ({"not_atomic": "look"}, "a tuple of names"),
         ({"data": {"seen": 1}, "arguments": {"seen": "a"}}, "arguments of `seen`"),

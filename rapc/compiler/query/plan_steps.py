@@ -16,19 +16,19 @@ from rapc.ir import nodes
 class AccessPath(Enum):
     """The access path of a part of a formula."""
 
-    MEMBER = "look whether it is in memory"
+    MEMBER = "check whether the fact is in memory"
     VALUE = "look up the value"
-    INDEX = "run through an index"
-    SMALLEST = "run through the smallest of some indexes"
-    ALL = "run through all facts"
+    INDEX = "search an index"
+    SMALLEST = "search the smallest of several indexes"
+    ALL = "search all facts"
     TEST = "test"
-    ITEMS = "run through the items within reach"
-    EITHER = "each branch in turn"
-    NEITHER = "there is no solution of"
-    LATER = "compiled when it is asked, for what then is bound"
-    NAMED = "what the query says"
-    OTHERWISE = "look whether a method before this one holds"
-    NEVER = "never holds"
+    ITEMS = "search the accessible items"
+    EITHER = "each branch in order"
+    NEITHER = "no solution exists of"
+    LATER = "compiled at evaluation, for the variables bound then"
+    NAMED = "the formula of the query"
+    OTHERWISE = "check whether a preceding method holds"
+    NEVER = "never true"
 
 
 class PlanStep(msgspec.Struct, frozen=True):
