@@ -43,7 +43,7 @@ def test_an_offer_is_made_of_what_belongs_into_it() -> None:
             "expected a colon at the start of the name `bell` in an Offer",
         ),
         ({"skills": {"roll": 0}}, "the name `roll`"),
-        ({"sensors": "look"}, "a tuple of names, not 'look'"),
+        ({"sensors": "look"}, "a tuple of names in an Offer, not 'look'"),
         ({"not_atomic": "look"}, "a tuple of names"),
         ({"data": {"seen": 1}, "arguments": {"seen": "a"}}, "arguments of `seen`"),
         ({"data": {"seen": 1}, "arguments": {"seen": ("A b",)}}, "not .'A b',"),
@@ -55,7 +55,7 @@ def test_an_offer_is_made_of_what_belongs_into_it() -> None:
             {"data": {"seen": 2}, "arguments": {"seen": ("a", "a")}},
             "with arguments a, a",
         ),
-        ({"arguments": {"seen": ()}}, "an Offer has no `seen`"),
+        ({"arguments": {"seen": ()}}, "unknown name `seen`"),
     ):
         with pytest.raises(TypeError, match=said):
             Offer(**wrong)
