@@ -35,6 +35,7 @@ from typing import Any
 import click
 import msgspec
 from click.testing import CliRunner
+from cycle import cycle
 
 from rapc import events
 from rapc.analysis.registry import rules
@@ -194,6 +195,47 @@ def command(name: str) -> str:
         block("sh", examples) if examples else "",
     ]
     return "\n".join(filter(None, parts))
+
+
+LIMITS: Mapping[str, tuple[str, str]] = {
+    "bytes of a file of RAP text": ("rapc.base.limits", "MAX_BYTES"),
+    "characters of a name": ("rapc.base.limits", "MAX_NAME"),
+    "characters of a number": ("rapc.base.limits", "MAX_NUMBER"),
+    "levels of lists in a text": ("rapc.base.limits", "MAX_DEPTH"),
+    "propositions and tests in a formula": ("rapc.base.limits", "MAX_LEAVES"),
+    "findings reported for a file": ("rapc.base.limits", "MAX_FINDINGS"),
+    "initial facts of a world": ("rapc.runtime.held_world", "MOST_FACTS"),
+    "time of the clock": ("rapc.runtime.held_world", "LATEST"),
+    "cycles of a test without `until`": ("rapc.testing.run", "MOST_CYCLES"),
+    "time of a test without `until`": ("rapc.testing.run", "LATEST"),
+    "seeds of an experiment": ("rapc.experiments.definition", "MOST_SEEDS"),
+}
+"""The limits that a user can reach, each with the module and name of its value."""
+
+
+def limits() -> str:
+    """Return the table of limits."""
+    values = {
+        what: getattr(import_module(module), name)
+        for what, (module, name) in LIMITS.items()
+    }
+    rows = [(what, f"{value:,}") for what, value in values.items()]
+    return table(("limit", "highest value"), rows)
+
+
+def formats() -> str:
+    """Return the table of the versions of file formats."""
+    homes = {
+        "compiled library": ("rapc.library.saved", "FORMAT"),
+        "saved run": ("rapc.runtime.saving.format", "FORMAT"),
+        "trace": ("rapc.runtime.interpreter", "TRACE_FORMAT"),
+        "results of experiments": ("rapc.experiments.store", "FORMAT"),
+    }
+    rows = [
+        (what, str(getattr(import_module(module), name)))
+        for what, (module, name) in homes.items()
+    ]
+    return table(("format", "version"), rows)
 
 
 def settings() -> str:
@@ -469,6 +511,7 @@ def front_page() -> str:
 def pages() -> Iterator[tuple[Path, str]]:
     """Yield the pages that are generated as a whole."""
     yield DOCS / "index.md", NOTE.format("README.md") + front_page()
+    yield DOCS / "figures" / "cycle.svg", cycle()
     for rule in rules().values():
         note = NOTE.format(f"rapc/rules/{rule.name}.md")
         yield DOCS / "reference" / "rules" / f"{rule.name}.md", note + rule_page(rule)
@@ -566,7 +609,9 @@ PARTS: Mapping[str, Callable[..., str]] = {
     "common-options": common_options,
     "debugger-commands": debugger_commands,
     "events": events_of,
+    "formats": formats,
     "grammar": grammar,
+    "limits": limits,
     "rules": rule_index,
     "settings": settings,
     "world-options": world_options,
@@ -615,7 +660,7 @@ def main() -> int:
             path.unlink()
         else:
             path.parent.mkdir(exist_ok=True)
-            new = drawn(text) if path.suffix == ".svg" else text
+            new = drawn(text) if path.name in FIGURES else text
             path.write_text(new, encoding="utf-8")
     return int(check and bool(found))
 
