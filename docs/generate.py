@@ -341,7 +341,7 @@ def _function(name: str, function: Callable[..., Any]) -> str:
     ]
     returned = _annotation(signature.return_annotation)
     signature = signature.replace(parameters=parameters, return_annotation=returned)
-    text = block("python", _folded(name, str(signature)))
+    text = block("py", _folded(name, str(signature)))
     return f"{text}\n{_doc(inspect.cleandoc(function.__doc__ or ''))}"
 
 

@@ -10,7 +10,7 @@ import msgspec
 
 CHECKOUT = Path(__file__).parents[2]
 
-_BLOCK = re.compile(r'^```(\w+)(?: title="(\S+)")?\n(.*?)^```$', re.M | re.S)
+_BLOCK = re.compile(r'^```(\w+)(?: title="([^"]+)")?\n(.*?)^```$', re.M | re.S)
 
 
 class Block(msgspec.Struct, frozen=True):

@@ -16,8 +16,8 @@ from rich.text import Text
 
 from rapc.language.highlight import tokens
 from rapc.repl.draw import draw
-from tests.docs.pages import CHECKOUT
-from tests.docs.test_repl_tutorial import begun, blocks
+from tests.docs.pages import CHECKOUT, blocks, commands, page
+from tests.docs.test_pages import started
 
 PICTURE = CHECKOUT / "docs" / "figures" / "repl.svg"
 
@@ -52,11 +52,12 @@ def svg() -> str:
 def _fill(console: Console) -> None:
     """Type the inputs of the page as far as they are shown."""
     shell = None
-    for block in blocks():
-        if block.language == "rap" and not Path(block.name).exists():
+    for block in blocks(page("tutorials/debugger")):
+        if block.name and not Path(block.name).exists():
             Path(block.name).write_text(block.text, encoding="utf-8")
-        elif block.language == "sh":
-            shell = begun(block.text)
+        elif block.language == "console" and shell is None:
+            [(command, _)] = commands(block.text)
+            shell = started(command)
     assert shell is not None
     shell.answer(":show none")
     shell.answer(":run")

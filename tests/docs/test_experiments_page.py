@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from ..cli.command import rapc
-from .pages import CHECKOUT, page
+from .pages import CHECKOUT, blocks, page
 
 PAGE = page("how-to/experiments")
 
@@ -17,8 +17,8 @@ PAGE = page("how-to/experiments")
 @pytest.fixture
 def example(tmp_path: Path) -> Path:
     """A folder with the example, and with the examples of the checkout."""
-    [toml] = re.findall(r"^```toml\n(.*?)^```$", PAGE, re.M | re.S)
-    (tmp_path / "drops.toml").write_text(toml, encoding="utf-8")
+    [toml] = [block for block in blocks(PAGE, "toml") if block.name]
+    (tmp_path / toml.name).write_text(toml.text, encoding="utf-8")
     (tmp_path / "examples").symlink_to(CHECKOUT / "examples")
     return tmp_path
 

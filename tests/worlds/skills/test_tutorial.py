@@ -16,7 +16,7 @@ PAGE = (Path(__file__).parents[3] / "docs" / "tutorials" / "skill-world.md").rea
 
 
 def _blocks(language: str) -> list[str]:
-    return re.findall(rf"^```{language}\n(.*?)^```", PAGE, re.M | re.S)
+    return re.findall(rf"^```{language}(?: .*?)?\n(.*?)^```", PAGE, re.M | re.S)
 
 
 @pytest.fixture(scope="module")
