@@ -8,6 +8,7 @@ The RAP on the pages is quoted from the files of tests/rap.
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import pytest
@@ -43,7 +44,7 @@ RULES = {
 }
 """The sentences about rules of the checker, whose examples are their tests."""
 
-IN_PYTHON = {
+IN_PYTHON: Mapping[str, Mapping[str, Sequence[str]]] = {
     "runtime/test_long_questions.py": {
         "2.70": ("test_a_question_that_goes_back_too_often_is_given_up",),
         "2.71": ("test_which_parts_search",),
