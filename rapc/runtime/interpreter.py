@@ -126,7 +126,7 @@ class Interpreter(Run):
         refuse_other_world(library, world)
         try:
             super().__init__(library, port, seed, settings)
-            wire(self)
+            _wire(self)
             found = refusals(library, port)
         except BaseException as error:
             port.blame(error)
@@ -841,7 +841,7 @@ class Interpreter(Run):
         return snapshot.waiting(self)
 
 
-def wire(run: Run) -> None:
+def _wire(run: Run) -> None:
     """Connect handlers with memory, and check them if the settings are strict."""
     run.recognizer.renamed = partial(rename, run)
     run.access.answers = HandlerQuestions(run).ask

@@ -11,17 +11,28 @@ from __future__ import annotations
 import random
 from collections.abc import Collection, Iterable, Sequence
 
+import msgspec
+
 from rapc.base.values import Atom, Fact, Text, format_list, number
 from rapc.compiler.program import Program
 from rapc.ir import nodes
 from rapc.library.kinds import Kinds
 from rapc.runtime.held_world import HeldWorld
-from rapc.runtime.interpreter import wire
-from rapc.runtime.run import Run
-from rapc.runtime.settings import Settings
+from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.tasks.messages import take_in
 from rapc.runtime.tasks.primitives import take_reply
-from rapc.world import NOT_KNOWN, Finished, Handlers, Message, Refused, Signal, World
+from rapc.spec import RunSpec
+from rapc.world import (
+    NOT_KNOWN,
+    Finished,
+    Handlers,
+    Message,
+    Refused,
+    Signal,
+    World,
+    Wrapper,
+    innermost,
+)
 from rapc.worlds.skills.declarations import Parameter
 from rapc.worlds.skills.world import SkillWorld
 
@@ -60,25 +71,20 @@ class Driver:
         handled: bool,
         requests: Sequence[Fact] = (),
     ) -> None:
+        spec = RunSpec(seed=seed, settings={"strict": True})
+        driven = world if handled else _Unheard(world)
+        self._run = run = Interpreter.prepared(program, driven, spec)
         #: The world, checked against the declarations of the library.
-        self.world = HeldWorld(world, program, strict=True)
+        self.world = run.port
         self.history: History = []
         #: Each primitive with each result that a request for it had.
         self.seen: set[tuple[str, str]] = set()
         self._rng = random.Random(f"{seed}:contract")
         self._library = program.library
         self._first = list(requests)
-        self._run = Run(program, self.world, seed, Settings(strict=True))
-        wire(self._run)
         self._told: dict[Atom, None] = {}
-        if not handled:
-            data = dict.fromkeys(world.kit.offer.data, _hear)
-            self._run.handlers = Handlers({}, data)
-            self._run.result_handlers.clear()
-        for fact in self.world.facts():
-            self._note([fact])
-            if handled:
-                self._run.access.assert_fact(*fact)
+        self._note(HeldWorld(world).facts())
+        run.start()
 
     def drive(self, requests: int) -> None:
         """Make a number of requests, or stop when the world ends the run.
@@ -202,7 +208,7 @@ class Driver:
         then not, and events are those that the skills may report. For other worlds,
         both come from the offer.
         """
-        offer, made = self.world.kit.offer, self.world.behind
+        offer, made = self.world.kit.offer, innermost(self.world)
         names = self._rng.sample(
             list(offer.skills), min(self._rng.randint(1, 2), len(offer.skills))
         )
@@ -250,6 +256,23 @@ class Driver:
             fitting = [v for v in known if kinds.holds(arg.kind, v)]
             known = list(listed or fitting) or known
         return self._rng.choice(known)
+
+
+class _Unheard(Wrapper):
+    """A world whose first facts and handlers are left out.
+
+    The library of the run then needs only the declarations of the offer.
+    """
+
+    def enclose(self, world: World) -> None:
+        """Replace the wrapped world."""
+        super().enclose(world)
+        data = dict.fromkeys(world.kit.handlers.data, _hear)
+        self.kit = msgspec.structs.replace(world.kit, handlers=Handlers({}, data))
+
+    def facts(self) -> tuple[()]:
+        """Return no facts."""
+        return ()
 
 
 def _hear(memory: object, datum: Fact) -> None:

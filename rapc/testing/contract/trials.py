@@ -13,13 +13,13 @@ from msgspec.structs import replace
 from rapc.base.names import hint
 from rapc.base.values import Fact, format_atom
 from rapc.compiler.program import Program
-from rapc.errors import FactError, PortError
+from rapc.errors import FactError, PortError, RefusedError
 from rapc.runtime.admission import misfitting, refusals
 from rapc.runtime.held_world import HeldWorld
 from rapc.testing.contract.declarations import declaring
 from rapc.testing.contract.driver import Driver
 from rapc.testing.contract.skills import try_skills
-from rapc.world import NOT_KNOWN, Drawable, Savable, Timed, World
+from rapc.world import NOT_KNOWN, Drawable, Savable, Skilled, Timed, World
 from rapc.worlds.registry import TYPES
 
 REQUESTS = 150
@@ -128,6 +128,8 @@ def _try(tried: _Tried, part: str, check: Callable[[_Tried], Iterator[str]]) -> 
         return Trial(part, tuple(dict.fromkeys(check(tried))))
     except (PortError, FactError) as error:
         return Trial(part, (error.message,))
+    except RefusedError as error:
+        return Trial(part, error.reasons)
     except KeyboardInterrupt:
         raise
     except BaseException as error:  # a world's code may raise any exception
@@ -319,7 +321,11 @@ def _usual_times(tried: _Tried) -> Iterator[str]:
 def _skills(tried: _Tried) -> Iterator[str]:
     """Test that skills are switched on or refused, and are silent when off."""
     for seed in SEEDS:
-        yield from try_skills(tried.driver(seed), tried.held(seed))
+        copy = tried.held(seed)
+        if not isinstance(copy, Skilled):
+            yield f"the world `{copy.name}` offers skills but has no `activate`"
+            return
+        yield from try_skills(tried.driver(seed), copy)
 
 
 def _handlers(tried: _Tried) -> Iterator[str]:
