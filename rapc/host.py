@@ -37,12 +37,13 @@ from rapc.runtime.arguments import (
     need_seed,
     need_settings,
     need_table,
+    need_task,
     need_time,
 )
 from rapc.runtime.events.recorder import Listener
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import Settings
-from rapc.runtime.task_request import TaskRequest, as_text, need_task
+from rapc.runtime.task_request import TaskRequest, as_text
 from rapc.spec import RunSpec
 from rapc.world import Callables, Time, World
 from rapc.worlds.registry import (

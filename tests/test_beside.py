@@ -285,7 +285,7 @@ def test_profiles_are_of_the_whole_way_of_a_firing_and_a_task() -> None:
     for part in (shares[:LINES], shares[LINES:]):
         assert part == sorted(part, reverse=True)
         assert 30 < sum(part) <= 100
-    for name in ("Interpreter._turn", "run_cycle", "try_method"):
+    for name in ("turn", "run_cycle", "try_method"):
         assert name in text(True)
 
 

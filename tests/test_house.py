@@ -97,7 +97,7 @@ def _is_of_rapc(node: ast.Import | ast.ImportFrom) -> bool:
 
 def test_all_runs_begin_in_one_way(modules: Sequence[Module]) -> None:
     """A run is prepared, or made of another run (save, fork)."""
-    makers = [m.name for m in modules if re.search(r"\bInterpreter\(", m.text)]
+    makers = [m.name for m in modules if re.search(r"\b(Interpreter|Run)\(", m.text)]
     assert makers == ["rapc/runtime/interpreter.py"]
 
 

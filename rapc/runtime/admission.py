@@ -51,7 +51,7 @@ def refuse_other_world(program: Program, world: World) -> None:
         shown = _listed([one.name for _, one in lacking[:_EXAMPLES]])
         *kinds, last = dict.fromkeys(_PLURAL[use] for use, _ in lacking)
         whole = f"{', '.join(kinds)} and {last}" if kinds else last
-        place = place_in(library, lacking[0][1].span)
+        place = _place(library, lacking[0][1].span)
         line = (
             f"{place}the library is not for the world `{world.name}`, which lacks "
             f"{len(lacking)} of the {len(declared)} {whole} that it declares: {shown} "
@@ -130,7 +130,7 @@ def _lacking(library: Library, world: World) -> Iterator[str]:
     for use, declared in _offers(library):
         for form in declared.values():
             fault = offered.fault(use, form.name, len(form.args))
-            place = place_in(library, form.span)
+            place = _place(library, form.span)
             if fault is not None:
                 yield f"{place}in the world `{world.name}` {fault}"
             elif isinstance(form, nodes.DeclarePrimitive):
@@ -169,9 +169,9 @@ def _untellable(
         telling = f"the world `{world.name}` tells {format_list(fact)}"
         if known is not None and fault is None:
             said = f"`{known.written}` takes all of its arguments from a world"
-            yield f"{place_in(library, known.span)}{said}: {telling}"
+            yield f"{_place(library, known.span)}{said}: {telling}"
         elif fault is not None and fault.declared is not None:
-            place = place_in(library, fault.declared.span)
+            place = _place(library, fault.declared.span)
             yield f"{place}{fault.message}: {telling}"
         else:
             unknown[f"`{name}`"] = None
@@ -186,14 +186,14 @@ def _unregistered(library: Library, functions: Mapping[str, object]) -> Iterator
     for declared in library.properties.values():
         default = declared.default
         if default not in CONSTANT_DEFAULTS and default not in functions:
-            place = place_in(library, declared.span)
+            place = _place(library, declared.span)
             yield (
                 f"{place}unknown default function `{default}`: a default "
                 "is `unknown`, `true`, `false` or a function"
             )
     for function in library.functions.values():
         if function.name not in functions:
-            place = place_in(library, function.span)
+            place = _place(library, function.span)
             yield f"{place}unknown function `{function.name}`"
 
 
@@ -202,7 +202,7 @@ def _uncompared(library: Library, comparators: Mapping[str, object]) -> Iterator
     named.extend((node.function, node.span) for node in library.comparators)
     for name, span in named:
         if name is not None and name not in comparators:
-            place = place_in(library, span)
+            place = _place(library, span)
             yield f"{place}unknown comparator `{name}`"
 
 
@@ -234,8 +234,7 @@ def refuse_extension(old: Library, new: Library) -> None:
         raise RefusedError(reasons)
 
 
-def place_in(library: Library, span: Span) -> str:
-    """Return the start of a span before a message; nothing for an unread file."""
+def _place(library: Library, span: Span) -> str:
     source = library.files.get(span.file)
     if source is None:
         return ""

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import inf
 
 import msgspec
 
 from rapc.base.former import kit_help
 from rapc.compiler.program import Program
 from rapc.errors import ArgumentError, SettingError, WorldError
-from rapc.language.atoms import kind
+from rapc.language.atoms import kind, need_fact
 from rapc.runtime.settings import Settings
+from rapc.runtime.task_request import TaskRequest
 from rapc.spec import RunSpec
 from rapc.world import Kit, World
 
@@ -31,6 +33,21 @@ def need_count(value: object, what: str) -> None:
     """Raise ArgumentError unless `value`, named `what`, is a whole number."""
     if type(value) is not int:
         raise ArgumentError(f"{what} is {kind(value)}, no whole number")
+
+
+def need_task(task: object) -> None:
+    """Raise ArgumentError unless `task` is a request that a run can hold."""
+    if not isinstance(task, TaskRequest):
+        raise ArgumentError(f"a task is {kind(task)}", 'as text: "(rap args)"')
+    need_fact(task.goal, "the task")
+    need_count(task.priority, "the priority of a task")
+    for what, time in (("deadline", task.deadline), ("time", task.at)):
+        if time is not None:
+            need_time(time, f"the {what} of a task")
+            if not 0 <= time < inf:
+                raise ArgumentError(f"the {what} of a task is {time}, no time")
+    if type(task.background) is not bool:
+        raise ArgumentError(f"`background` of a task is {kind(task.background)}")
 
 
 def need_seed(value: object) -> None:

@@ -1,9 +1,6 @@
-"""The interpreter: a run with its loop and with the interface for a host.
+"""The interpreter: a run with the interface for a host.
 
-The loop takes in messages, tests monitors, selects a task and processes it. If no task
-is eligible, the clock moves to the next time with an event. A run ends when there is no
-such time [T figure 3.3; L 4]. Not here: the cycle of a task
-(`rapc.runtime.tasks.cycle`).
+Not here: the loop (`rapc.runtime.tasks.loop`).
 """
 
 from __future__ import annotations
@@ -16,7 +13,7 @@ from typing import Any, NoReturn
 
 import msgspec
 
-from rapc.base.values import Atom, Fact, format_list, number
+from rapc.base.values import Atom, Fact, format_list
 from rapc.compiler.program import Program
 from rapc.errors import ArgumentError, PortError, RefusedError
 from rapc.events import Event, Goal, RunEnded, RunStarted, TaskResult
@@ -40,6 +37,7 @@ from rapc.runtime.arguments import (
     need_settings,
     need_spec,
     need_table,
+    need_task,
     need_time,
     need_world,
 )
@@ -56,21 +54,18 @@ from rapc.runtime.state.task import Task
 from rapc.runtime.task_request import (
     TaskRequest,
     as_text,
-    need_task,
     of_agenda,
     read_task_request,
     refuse_tasks,
 )
-from rapc.runtime.tasks.cycle import run_cycle
 from rapc.runtime.tasks.finish import end_method, fail
-from rapc.runtime.tasks.hold_things import resume_skills
-from rapc.runtime.tasks.messages import take_in
+from rapc.runtime.tasks.loop import turn, why_over
 from rapc.runtime.tasks.remove import cancel_matching, remove
 from rapc.runtime.tasks.rename_items import rename
 from rapc.runtime.tasks.signals import signal
-from rapc.runtime.tasks.start import create_top, release
+from rapc.runtime.tasks.start import create_top
 from rapc.spec import RunSpec
-from rapc.world import NOT_KNOWN, Callables, Time, World
+from rapc.world import Callables, Time, World
 
 TRACE_FORMAT = 2
 """The version of the trace format."""
@@ -131,16 +126,6 @@ class Interpreter(Run):
         except BaseException as error:
             port.blame(error)
         _refuse(found)
-        #: The objects that the loop reads in each turn, constant for the run's life.
-        self._looked_at = (
-            self.recorder,
-            self.eligible,
-            self.monitors,
-            self.monitors.to_test,
-            self.host_timers,
-            self.recognizer.unsettled,
-            self.things.changed,
-        )
 
     @classmethod
     def prepared(
@@ -425,7 +410,7 @@ class Interpreter(Run):
             try:
                 if until is not None and most != 0:
                     self.set_clock(self.now)  # the clock may not move on
-                reason = self._turn(most, wait=True) or self._why_over()
+                reason = turn(self, most, wait=True) or why_over(self)
             except BaseException as error:
                 self._break(error)
             self.end(reason or "cycles")
@@ -454,7 +439,7 @@ class Interpreter(Run):
         self.start()
         if self.state.reason is None:
             try:
-                reason = self._turn(1, wait=True, choose=False)
+                reason = turn(self, 1, wait=True, choose=False)
             except BaseException as error:
                 self._break(error)
             if reason is not None:
@@ -468,7 +453,7 @@ class Interpreter(Run):
         before = recorder.cycle
         if state.reason is None:
             try:
-                reason = self._turn(most, wait)
+                reason = turn(self, most, wait)
             except BaseException as error:
                 self._break(error)
             if reason is not None:
@@ -517,184 +502,6 @@ class Interpreter(Run):
             self.assert_fact(*fact)
         for task in self.first_tasks:
             self.submit(task)
-
-    # --- the loop -------------------------------------------------------------------
-
-    def _turn(self, most: int | None, wait: bool, choose: bool = True) -> str | None:
-        """Run the loop until the run is over; return the reason.
-
-        The loop also stops after `most` cycles, without `wait` if no task can go on
-        now, and without `choose` before the choice of a task. Then the method returns
-        None.
-        """
-        state, port, cost = self.state, self.port, self.settings.cycle_cost
-        recorder, eligible, monitors, to_test, timers, unsettled, changed = (
-            self._looked_at
-        )
-        gone, cycle = state.activations.off, recorder.cycle
-        clock, receive = port.clock, port.receive
-        patience = self.settings.idle_cycles
-        # In each turn, the loop queries a world that may end the run by itself.
-        ended, may_end = port.ended, port.may_end
-        last = -1 if most is None else cycle + most
-        # The last cycle that the clock may stand still, as far as the loop knows.
-        limit = state.moved_at + patience
-        reason: str | None = None
-        self.turning = True
-        while cycle != last and not state.over:
-            now = clock()
-            if now != recorder.time and self.set_clock(now):
-                reason = "until"
-                break
-            if timers or unsettled:
-                self.run_host_timers()
-                self.access.recognise()
-            messages = receive()
-            if messages or gone or messages is None:
-                take_in(self, port.listed(messages))
-            look = monitors.next_look
-            if to_test or changed or (look is not None and recorder.time >= look):
-                self._wake()
-            if (
-                cycle > limit
-                or not state.foreground
-                or (may_end and ended() is not None)
-            ):
-                reason = self._why_over()
-                if reason is not None:
-                    break
-                limit = state.moved_at + patience
-            task = eligible.choose() if choose else None
-            if task is None:
-                if not wait or len(eligible):
-                    break
-                reason = self._wait()
-                limit = state.moved_at + patience
-                if reason is not None:
-                    break
-                continue
-            recorder.cycle = cycle = cycle + 1
-            state.waits = 0
-            run_cycle(self, task)
-            if cost:
-                self._spend(cost)
-        self.turning = self.broken = False
-        return reason
-
-    def _why_over(self) -> str | None:
-        """Return the reason for the end of the run, or None before the end."""
-        state = self.state
-        if state.past_until:
-            return "until"
-        if self.port.ended() is not None:
-            return "world"
-        if not (state.foreground or state.expected or self.host_timers):
-            return "done"
-        idle = self.recorder.cycle - state.moved_at
-        return "runaway" if idle > self.settings.idle_cycles else None
-
-    def _wake(self) -> None:
-        """Start all work that is due, and test the changed monitors."""
-        monitors, things = self.monitors, self.things
-        look = monitors.next_look
-        if look is not None and self.recorder.time >= look:
-            self._start_due()
-        monitors.test_changed()
-        while things.resumable:
-            resume_skills(self)
-            monitors.test_changed()
-        if self.state.scheduled:
-            monitors.look_by(self.state.scheduled[0][0])
-
-    def _start_due(self) -> None:
-        """Create the scheduled tasks, and start the steps, that are due."""
-        scheduled = self.state.scheduled
-        while scheduled and scheduled[0][0] <= self.recorder.time:
-            submission = heapq.heappop(scheduled)[2]
-            self.state.expected -= not submission.background
-            create_top(self, submission)
-        for task in self.monitors.due():
-            release(self, task, again=True)
-
-    def _spend(self, cost: Time) -> None:
-        """Advance the clock by the cost of a cycle."""
-        port = self.port
-        port.advance(number(port.now() + cost))
-        self.sync_clock()
-
-    def _wait(self) -> str | None:
-        """Advance to the next known time; return the reason if the run is over.
-
-        A wait in which the clock does not move counts like a cycle.
-        """
-        until = self.state.until
-        now = self.recorder.time
-        known = self._coming_times()
-        if not known or self.waited_in_vain():
-            return "stuck"
-        target = max(min(known), now)
-        end = None
-        if target == NOT_KNOWN:
-            target = end = number(now + self.settings.patience)
-        if until is not None and target > until:
-            if now == until:
-                return "until"
-            target = until
-        for action in self.when_waiting:
-            action()
-        self.state.waits += 1
-        self.port.advance(target)
-        moved = self.port.now() != now
-        if not moved:
-            self.state.moved_at -= 1
-        if target == end:
-            return self._wait_is_over(end)
-        if not moved:
-            self._take_what_is_due(target)
-        return None
-
-    def _wait_is_over(self, end: Time) -> str | None:
-        """Take in the messages of a wait until `end`; return `stuck` without any.
-
-        Raises:
-            PortError: for a world that has stopped before `end`, and sent nothing.
-        """
-        port = self.port
-        self.sync_clock()
-        messages = port.messages()
-        if messages:
-            take_in(self, messages)
-        elif port.ended() is None:
-            port.check_stop(self.recorder.time, end)
-            return "stuck"
-        return None
-
-    def _take_what_is_due(self, target: Time) -> None:
-        """Take in the messages of a world whose clock has not moved.
-
-        Raises:
-            PortError: for a world that should have moved its clock, or sent a message.
-        """
-        port = self.port
-        messages = port.messages()
-        if messages:
-            take_in(self, messages)
-        else:
-            port.check_wait(self.recorder.time, target)
-
-    def _coming_times(self) -> list[Time]:
-        """Return the known times of future events.
-
-        Raises:
-            PortError: for a world whose next time is invalid, or past.
-        """
-        due = self.port.next_time(self.recorder.time)
-        times = [self.monitors.next_time(), due]
-        if self.state.scheduled:
-            times.append(self.state.scheduled[0][0])
-        if self.host_timers:
-            times.append(self.host_timers[0][0])
-        return [time for time in times if time is not None]
 
     # --- saving ---------------------------------------------------------------------
 

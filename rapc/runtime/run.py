@@ -1,8 +1,9 @@
 """A run: its state and the connected parts that act on the state.
 
 A run makes no decisions: the functions in `tasks` and `monitors` act on it. Not here:
-the loop and the interface for a host (`rapc.runtime.interpreter`). The progress of a
-run is separate, in `RunState`, so that it can be saved, restored and copied.
+the loop (`rapc.runtime.tasks.loop`) and the interface for a host
+(`rapc.runtime.interpreter`). The progress of a run is separate, in `RunState`, so that
+it can be saved, restored and copied.
 """
 
 from __future__ import annotations
@@ -90,6 +91,16 @@ class Run:
         self.handlers = port.kit.handlers
         self.result_handlers: dict[Atom, ResultHandler] = {}
         self.result_handlers.update(self.handlers.results)
+        #: The objects that the loop reads in each turn, constant for the run's life.
+        self.looked_at = (
+            self.recorder,
+            self.eligible,
+            self.monitors,
+            self.monitors.to_test,
+            self.host_timers,
+            self.recognizer.unsettled,
+            self.things.changed,
+        )
 
     def sync_clock(self) -> None:
         """Take the time from the world; the clock of the run stops at `until`."""

@@ -6,21 +6,18 @@ A task request is text, or a part of an agenda of the library (`define-agenda`).
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from math import inf
 
 import msgspec
 
 from rapc.base.names import hint
+from rapc.base.source import place
 from rapc.base.values import Atom, Fact, format_atom, format_list
 from rapc.compiler.program import Program
-from rapc.errors import ArgumentError, RefusedError, TextError
+from rapc.errors import RefusedError, TextError
 from rapc.ir import nodes
 from rapc.ir.nodes import Const
-from rapc.language.atoms import kind, need_fact
 from rapc.library.library import Library
 from rapc.parser.parse import parse_goal_options
-from rapc.runtime.admission import place_in
-from rapc.runtime.arguments import need_count, need_time
 from rapc.world import Time
 
 
@@ -114,21 +111,6 @@ def _time(options: Mapping[str, Atom], name: str) -> Time | None:
 # --- checks -------------------------------------------------------------------------
 
 
-def need_task(task: object) -> None:
-    """Raise ArgumentError unless `task` is a request that a run can hold."""
-    if not isinstance(task, TaskRequest):
-        raise ArgumentError(f"a task is {kind(task)}", 'as text: "(rap args)"')
-    need_fact(task.goal, "the task")
-    need_count(task.priority, "the priority of a task")
-    for what, time in (("deadline", task.deadline), ("time", task.at)):
-        if time is not None:
-            need_time(time, f"the {what} of a task")
-            if not 0 <= time < inf:
-                raise ArgumentError(f"the {what} of a task is {time}, no time")
-    if type(task.background) is not bool:
-        raise ArgumentError(f"`background` of a task is {kind(task.background)}")
-
-
 def refuse_tasks(library: Program, goals: Iterable[Fact]) -> None:
     """Refuse goals without a RAP, or goals that reach a step without a RAP.
 
@@ -163,8 +145,8 @@ def _reached(library: Library, root: nodes.DefineRap) -> Iterator[str]:
                 for step in body.steps:
                     below = library.raps.get(step.goal.name)
                     if below is None:
-                        place = place_in(library, step.goal.span)
-                        yield f"{place}unknown RAP `{step.goal.name}`"
+                        where = place(step.goal.span, library.files)
+                        yield f"{where}: unknown RAP `{step.goal.name}`"
                     elif below.name not in seen:
                         seen.add(below.name)
                         stack.append(below)

@@ -1,0 +1,197 @@
+"""The loop of a run: messages, monitors, the selection of a task, and its cycle.
+
+If no task is eligible, the clock moves to the next time with an event. A run ends when
+there is no such time [T figure 3.3; L 4]. Not here: the cycle of a task
+(`rapc.runtime.tasks.cycle`).
+"""
+
+from __future__ import annotations
+
+import heapq
+
+from rapc.base.values import number
+from rapc.runtime.run import Run
+from rapc.runtime.tasks.cycle import run_cycle
+from rapc.runtime.tasks.hold_things import resume_skills
+from rapc.runtime.tasks.messages import take_in
+from rapc.runtime.tasks.start import create_top, release
+from rapc.world import NOT_KNOWN, Time
+
+
+def turn(run: Run, most: int | None, wait: bool, choose: bool = True) -> str | None:
+    """Run the loop until the run is over; return the reason.
+
+    The loop also stops after `most` cycles, without `wait` if no task can go on
+    now, and without `choose` before the choice of a task. Then the method returns
+    None.
+    """
+    state, port, cost = run.state, run.port, run.settings.cycle_cost
+    recorder, eligible, monitors, to_test, timers, unsettled, changed = run.looked_at
+    gone, cycle = state.activations.off, recorder.cycle
+    clock, receive = port.clock, port.receive
+    patience = run.settings.idle_cycles
+    # In each turn, the loop queries a world that may end the run by itself.
+    ended, may_end = port.ended, port.may_end
+    last = -1 if most is None else cycle + most
+    # The last cycle that the clock may stand still, as far as the loop knows.
+    limit = state.moved_at + patience
+    reason: str | None = None
+    run.turning = True
+    while cycle != last and not state.over:
+        now = clock()
+        if now != recorder.time and run.set_clock(now):
+            reason = "until"
+            break
+        if timers or unsettled:
+            run.run_host_timers()
+            run.access.recognise()
+        messages = receive()
+        if messages or gone or messages is None:
+            take_in(run, port.listed(messages))
+        look = monitors.next_look
+        if to_test or changed or (look is not None and recorder.time >= look):
+            _wake(run)
+        if cycle > limit or not state.foreground or (may_end and ended() is not None):
+            reason = why_over(run)
+            if reason is not None:
+                break
+            limit = state.moved_at + patience
+        task = eligible.choose() if choose else None
+        if task is None:
+            if not wait or len(eligible):
+                break
+            reason = _wait(run)
+            limit = state.moved_at + patience
+            if reason is not None:
+                break
+            continue
+        recorder.cycle = cycle = cycle + 1
+        state.waits = 0
+        run_cycle(run, task)
+        if cost:
+            _spend(run, cost)
+    run.turning = run.broken = False
+    return reason
+
+
+def why_over(run: Run) -> str | None:
+    """Return the reason for the end of the run, or None before the end."""
+    state = run.state
+    if state.past_until:
+        return "until"
+    if run.port.ended() is not None:
+        return "world"
+    if not (state.foreground or state.expected or run.host_timers):
+        return "done"
+    idle = run.recorder.cycle - state.moved_at
+    return "runaway" if idle > run.settings.idle_cycles else None
+
+
+def _wake(run: Run) -> None:
+    """Start all work that is due, and test the changed monitors."""
+    monitors, things = run.monitors, run.things
+    look = monitors.next_look
+    if look is not None and run.recorder.time >= look:
+        _start_due(run)
+    monitors.test_changed()
+    while things.resumable:
+        resume_skills(run)
+        monitors.test_changed()
+    if run.state.scheduled:
+        monitors.look_by(run.state.scheduled[0][0])
+
+
+def _start_due(run: Run) -> None:
+    """Create the scheduled tasks, and start the steps, that are due."""
+    scheduled = run.state.scheduled
+    while scheduled and scheduled[0][0] <= run.recorder.time:
+        submission = heapq.heappop(scheduled)[2]
+        run.state.expected -= not submission.background
+        create_top(run, submission)
+    for task in run.monitors.due():
+        release(run, task, again=True)
+
+
+def _spend(run: Run, cost: Time) -> None:
+    """Advance the clock by the cost of a cycle."""
+    port = run.port
+    port.advance(number(port.now() + cost))
+    run.sync_clock()
+
+
+def _wait(run: Run) -> str | None:
+    """Advance to the next known time; return the reason if the run is over.
+
+    A wait in which the clock does not move counts like a cycle.
+    """
+    until = run.state.until
+    now = run.recorder.time
+    known = _coming_times(run)
+    if not known or run.waited_in_vain():
+        return "stuck"
+    target = max(min(known), now)
+    end = None
+    if target == NOT_KNOWN:
+        target = end = number(now + run.settings.patience)
+    if until is not None and target > until:
+        if now == until:
+            return "until"
+        target = until
+    for action in run.when_waiting:
+        action()
+    run.state.waits += 1
+    run.port.advance(target)
+    moved = run.port.now() != now
+    if not moved:
+        run.state.moved_at -= 1
+    if target == end:
+        return _wait_is_over(run, end)
+    if not moved:
+        _take_what_is_due(run, target)
+    return None
+
+
+def _wait_is_over(run: Run, end: Time) -> str | None:
+    """Take in the messages of a wait until `end`; return `stuck` without any.
+
+    Raises:
+        PortError: for a world that has stopped before `end`, and sent nothing.
+    """
+    port = run.port
+    run.sync_clock()
+    messages = port.messages()
+    if messages:
+        take_in(run, messages)
+    elif port.ended() is None:
+        port.check_stop(run.recorder.time, end)
+        return "stuck"
+    return None
+
+
+def _take_what_is_due(run: Run, target: Time) -> None:
+    """Take in the messages of a world whose clock has not moved.
+
+    Raises:
+        PortError: for a world that should have moved its clock, or sent a message.
+    """
+    port = run.port
+    messages = port.messages()
+    if messages:
+        take_in(run, messages)
+    else:
+        port.check_wait(run.recorder.time, target)
+
+
+def _coming_times(run: Run) -> list[Time]:
+    """Return the known times of future events.
+
+    Raises:
+        PortError: for a world whose next time is invalid, or past.
+    """
+    due = run.port.next_time(run.recorder.time)
+    times = [run.monitors.next_time(), due]
+    if run.state.scheduled:
+        times.append(run.state.scheduled[0][0])
+    if run.host_timers:
+        times.append(run.host_timers[0][0])
+    return [time for time in times if time is not None]
