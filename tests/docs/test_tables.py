@@ -9,6 +9,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
+import rapc
 from rapc.experiments.definition import Experiment, Reference, Series
 from rapc.experiments.measures import LABELS
 from rapc.language.heads import heads, rules_by_head
@@ -48,6 +49,12 @@ def _of_experiments() -> Iterator[tuple[str, object, object]]:
     yield "measures", told, list(LABELS)
 
 
+def _of_python() -> Iterator[tuple[str, object, object]]:
+    text = section(page("reference/python-api"), "## Errors")
+    errors = {name for name in rapc.__all__ if name.endswith("Error")} - {"Error"}
+    yield "errors", {*first_words(text, r"`(\w+Error)")}, errors
+
+
 def _of_libraries() -> Iterator[tuple[str, object, object]]:
     """The RAPs of each library by their files."""
     for name, first, column in (
@@ -68,7 +75,7 @@ def _of_libraries() -> Iterator[tuple[str, object, object]]:
 
 TABLES = [
     pytest.param(told, known, id=name)
-    for tables in (_of_tests, _of_experiments, _of_libraries)
+    for tables in (_of_tests, _of_experiments, _of_python, _of_libraries)
     for name, told, known in tables()
 ]
 

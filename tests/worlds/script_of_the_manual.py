@@ -15,10 +15,11 @@ library = load_text(
     """
 ).library
 
+held = ("holding", "?arm", "?x")
 world = ScriptedWorld(
     [
         Row(("grasp", "?arm", "cup"), "dropped", times=1),
-        Row(("grasp", "?arm", "?x"), takes=2, asserts=(("holding", "?arm", "?x"),)),
+        Row(("grasp", "?arm", "?x"), takes=2, asserts=(held,)),
     ],
     [At(30, asserts=(("raining",),))],
     declared=library,
