@@ -119,7 +119,7 @@ class Shell:
         if command is None:
             listed = "`:help` lists all commands"
             said = did_you_mean(name, self.commands, listed, "`:{}`")
-            return failure(f"there is no command `:{name}`; {said}")
+            return failure(f"unknown command `:{name}`; {said}")
         return command(self.history if command.asks else self, rest)
 
     # --- methods for commands --------------------------------------------------------

@@ -35,7 +35,7 @@ def _of_command(shell: Shell, name: str) -> Answer:
     command = shell.commands.get(name)
     if command is None:
         near = hint(name, shell.commands).replace("`", "`:", 1)
-        raise TextError(f"there is no command `:{name}`{near}")
+        raise TextError(f"unknown command `:{name}`{near}")
     lines = [f":{command.name} {command.takes}".rstrip(), "", command.doc]
     if command.more:
         lines.append(command.more)
