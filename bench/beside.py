@@ -39,9 +39,8 @@ from bench.targets import table
 
 CHECKOUT = Path(__file__).parents[1]
 ADAPTER = CHECKOUT / "bench" / "rapc_adapter.py"
-PAGE = CHECKOUT / "docs" / "developers" / "performance.md"
+GENERATE = CHECKOUT / "docs" / "generate.py"
 FIGURES = CHECKOUT / "docs" / "figures"
-MARKERS = "<!-- {}: begin -->\n", "<!-- {}: end -->\n"
 
 PEERS = {
     "W1": "hand,hand+pos,rapc,rapc-ir,rapc-load,clips",
@@ -90,17 +89,21 @@ def main() -> None:
     folder.mkdir(parents=True, exist_ok=True)
     kept = folder / "beside.json"
     if args.peers is None:
-        results = msgspec.json.decode(kept.read_bytes(), type=Results)
+        results = read(kept)
     else:
         results = measured(args.peers.resolve(), args.quick)
         results = msgspec.structs.replace(results, shared=args.shared)
         told_all = msgspec.json.format(msgspec.json.encode(results), indent=1)
         kept.write_bytes(told_all + b"\n")
     print(told(results))
-    if args.out is None:
-        page = written(PAGE.read_text(encoding="utf-8"), results)
-        PAGE.write_text(page, encoding="utf-8")
     draw(results, folder / "beside")
+    if args.out is None:
+        subprocess.run([sys.executable, GENERATE], check=True)
+
+
+def read(file: Path) -> Results:
+    """Return stored results."""
+    return msgspec.json.decode(file.read_bytes(), type=Results)
 
 
 def measured(script: Path, quick: bool) -> Results:
@@ -177,30 +180,6 @@ def told(results: Results) -> str:
         *([] if slowness is None else [SLOWNESS.format(slowness)]),
     ]
     return "\n".join([fill(" ".join(where), WIDTH), "", *table(results), ""])
-
-
-def written(page: str, results: Results) -> str:
-    """The page with targets and profiles as these results have them.
-
-    Raises:
-        ValueError: for a page without the markers to write between.
-    """
-    page = with_section(page, "beside", told(results))
-    return with_section(page, "profiles", f"```text\n{results.profiles}\n```\n")
-
-
-def with_section(page: str, name: str, section: str) -> str:
-    """The page with what is between the markers of this name replaced.
-
-    Raises:
-        ValueError: for a page without them.
-    """
-    begin, end = (marker.format(name) for marker in MARKERS)
-    before, begun, rest = page.partition(begin)
-    _, ended, after = rest.partition(end)
-    if not (begun and ended):
-        raise ValueError(f"the page has no markers for {name}")
-    return f"{before}{begin}\n{section}\n{end}{after}"
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 """Which single slips in real libraries `check` finds, how near, and in how many words.
 
     python -m bench.mutation [KIND]... [--each N] [--seed N] [--missed]
-    python -m bench.mutation --page --each 40 > docs/developers/slips.md
+    python -m bench.mutation --store --each 40
 
 Each slip is made in a library in which nothing is found before; what is found then is
 due to the slip. A slip that leaves the nodes of the library as they were is none, and
@@ -242,54 +242,32 @@ def row(kind: str, made: Sequence[Outcome]) -> str:
     )
 
 
-HEAD = (
-    "| group | slip | made | found | cause named | one finding | lines off | by "
-    "| remark |"
-)
-
-PAGE = """\
-# Slips that a check finds
-
-Single slips were made in libraries in which nothing is found: {libraries}.
-Each is what an author does in a moment: a letter, an argument, a clause, a parenthesis.
-The table tells how many of each kind `rapc check` finds, in how many of these the first
-finding names the cause (it or one of its labels is on the line of the slip, or it names
-what the slip took away), in how many there is one finding alone, and how many lines lie
-between slip and finding in the middle case. A kind with a remark is not always visible
-to a check, which knows the library and not what its author had in mind; the remark says
-when it is, or why never. A slip that leaves the nodes of the program as they were is
-not counted. Nor is one that is not found and changes no trace of any of the library's
-own tests, so that the library is as good as it was: another is made in its place. (Of
-the single files there are no such tests, so all of their slips count.)
-
-    python -m bench.mutation --page --each {each} > docs/developers/slips.md
-
-writes this page, and `python -m bench.mutation KIND --missed` tells what is missed of a
-kind.
-
-{head}
-|---|---|---:|---:|---:|---:|---:|---|---|
-"""
+STORED = Path(__file__).parents[1] / "docs" / "figures" / "slips.json"
+"""The file from which `docs/generate.py` makes the table of the manual."""
 
 
-def page(benches: Sequence[Bench], each: int, seed: int) -> Iterator[str]:
-    """Yield the lines of docs/developers/slips.md."""
-    names = ", ".join(f"`{path}`" for paths in LIBRARIES for path in paths)
-    yield PAGE.format(libraries=names, each=each, head=HEAD).rstrip("\n")
-    surely: list[Outcome] = []
-    for kind in KINDS:
+def stored(benches: Sequence[Bench], each: int, seed: int) -> Mapping[str, object]:
+    """Return the counts of all kinds, as `STORED` has them."""
+    kinds = []
+    for kind, (group, _) in KINDS.items():
         made = [one for _, one in outcomes(kind, benches, each, seed)]
-        yield f"{row(kind, made)} {NOT_SURE.get(kind, '')} |"
-        surely += made if kind not in NOT_SURE else []
-    found = [one for one in surely if one.found]
-    named = sum(one.named for one in found)
-    single = sum(len(one.found) == 1 for one in found)
-    yield (
-        f"\nOf {len(surely)} slips of the {len(KINDS) - len(NOT_SURE)} kinds without a "
-        f"remark {len(found)} are found, {named} by the cause, {single} by one finding."
-    )
+        found = [one for one in made if one.found]
+        far = sorted(one.distance or 0 for one in found)
+        kinds.append(
+            {
+                "group": group,
+                "slip": kind,
+                "made": len(made),
+                "found": len(found),
+                "named": sum(one.named for one in found),
+                "single": sum(len(one.found) == 1 for one in found),
+                "lines": far[len(far) // 2] if far else None,
+                "rules": sorted({one.found[0].rule for one in found})[:3],
+                "remark": NOT_SURE.get(kind, ""),
+            }
+        )
     idle = sum(bench.idle for bench in benches)
-    yield f"{idle} more, of all kinds, were neither found nor changed a trace."
+    return {"each": each, "idle": idle, "kinds": kinds}
 
 
 def main() -> None:
@@ -298,14 +276,13 @@ def main() -> None:
     parser.add_argument("kind", nargs="*", help="part of the name of a kind")
     parser.add_argument("--each", type=int, default=10, help="slips of each kind")
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument(
-        "--page", action="store_true", help="print docs/developers/slips.md"
-    )
+    parser.add_argument("--store", action="store_true", help=f"write {STORED.name}")
     parser.add_argument("--missed", action="store_true", help="print what is missed")
     args = parser.parse_args()
     benches = [Bench(paths) for paths in LIBRARIES]
-    if args.page:
-        print(*page(benches, args.each, args.seed), sep="\n")
+    if args.store:
+        counts = msgspec.json.encode(stored(benches, args.each, args.seed))
+        STORED.write_bytes(msgspec.json.format(counts, indent=1) + b"\n")
         return
     print(
         "| group | slip | made | found | cause named | one finding | lines off | by |"

@@ -460,6 +460,54 @@ def _headless(group: str) -> dict[str, None]:
     return dict.fromkeys(rule for rule in lists if not heads(rule))
 
 
+# --- Measurements -------------------------------------------------------------------
+
+
+def targets() -> str:
+    """Return the place of the last measurement and the table of its targets."""
+    beside = _bench("beside")
+    return f"{beside.told(beside.read(beside.FIGURES / 'beside.json')).rstrip()}\n"
+
+
+def profiles() -> str:
+    """Return the profiles of the last measurement."""
+    beside = _bench("beside")
+    return block("text", beside.read(beside.FIGURES / "beside.json").profiles)
+
+
+def _bench(name: str) -> ModuleType:
+    """Return a module of the benches, which are not installed."""
+    if str(ROOT) not in sys.path:
+        sys.path.append(str(ROOT))
+    return import_module(f"bench.{name}")
+
+
+def slips() -> str:
+    """Return the table of slips that `rapc check` finds, and their sums."""
+    counts = msgspec.json.decode((DOCS / "figures" / "slips.json").read_bytes())
+    numbers = ("made", "found", "named", "single")
+    rows = [
+        (
+            row["group"],
+            row["slip"],
+            *(str(row[number]) for number in numbers),
+            "" if row["lines"] is None else str(row["lines"]),
+            ", ".join(row["rules"]),
+            row["remark"],
+        )
+        for row in counts["kinds"]
+    ]
+    sure = [row for row in counts["kinds"] if not row["remark"]]
+    made, found, named, single = (sum(r[n] for r in sure) for n in numbers)
+    head = ("group", "slip", "made", "found", "cause named", "one finding")
+    return (
+        f"{table((*head, 'lines off', 'rules', 'remark'), rows)}\n"
+        f"The {len(sure)} kinds without a remark: {made} slips, {found} found; the "
+        f"cause is named for {named}, and {single} have one finding. All kinds: "
+        f"{counts['idle']} further slips were not found and changed no trace.\n"
+    )
+
+
 # --- Whole pages --------------------------------------------------------------------
 
 NOTE = "<!-- written by docs/generate.py from {} -->\n\n"
@@ -612,8 +660,11 @@ PARTS: Mapping[str, Callable[..., str]] = {
     "formats": formats,
     "grammar": grammar,
     "limits": limits,
+    "profiles": profiles,
     "rules": rule_index,
     "settings": settings,
+    "slips": slips,
+    "targets": targets,
     "world-options": world_options,
 }
 """The functions that write parts of pages, by the names in markers."""

@@ -15,13 +15,9 @@ import rapc
 from bench.adapter_rows import classes
 from bench.beside import (
     ADAPTER,
-    FIGURES,
-    PAGE,
     PEERS,
     compared,
     told,
-    with_section,
-    written,
 )
 from bench.child import take
 from bench.profiles import LINES, text
@@ -242,28 +238,6 @@ def test_comparison_without_rapc_is_refused(tmp_path: Path) -> None:
     )
     with pytest.raises(SystemExit, match="left out rapc, rapc-ir, rapc-load"):
         compared(script, "W1", quick=True)
-
-
-def test_a_section_goes_between_its_markers() -> None:
-    begin, end = "<!-- x: begin -->\n", "<!-- x: end -->\n"
-    page = f"before\n{begin}old\n{end}after\n"
-    once = with_section(page, "x", "new\n")
-    assert once == f"before\n{begin}\nnew\n\n{end}after\n"
-    assert with_section(once, "x", "new\n") == once
-    for none in (end + begin, page.replace(end, "")):
-        with pytest.raises(ValueError, match="no markers for x"):
-            with_section(none, "x", "new")
-
-
-def test_the_page_shows_what_was_measured_last() -> None:
-    kept = FIGURES / "beside.json"
-    results = msgspec.json.decode(kept.read_bytes(), type=Results)
-    page = PAGE.read_text(encoding="utf-8")
-    assert written(page, results) == page
-    shown = re.findall(r"!\[.*\]\((.*)\)", page)
-    assert [(PAGE.parent / file).resolve() for file in shown] == [
-        (FIGURES / "beside.svg").resolve()
-    ]
 
 
 @pytest.mark.slow
