@@ -11,7 +11,7 @@
 - Blocks in an HTML comment count, too: a reader does not see them.
 
 The folder is empty, except that `examples` and `stdlib` are those of the repository if
-commands of the page name them.
+commands, programs or configurations of the page name them.
 """
 
 from __future__ import annotations
@@ -127,7 +127,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
 @pytest.mark.parametrize("name", PAGES)
 def test_page_does_as_it_shows(name: str, folder: Path) -> None:
     text = page(name)
-    shown = "".join(b.text for b in blocks(text) if b.language in ("console", "python"))
+    languages = ("console", "python", "toml")
+    shown = "".join(b.text for b in blocks(text) if b.language in languages)
     for link in ("examples", "stdlib"):
         if f"{link}/" in shown:
             (folder / link).symlink_to(CHECKOUT / link)
