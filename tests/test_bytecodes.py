@@ -14,13 +14,13 @@ pytestmark = pytest.mark.skipif(
 
 
 def test_firing_takes_no_more_bytecodes_than_its_bar() -> None:
-    assert bytecodes.firing(monitors=100, times=20) <= 2_137
+    assert bytecodes.firing(monitors=100, times=20) <= 2_125
 
 
 def test_task_takes_no_more_bytecodes_than_its_bar() -> None:
-    assert bytecodes.task(depth=5) <= 1_048
+    assert bytecodes.task(depth=5) <= 1_032
 
 
 @pytest.mark.slow
 def test_cycle_of_the_truck_takes_no_more_bytecodes_than_its_bar() -> None:
-    assert bytecodes.cycle() <= 2_766
+    assert bytecodes.cycle() <= 2_760

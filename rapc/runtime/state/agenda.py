@@ -31,6 +31,7 @@ class Agenda:
     FIELDS: ClassVar[Fields] = {
         "stack": list[tuple[int, int]],
         "last_family": int | None,
+        "_focused": LEFT_OUT,
         "_only": Task | None,
         "_tasks": dict[int, tuple[Task, tuple[Limit, Limit, bool, int]]],
         "_order": LEFT_OUT,
@@ -39,7 +40,10 @@ class Agenda:
     }
 
     def __init__(self, rng: random.Random) -> None:
+        #: Priorities and families, each of a higher priority than the one below.
         self.stack: list[tuple[int, int]] = []
+        #: The priority and the family of the task that was chosen last.
+        self._focused: tuple[int, int] | None = None
         self.last_family: int | None = None
         self._rng = rng
         self._only: Task | None = None
@@ -56,12 +60,11 @@ class Agenda:
 
     def add(self, task: Task) -> None:
         """Add a task that has become eligible."""
-        only = self._only
-        if only is None and not self._tasks:
+        if self._only is None and not self._tasks:
             self._only = task
             return
-        if only is not None:
-            self._only = None
+        if self._only is not None:
+            only, self._only = self._only, None
             self._insert(only)
         self._insert(task)
 
@@ -87,6 +90,7 @@ class Agenda:
     def take_up(self, other: Agenda) -> None:
         """Take over the saved fields of another agenda."""
         self.stack, self.last_family = other.stack, other.last_family
+        self._focused = self.stack[-1] if self.stack else None
         self._only = other._only
         self._tasks = {
             task.number: (task, (-task.priority, latest, failed, task.number))
@@ -123,8 +127,7 @@ class Agenda:
             task = self._pick()
         else:
             return None
-        stack = self.stack
-        if not stack or stack[-1] != (task.priority, task.family):
+        if self._focused != (task.priority, task.family):
             self._focus(task)
         return task
 
@@ -151,4 +154,5 @@ class Agenda:
         stack, priority = self.stack, task.priority
         while stack and stack[-1][0] >= priority:
             stack.pop()
-        stack.append((priority, task.family))
+        self._focused = priority, task.family
+        stack.append(self._focused)
