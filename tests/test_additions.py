@@ -159,4 +159,4 @@ def test_new_event_is_written_found_and_checked(package: Path) -> None:
     assert "given up [1]" in again
     test = '(require "find") (define-test x (task (find cup)) (expect (trace {})))'
     (package / "b.test.rap").write_text(test.format("(task-given-up :what 1)"), "utf-8")
-    assert "has no key `what`" in _rapc(package, "check", "b.test.rap")
+    assert "unknown key `what`" in _rapc(package, "check", "b.test.rap")

@@ -56,7 +56,7 @@ def test_a_task_given_in_the_past_is_given_now() -> None:
 
 @pytest.mark.parametrize(
     ("task", "words"),
-    [("(fly)", "no RAP"), ("(use)", "1 input"), ("(use a b)", "not 2")],
+    [("(fly)", "unknown RAP"), ("(use)", "1 input"), ("(use a b)", "not 2")],
 )
 def test_a_task_that_no_rap_serves_is_refused(task: str, words: str) -> None:
     with pytest.raises(RefusedError, match=words):
