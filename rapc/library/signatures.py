@@ -327,7 +327,7 @@ def _miscount(declared: Signature, use: Use, count: int, outputs: int | None) ->
     if outputs is None or outputs == declared.outputs:
         return message
     wrong = f"{amount(declared.outputs, 'output')}, not {outputs}"
-    return f"{message} and {wrong}" if message else f"`{declared.name}` has {wrong}"
+    return f"{message}, and {wrong}" if message else f"`{declared.name}` has {wrong}"
 
 
 def _other_kind(use: Use, kind: Kind) -> str | None:

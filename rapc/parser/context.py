@@ -189,12 +189,15 @@ class Context:
         The result is None if no known word is similar.
         """
         options = tuple(known)
+        group, of, owner = what.partition(" of ")
+        message = f"unknown {group} `{word.name}`{of}{owner}"
         printed = SLIPS.get(word.name)
         if printed in options:
             self.certain(
                 rule,
-                f"unknown {what} `{word.name}`; the name is `{printed}`",
+                message,
                 word,
+                help=f"did you mean `{printed}`?",
                 fix=self.replace(word, printed),
             )
             return printed
@@ -207,7 +210,7 @@ class Context:
             meant = slips.get(meant or "")
         self.report(
             rule,
-            f"unknown {what} `{word.name}`",
+            message,
             word,
             help=f"did you mean `{meant}`?"
             if meant

@@ -208,7 +208,7 @@ def test_a_compiled_library_is_not_compiled_again() -> None:
 def test_sources_are_wanted_where_something_is_to_be_checked(tmp_path: Path) -> None:
     file = tmp_path / "kitchen.rapc"
     file.write_bytes(GOOD)
-    said = "kitchen.rapc` is a compiled library: sources are wanted here"
+    said = "expected a source file, not the compiled library"
     with pytest.raises(LoadError, match=said):
         rapc.check(file)
     with pytest.raises(LoadError, match=said):

@@ -25,19 +25,19 @@ SLIPS = [
     ),
     (
         "(define-rap (a) (SUCCESS (p)))",
-        "unknown clause of `define-rap` `success`; the name is `succeed`",
+        "unknown clause `success` of `define-rap`",
         SAFE,
         "(define-rap (a) (succeed (p)))",
     ),
     (
         "(define-rap (a) (CONSTRAINT (p)))",
-        "unknown clause of `define-rap` `constraint`; the name is `constraints`",
+        "unknown clause `constraint` of `define-rap`",
         SAFE,
         "(define-rap (a) (constraints (p)))",
     ),
     (
         "(define-rap (a ?n) (method (task-net (t1 (b) (COUNTER-DEL ?n 1)))))",
-        "unknown annotation `counter-del`; the name is `counter-sub`",
+        "unknown annotation `counter-del`",
         SAFE,
         "(define-rap (a ?n) (method (task-net (t1 (b) (counter-sub ?n 1)))))",
     ),

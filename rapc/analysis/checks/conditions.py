@@ -511,7 +511,7 @@ def _look(
         yield TWICE.at(
             part.span,
             f"duplicate part `{format_formula(part)}`",
-            labels=(Label(other.span, "here"),),
+            labels=(Label(other.span, "the first part"),),
             fix=fix,
         )
 

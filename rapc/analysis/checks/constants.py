@@ -198,7 +198,7 @@ class _Known:
             return None
         return FOREIGN.at(
             one.const.span,
-            f"expected a {wanted}, not `{one.written}`, which is a {homes[0]}",
+            f"expected kind {wanted}, not `{one.written}` of kind {homes[0]}",
             help="the arguments may be in the wrong order",
             about=_unmarked(one),
         )

@@ -91,7 +91,9 @@ def _repeats_nothing(rap: nodes.DefineRap, loop: nodes.Formula) -> Diagnostic:
         f"`{rap.name}` ends when a method has succeeded once, and repeats nothing",
         labels=(Label(rap.name_span, "the RAP has no `succeed`"),),
         help="add a `succeed` that holds when the work is done",
-        fix=Fix(Applicability.UNSAFE, "continue until no solution is left", (edit,)),
+        fix=Fix(
+            Applicability.UNSAFE, "add `succeed` for the end of the repetition", (edit,)
+        ),
     )
 
 

@@ -147,7 +147,7 @@ def _endless(task: nodes.GivenTask, cause: Span, work: bool) -> Diagnostic:
     does not help.
     """
     end = task.span.end - 1
-    help_ = "write `:background true`"
+    help_ = "write `:background true` for the task"
     if not work:
         help_ += ", and add a task that ends: a run lasts as long as such a task"
     edit = Edit(Span(task.span.file, end, end), " :background true")
@@ -156,7 +156,7 @@ def _endless(task: nodes.GivenTask, cause: Span, work: bool) -> Diagnostic:
         f"`{task.goal.name}` never ends, so a run with this task never ends",
         labels=(Label(cause, "this formula never holds"),),
         help=help_,
-        fix=Fix(Applicability.UNSAFE, "make it a background task", (edit,)),
+        fix=Fix(Applicability.UNSAFE, "add `:background true`", (edit,)),
     )
 
 

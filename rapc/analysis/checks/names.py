@@ -477,7 +477,7 @@ def _implied_value(run: Pass, used: NameUse, declared: Signature) -> Diagnostic:
         used.span,
         f"`{used.name}` has no value, which means `true`",
         labels=(label,),
-        fix=Fix(Applicability.SAFE, "write the value", (edit,)),
+        fix=Fix(Applicability.SAFE, "write `true`", (edit,)),
     )
 
 

@@ -77,7 +77,7 @@ def _duplicates(
             yield DUPLICATE_TAG.at(
                 _tag_span(run, step),
                 f"duplicate tag `{step.tag}`",
-                labels=(Label(_tag_span(run, net.steps[first]), "the second step"),),
+                labels=(Label(_tag_span(run, net.steps[first]), "the first step"),),
                 help="give each step a unique tag",
             )
 

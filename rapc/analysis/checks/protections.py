@@ -158,7 +158,7 @@ def _race(needed: Literal, step: nodes.Step, by: nodes.Step) -> Diagnostic:
             Label(step.goal.span, f"`{format_goal(step.goal)}` may run after that"),
             Label(needed.span, "queried here"),
         ),
-        help=f"put `{step.tag}` before step `{by.tag}`",
+        help=f"put step `{step.tag}` before step `{by.tag}`",
     )
 
 
@@ -189,7 +189,7 @@ def _threat(note: nodes.For, undone: Literal, step: nodes.Step) -> Diagnostic:
                 f"`{format_goal(step.goal)}` may run between the two steps",
             ),
         ),
-        help=f"put `{step.tag}` before this step, or after `{note.tag}`",
+        help=f"put step `{step.tag}` before this step, or after step `{note.tag}`",
     )
 
 

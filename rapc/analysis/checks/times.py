@@ -116,5 +116,5 @@ def _monitor(timed: nodes.MonitorTime, rap: nodes.DefineRap) -> Iterator[Diagnos
         yield RESTLESS.at(
             timed.start.span,
             f"`{rap.name}` never pauses between its methods",
-            help="write the pause after each method",
+            help="write a pause above 0 in `monitor-time`",
         )
