@@ -41,7 +41,6 @@ COLUMNS = 76
 
 WIDE = frozenset(
     {
-        "explanation/memory",
         "how-to/behaviour-trees",
         "how-to/ci",
         "how-to/experiments",
