@@ -55,7 +55,6 @@ WIDE = frozenset(
         "reference/cli",
         "reference/hallway",
         "reference/repl",
-        "reference/tests",
         "reference/trace",
         "reference/truck",
         "tutorials/debugger",

@@ -28,8 +28,8 @@ def _keys(kind: type[msgspec.Struct]) -> set[str]:
 
 def _of_tests() -> Iterator[tuple[str, object, object]]:
     for heading, known in (
-        ("### The script", rules_by_head("_once_row_option")),
-        ("### At a time", heads("_action")),
+        ("## Script", rules_by_head("_once_row_option")),
+        ("## At a time", heads("_action")),
     ):
         told = first_words(section(TESTING, heading), r"`[(]?([:a-z-]+)")
         yield heading.strip("# "), {*told}, {*known}
