@@ -1,25 +1,13 @@
-"""Each page of the manual does as it shows, typed from top to bottom in a folder.
+"""Each page of the manual does as it shows (`tests.docs.follow`).
 
-- A block with `title="F"` is written to the file F, with `title="F (continued)"` to the
-  end of F.
-- In a `console` block a line after `$ ` is a command; the lines below are its whole
-  output, with `...` for lines that are left out. `\\` continues a command.
-- `$ rapc repl ...` starts a session; a `rapc` block has its inputs after `rapc> `, each
-  with its answer.
-- Untitled `python` blocks run one after the other, as one program; an untitled `rap`
-  block has no error of form.
-- Blocks in an HTML comment count, too: a reader does not see them.
-
-The folder is empty, except that `examples` and `stdlib` are those of the repository if
-commands, programs or configurations of the page name them.
+The folder of a page is empty, except that `examples` and `stdlib` are those of the
+repository if commands, programs or configurations of the page name them. An untitled
+`rap` block has no error of form.
 """
 
 from __future__ import annotations
 
-import os
-import re
 import shlex
-import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -33,7 +21,8 @@ from rapc.parser.formatter import formatted
 from rapc.repl.draw import draw
 from rapc.repl.shell import Shell
 
-from .pages import CHECKOUT, agrees, blocks, commands, page
+from .follow import Session, follow
+from .pages import CHECKOUT, agrees, blocks, page
 
 DOCS = CHECKOUT / "docs"
 COLUMNS = 76
@@ -64,28 +53,11 @@ WIDE = frozenset(
 )
 """The pages with wider code, on a terminal of 100 columns."""
 
-MORE = " (continued)"
-"""The end of the title of a block that continues a file."""
-
 PAGES = sorted(
     path.relative_to(DOCS).with_suffix("").as_posix()
     for path in DOCS.rglob("*.md")
     if path.parent.name != "rules"
 )
-
-
-def typed(command: str, status: int, width: int) -> tuple[int, list[str]]:
-    """Type a command after one that ended with `status`: its own status and output."""
-    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    done = subprocess.run(
-        ["bash", "-c", f"(exit {status}); {command}"],
-        env={**os.environ, "PATH": path, "COLUMNS": str(width)},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-        check=False,
-    )
-    return done.returncode, [line.rstrip() for line in done.stdout.splitlines()]
 
 
 def started(command: str) -> Shell:
@@ -97,14 +69,16 @@ def started(command: str) -> Shell:
     return shell
 
 
-def answered(
-    shell: Shell, text: str, width: int
-) -> Iterator[tuple[str, list[str], list[str]]]:
-    """Yield the inputs of a block with the answers on the page and of the session."""
-    for part in re.split(r"^rapc> ", text, flags=re.M)[1:]:
-        said, *told = part.rstrip("\n").split("\n")
-        drawn = draw(shell.answer(said), width, color=False)
-        yield said, _bare(told), _bare(drawn.rstrip("\n").split("\n"))
+def session(command: str, columns: int) -> Session:
+    """Start a session that compares its answers with those of a page."""
+    shell = started(command)
+
+    def check(said: str, told: list[str]) -> None:
+        drawn = draw(shell.answer(said), columns, color=False)
+        printed = drawn.rstrip("\n").split("\n")
+        assert agrees(_bare(printed), _bare(told)), f"rapc> {said}\n{drawn}"
+
+    return check
 
 
 def _bare(lines: list[str]) -> list[str]:
@@ -130,30 +104,27 @@ def test_page_does_as_it_shows(name: str, folder: Path) -> None:
     for link in ("examples", "stdlib"):
         if f"{link}/" in shown:
             (folder / link).symlink_to(CHECKOUT / link)
-    status, shell = 0, None
-    width = 100 if name in WIDE else COLUMNS
     names: dict[str, object] = {"__name__": "page"}
-    for block in blocks(text):
-        if block.name:
-            file = folder / block.name.removesuffix(MORE)
-            before = file.read_text(encoding="utf-8") if MORE in block.name else ""
-            file.parent.mkdir(parents=True, exist_ok=True)
-            file.write_text(before + block.text, encoding="utf-8")
-        elif block.language == "console":
-            for command, told in commands(block.text):
-                if command.startswith("rapc repl ") and " -c " not in command:
-                    shell = started(command)
-                    continue
-                status, printed = typed(command, status, width)
-                assert agrees(printed, told), "\n".join([f"$ {command}", *printed])
-        elif block.language == "rapc":
-            assert shell is not None, "a `rapc` block follows `$ rapc repl ...`"
-            for said, told, printed in answered(shell, block.text, width):
-                assert agrees(printed, told), "\n".join([f"rapc> {said}", *printed])
-        elif block.language == "rap":
+
+    def python(code: str) -> None:
+        exec(compile(code, name, "exec"), names)  # noqa: S102  # our own page
+
+    columns = 100 if name in WIDE else COLUMNS
+    follow(
+        text,
+        folder,
+        Path(sys.executable).parent,
+        lambda command: session(command, columns),
+        python,
+        columns,
+    )
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_rap_on_a_page_has_no_error_of_form(name: str) -> None:
+    for block in blocks(page(name), "rap"):
+        if not block.name:
             assert formatted(SourceFile(name, block.text)).diagnostics == ()
-        elif block.language == "python":
-            exec(compile(block.text, name, "exec"), names)  # noqa: S102  # our own page
 
 
 @pytest.mark.parametrize("name", PAGES)

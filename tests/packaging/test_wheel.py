@@ -6,7 +6,9 @@ wheel from the sdist.
 
 from __future__ import annotations
 
+import json
 import os
+import shlex
 import subprocess
 import sys
 import tarfile
@@ -16,7 +18,11 @@ from pathlib import Path
 import msgspec
 import pytest
 
+from tests.docs.follow import Session, follow
+from tests.docs.test_pages import WIDE
+
 CHECKOUT = Path(__file__).parents[2]
+TUTORIALS = sorted(path.stem for path in (CHECKOUT / "docs" / "tutorials").glob("*.md"))
 LINKED = ("stdlib", "examples")
 
 pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("wheel")]
@@ -145,3 +151,41 @@ def test_installed_alone_it_runs_the_experiments_that_come_with_it(
     done = installed.run("rapc", *batch, "--cluster", "tcp://127.0.0.1:1", "--out", "x")
     told = "error: --cluster requires Dask: install `rapc[cluster]`\n"
     assert (done.returncode, done.stderr) == (2, told)
+
+
+@pytest.mark.parametrize("name", TUTORIALS)
+def test_installed_alone_it_does_as_the_tutorials_show(
+    name: str, installed: Installed, tmp_path: Path
+) -> None:
+    """Inputs of the debugger must succeed; tests/docs compares the answers."""
+    sessions: list[subprocess.Popen[str]] = []
+
+    def start(command: str) -> Session:
+        args = [str(installed.bin / "rapc"), *shlex.split(command)[1:], "--json"]
+        pipe = subprocess.PIPE
+        process = subprocess.Popen(
+            args, cwd=tmp_path, stdin=pipe, stdout=pipe, text=True, bufsize=1
+        )
+        sessions.append(process)
+        assert process.stdin is not None
+        assert process.stdout is not None
+        given, answers = process.stdin, process.stdout
+
+        def answer(said: str, _: list[str]) -> None:
+            given.write(f"{said}\n")
+            given.flush()
+            assert not json.loads(answers.readline())["failed"], said
+
+        return answer
+
+    def python(code: str) -> None:
+        (tmp_path / "page.py").write_text(code, encoding="utf-8")
+        _succeed([str(installed.bin / "python"), "page.py"], tmp_path)
+
+    text = (CHECKOUT / "docs" / "tutorials" / f"{name}.md").read_text(encoding="utf-8")
+    columns = 100 if f"tutorials/{name}" in WIDE else 76
+    try:
+        follow(text, tmp_path, installed.bin, start, python, columns)
+    finally:
+        for process in sessions:
+            process.communicate()
