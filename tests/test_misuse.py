@@ -183,7 +183,7 @@ NOT_HELD: tuple[Any, ...] = (
 )
 """Values that no run can hold: in no saved run, or in no text of a program."""
 
-NOT_HELD_SAID = r"(a value|an argument) of the (task|signal) is"
+NOT_HELD_SAID = r"(invalid value .* in|an argument of) the (task|signal)"
 
 
 @pytest.mark.parametrize("value", NOT_HELD, ids=range(len(NOT_HELD)))
