@@ -183,20 +183,6 @@ def test_every_rap_of_the_standard_library_is_drawn() -> None:
     assert {"fill-order", "handle-enemy-troops", "arm-move", "eye-scan"} <= drawn
 
 
-def test_the_manual_shows_what_is_printed() -> None:
-    page = (ROOT / "docs" / "reference" / "cli.md").read_text(encoding="utf-8")
-    library, courier = (
-        str(ROOT / "stdlib" / "truck"),
-        str(ROOT / "examples" / "courier"),
-    )
-    told = ("graph", courier, "--effects", "stay-charged", "--format")
-    assert f"```text\n{rapc(*told, 'text').stdout}```" in page
-    below = ("graph", library, "--dominators", "go-to-quarry", "--format", "text")
-    assert f"```text\n{rapc(*below).stdout}```" in page
-    above = ("graph", courier, "--dependents", "battery", "--format", "text")
-    assert f"```text\n{rapc(*above).stdout}```" in page
-
-
 def test_graph_of_networkx_answers_questions_about_a_library() -> None:
     graph = rapc_package.loads(LIBRARY).graph()
     assert graph.nodes["rap go"] == {
