@@ -483,28 +483,27 @@ def _bench(name: str) -> ModuleType:
 
 
 def slips() -> str:
-    """Return the table of slips that `rapc check` finds, and their sums."""
+    """Return the sums of slips and, for each group, the slips that are found."""
     counts = msgspec.json.decode((DOCS / "figures" / "slips.json").read_bytes())
     numbers = ("made", "found", "named", "single")
-    rows = [
-        (
-            row["group"],
-            row["slip"],
-            *(str(row[number]) for number in numbers),
-            "" if row["lines"] is None else str(row["lines"]),
-            ", ".join(row["rules"]),
-            row["remark"],
-        )
-        for row in counts["kinds"]
+    groups: dict[str, list[tuple[str, ...]]] = {}
+    for row in counts["kinds"]:
+        remark = f" ({row['remark']})" if row["remark"] else ""
+        links = [f"[{n}](../reference/rules/{n}.md)" for n in row["rules"]]
+        cells = (*(str(row[number]) for number in numbers), ", ".join(links))
+        groups.setdefault(row["group"], []).append((row["slip"] + remark, *cells))
+    head = ("slip", "made", "found", "named", "single", "rules")
+    tables = [
+        f"### {sentence(group)[:-1]}\n\n{table(head, rows)}"
+        for group, rows in groups.items()
     ]
     sure = [row for row in counts["kinds"] if not row["remark"]]
     made, found, named, single = (sum(r[n] for r in sure) for n in numbers)
-    head = ("group", "slip", "made", "found", "cause named", "one finding")
     return (
-        f"{table((*head, 'lines off', 'rules', 'remark'), rows)}\n"
-        f"The {len(sure)} kinds without a remark: {made} slips, {found} found; the "
-        f"cause is named for {named}, and {single} have one finding. All kinds: "
-        f"{counts['idle']} further slips were not found and changed no trace.\n"
+        f"{counts['each']} slips at most of each kind. The {len(sure)} kinds without a "
+        f"remark: {made} slips, {found} found; the cause is named for {named}, and "
+        f"{single} have a single finding. {counts['idle']} further slips of all kinds "
+        "were not found and changed no trace.\n\n" + "\n".join(tables)
     )
 
 
