@@ -144,7 +144,7 @@ def unknown_event(run: Pass) -> Iterator[Diagnostic]:
                 [place],
             )
             help_ = near_kinds.did_you_mean(
-                pattern.event, "`docs/reference/trace.md` lists the events"
+                pattern.event, "the page `reference/trace` lists the events"
             )
             message = f"unknown event `{pattern.event}`"
             yield UNKNOWN_EVENT.at(place, message, help=help_, fix=fix)
