@@ -217,6 +217,8 @@ class RapPlan:
         self.node = node
         self.name = node.name
         self.inputs = tuple(v.name for v in node.inputs)
+        #: Whether any input or output has a declared kind.
+        self.kinds = bool(node.kinds)
         self.outputs = tuple(v.name for v in node.outputs)
         #: The identity of a task without inputs.
         self.identity = (node.name,)

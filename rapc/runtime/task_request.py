@@ -119,16 +119,15 @@ def refuse_tasks(library: Program, goals: Iterable[Fact]) -> None:
     """
     reasons: list[str] = []
     for goal in goals:
-        name = str(goal[0])
-        fault = library.signatures.fault("goal", name, len(goal) - 1)
-        if fault is None:
-            rap = library.library.raps[name]
-            wrong = library.signatures.wrong_kind("goal", name, goal[1:])
-            if wrong is not None:
-                reasons.append(f"{format_list(goal)}: {wrong}")
-            reasons.extend(_reached(library.library, rap))
-        else:
-            reasons.append(str(fault))
+        name, *args = goal
+        plan, signatures = library.rap(str(name)), library.signatures
+        if plan is None or len(plan.inputs) != len(args):
+            reasons.append(str(signatures.fault("goal", str(name), len(args))))
+            continue
+        wrong = signatures.wrong_kind("goal", str(name), args) if plan.kinds else None
+        if wrong is not None:
+            reasons.append(f"{format_list(goal)}: {wrong}")
+        reasons.extend(_reached(library.library, plan.node))
     if reasons:
         raise RefusedError(list(dict.fromkeys(reasons)))
 

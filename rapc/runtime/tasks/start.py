@@ -22,7 +22,9 @@ from rapc.runtime.task_request import TaskRequest
 
 def create_top(run: Run, submission: TaskRequest) -> None:
     """Add a top-level task to the run; its goal was validated on arrival."""
-    name, *args = run.beliefs.canonical(submission.goal)
+    name, *args = submission.goal
+    if run.beliefs.items.aliases:
+        args = [run.beliefs.items.canonical(arg) for arg in args]
     plan = run.library.rap(str(name))
     assert plan is not None
     task = Task(plan, None, None)
