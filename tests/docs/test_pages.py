@@ -43,8 +43,6 @@ WIDE = frozenset(
         "libraries/truck-beyond",
         "reference/cli",
         "reference/hallway",
-        "reference/repl",
-        "reference/trace",
         "reference/truck",
         "tutorials/debugger",
         "tutorials/skill-world",

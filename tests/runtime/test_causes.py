@@ -1,7 +1,4 @@
-"""Why tasks fail: every way there is, with its clause, line, culprit and bindings.
-
-The table of docs/reference/trace.md lists the same ways.
-"""
+"""Why tasks fail: every way there is, with its clause, line, culprit and bindings."""
 
 from __future__ import annotations
 
