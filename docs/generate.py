@@ -2,6 +2,7 @@
 
     python docs/generate.py            write all stale pages
     python docs/generate.py --check    list the stale pages; exit status 1 if any
+    python docs/generate.py --words    count the words written by hand, code included
 
 A page may have generated parts:
 
@@ -696,11 +697,35 @@ def stale() -> dict[Path, str | None]:
     return found
 
 
+USER = ("tutorials", "how-to", "explanation", "reference")
+"""The folders of the user manual."""
+
+
+def words() -> Iterator[tuple[int, str]]:
+    """Yield the number of words by hand of each page, of the user manual and of all."""
+    counts: dict[str, int] = {}
+    for path in sorted({ROOT / "README.md", *DOCS.rglob("*.md")}):
+        text = path.read_text(encoding="utf-8")
+        if not text.startswith(NOTE[:20]):
+            by_hand = _MARKED.sub("", text).split()
+            counts[path.relative_to(ROOT).as_posix()] = len(by_hand)
+    yield from ((count, name) for name, count in counts.items())
+    user = ("README.md", *(f"docs/{folder}/" for folder in USER))
+    yield sum(n for name, n in counts.items() if name.startswith(user)), "user manual"
+    yield sum(counts.values()), "all"
+
+
 def main() -> int:
     """Write all stale pages, or list them."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--check", action="store_true", help="only list stale pages")
-    check = parser.parse_args().check
+    parser.add_argument("--words", action="store_true", help="count words by hand")
+    args = parser.parse_args()
+    if args.words:
+        for count, name in words():
+            print(f"{count:7,}  {name}")
+        return 0
+    check = args.check
     found = {**stale(), **dict(stale_figures())}
     for path, text in found.items():
         print(path.relative_to(ROOT).as_posix())

@@ -19,7 +19,6 @@ from rapc.console.testing.explain import failure_lines
 from rapc.library.loader import load_text
 from rapc.testing.discover import find
 from rapc.testing.run import Status, run_case
-from tests.cli.command import rapc
 
 HERE = Path(__file__).parent
 DOCS = HERE.parents[1] / "docs"
@@ -194,15 +193,6 @@ def test_what_a_page_shows_stands_in_a_file_of_tests(page: Path) -> None:
     assert shown
     for block in shown:
         assert f"\n{block}" in files, block
-
-
-def test_what_is_typed_on_a_page_prints_what_it_shows(
-    page: Path, tmp_path: Path
-) -> None:
-    for name, program, command, printed in _TYPED.findall(text(page)):
-        (tmp_path / name).write_text(program, encoding="utf-8")
-        done = rapc(*command.split(), "--color", "never", cwd=tmp_path)
-        assert done.stdout + done.stderr == printed
 
 
 def test_every_block_of_a_page_is_tried(page: Path) -> None:
