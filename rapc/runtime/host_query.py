@@ -70,15 +70,11 @@ class HostQuery:
         self.given = tuple(given)
         self._run = run
         self._formula = formula
-        functions = run.context.functions
         signatures = run.library.signatures
         _check_names(formula, signatures)
         if context is None:
             _check_kinds(formula, signatures)
-            most = run.settings.query_steps
-            context = QueryContext(
-                run.beliefs, run.recorder, functions, most, quiet=True
-            )
+            context = run.new_context(quiet=True)
         self._context = context
         self._renamings = -1
         self._query = self._compiled()
@@ -127,8 +123,7 @@ class HandlerQuestions:
 
     def __init__(self, run: Run) -> None:
         self._run = run
-        functions, most = run.context.functions, run.settings.query_steps
-        self._context = QueryContext(run.beliefs, run.recorder, functions, most)
+        self._context = run.new_context()
         self._ready: dict[tuple[str | Formula, tuple[str, ...]], HostQuery] = {}
 
     def ask(

@@ -63,11 +63,9 @@ class Run:
             settings.max_layers,
         )
         self.beliefs, self.recognizer = self.access.memory, self.access.recognizer
-        functions = port.code["the function"]
-        asked = self.beliefs, self.recorder, functions, settings.query_steps
-        self.context = QueryContext(*asked)
+        self.context = self.new_context()
         #: Evaluates explanations of failures, without changing the run.
-        self.noting = QueryContext(*asked, quiet=True)
+        self.noting = self.new_context(quiet=True)
         #: The eligible tasks.
         self.eligible = Agenda(self.rng)
         self.things = Things()
@@ -101,6 +99,11 @@ class Run:
             self.recognizer.unsettled,
             self.things.changed,
         )
+
+    def new_context(self, quiet: bool = False) -> QueryContext:
+        """Return a context for queries over memory; `quiet`: see `QueryContext`."""
+        functions, steps = self.port.code["the function"], self.settings.query_steps
+        return QueryContext(self.beliefs, self.recorder, functions, steps, quiet)
 
     def sync_clock(self) -> None:
         """Take the time from the world; the clock of the run stops at `until`."""

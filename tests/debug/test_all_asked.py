@@ -31,6 +31,7 @@ ACTS: Mapping[str, str] = {
     "Interpreter.extend": "changes the library",
     "Interpreter.fail_task": "ends a task",
     "Interpreter.move": "changes memory",
+    "Interpreter.new_context": "makes a part of a run",
     "Interpreter.prepared": "makes a run",
     "Interpreter.record": "listens from then on",
     "Interpreter.remade": "makes another run, and only one of the two may go on",
