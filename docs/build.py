@@ -128,7 +128,7 @@ def main() -> int:
     done = subprocess.run(build, cwd=ROOT, env=env, check=False)
     if done.returncode:
         return 1
-    for script in SITE.glob("*.py"):
+    for script in SITE.rglob("*.py"):
         script.unlink()
     redirect()
     requests = [*foreign()]

@@ -1,0 +1,1 @@
+"""Parts of the manual that `docs/generate.py` writes."""

@@ -1,0 +1,91 @@
+"""Tables of events, debugger commands, options of worlds, and the grammar."""
+
+from __future__ import annotations
+
+import inspect
+
+import msgspec
+
+from generator.markdown import sentence, table
+from generator.python import plain
+from rapc import events
+from rapc.debug.breakpoints import KINDS
+from rapc.language.grammar import GRAMMAR, RULES
+from rapc.language.heads import heads, rules_by_head, spelling
+from rapc.language.shapes import leaves
+from rapc.repl.commands.table import commands
+from rapc.worlds import registry
+
+
+def events_of(*names: str) -> str:
+    """Return the table of some kinds of events, or of the keys that all have."""
+    kinds = events.kinds()
+    common = {field.encode_name for field in msgspec.structs.fields(events.Event)}
+    rows = []
+    for name in names:
+        kind = kinds[name]
+        keys = [f"`{key}`" for key in events.keys(kind) if key not in common]
+        doc = inspect.cleandoc(kind.__doc__ or "").replace("\n\n", " ")
+        rows.append((f'<a id="{name}"></a>`{name}`', ", ".join(keys), plain(doc)))
+    return table(("event", "keys", "meaning"), rows)
+
+
+def debugger_commands() -> str:
+    """Return a table of the commands of the debugger for each group."""
+    groups: dict[str, list[tuple[str, str]]] = {}
+    for one in commands():
+        usage = f"`:{one.name}{' ' * bool(one.takes)}{one.takes}`"
+        groups.setdefault(one.group, []).append((usage, f"{one.doc} {one.more}"))
+    return "\n".join(
+        f"### {sentence(group)[:-1]}\n\n{table(('command', 'meaning'), rows)}"
+        for group, rows in groups.items()
+    )
+
+
+def breakpoints() -> str:
+    """Return the table of the kinds of breakpoints."""
+    return table(
+        ("kind", "stops when"), [(f"`{name}`", doc) for name, doc in KINDS.items()]
+    )
+
+
+def world_options(name: str) -> str:
+    """Return the table of the options of a world."""
+    rows = []
+    for option in registry.find_world(name).kit.options:
+        default = str(option.default)
+        if isinstance(option.default, bool):
+            default = default.lower()
+        said = f"{default or 'none'} {option.unit}".strip()
+        rows.append((f"`{option.name}`", said, option.doc))
+    return table(("option", "default", "meaning"), rows)
+
+
+def grammar(group: str) -> str:
+    """Return the table of the lists in a group of the grammar.
+
+    Lists that may occur repeatedly beside others that occur once are marked *.
+    """
+    once = [rule for name in leaves(RULES[group]) for rule in _once(name)]
+    listed = [*dict.fromkeys(rules_by_head(group).values()) | _headless(group)]
+    titles = [group.rpartition("_")[2], "meaning"]
+    paged = any(GRAMMAR[rule].pages for rule in listed)
+    rows = []
+    for rule in listed:
+        row = GRAMMAR[rule]
+        links = ", ".join(f"[{page[0]}]({page})" for page in row.pages)
+        said = f"{row.says}; {row.more}" if row.more else row.says
+        mark = " *" if once and rule not in once else ""
+        rows.append([f"`{spelling(rule)}`{mark}", said] + [links] * paged)
+    return table(titles + ["chapter"] * paged, rows)
+
+
+def _once(name: str) -> list[str]:
+    """Return the rules of a group that occur once in a form."""
+    return list(leaves(RULES[name])) if name.startswith("_once") else []
+
+
+def _headless(group: str) -> dict[str, None]:
+    """Return the lists of a group without a first word, for example `protect`."""
+    lists = [rule for rule in leaves(RULES[group]) if rule[0] != "_"]
+    return dict.fromkeys(rule for rule in lists if not heads(rule))
