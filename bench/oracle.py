@@ -194,19 +194,15 @@ def findings_of(name: str, args: tuple[str, ...], text: str) -> list[Answer]:
     ]
 
 
-WORDS = frozenset({"message", "help", "label", "text", "title", "summary"})
+WORDS = frozenset({"message", "notes", "help", "label", "text", "title", "summary"})
 """Keys of a finding that hold a text for people."""
 
 
 def _without_words(value: Any) -> Any:
-    """Return a finding without the texts for people, but with those of its fix."""
+    """Return a finding without the texts for people; edits keep their content."""
     if isinstance(value, dict):
-        fix = "edits" in value or "applicability" in value or "replacement" in value
-        return {
-            key: part if fix else _without_words(part)
-            for key, part in value.items()
-            if fix or key not in WORDS
-        }
+        kept = {key: part for key, part in value.items() if key not in WORDS}
+        return {key: _without_words(part) for key, part in kept.items()}
     if isinstance(value, list):
         return [_without_words(part) for part in value]
     return value
