@@ -32,7 +32,7 @@ class _Said(NamedTuple):
 
 _VERBS = (
     *("senses", "asserts", "erases", "waits for", "requests", "enables"),
-    *("uses", "claims", "not all is known of"),
+    *("uses", "claims", "unknown effects of"),
 )
 """The relations, in the order of the graph."""
 
@@ -58,11 +58,11 @@ def effects_of(library: Library, name: str) -> Graph:
     for below in every:
         rap = raps.get(below)
         if rap is None or summed.is_open(below):
-            found.append(_Said("not all is known of", "rap", below, below))
+            found.append(_Said("unknown effects of", "rap", below, below))
         if rap is not None:
             found += _of_rap(library, rap)
     if library.event_rules:
-        said = _Said("not all is known of", "rap", "event rules", "event rules")
+        said = _Said("unknown effects of", "rap", "event rules", "event rules")
         found.append(said)
     for one in sorted(found, key=lambda one: _VERBS.index(one.verb)):
         target = drawing.vertex(one.kind, f"{one.verb} {one.name}", one.label)

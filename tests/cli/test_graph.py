@@ -128,7 +128,7 @@ def test_what_a_rap_may_do_is_told_of_all_below_it(folder: Path) -> None:
     told += "  requests drive: okay\n"
     told += "  uses wheels\n"
     told += "  claims wheels\n"
-    told += "  not all is known of go\n"
+    told += "  unknown effects of go\n"
     done = rapc(
         "graph", "lib.rap", "--effects", "watch", "--format", "text", cwd=folder
     )
