@@ -9,6 +9,7 @@ import msgspec
 from generator.markdown import sentence, table
 from generator.python import plain
 from rapc import events
+from rapc.base.values import typed
 from rapc.debug.breakpoints import KINDS
 from rapc.language.grammar import GRAMMAR, RULES
 from rapc.language.heads import heads, rules_by_head, spelling
@@ -53,10 +54,7 @@ def world_options(name: str) -> str:
     """Return the table of the options of a world."""
     rows = []
     for option in registry.find_world(name).kit.options:
-        default = str(option.default)
-        if isinstance(option.default, bool):
-            default = default.lower()
-        said = f"{default or 'none'} {option.unit}".strip()
+        said = f"{typed(option.default) or 'none'} {option.unit}".strip()
         rows.append((f"`{option.name}`", said, option.doc))
     return table(("option", "default", "meaning"), rows)
 
