@@ -71,8 +71,8 @@ def _page(one: Rule) -> str:
         f"## {one.name}\n\n"
         f"{one.code}, {one.severity.word}{', opt-in' * one.opt_in}: {one.summary}.\n\n"
         f"{page.why}\n\n"
-        f"For example:\n\n```rap\n{page.example}```\n\n"
-        f"Better:\n\n```rap\n{page.better}```\n\n"
+        f"Example:\n\n```rap\n{page.example}```\n\n"
+        f"Use instead:\n\n```rap\n{page.better}```\n\n"
         + "\n".join(f"- {name}: {said}." for name, said in advice(one).items())
         + "\n"
     )

@@ -140,7 +140,7 @@ def sarif(report: CheckReport) -> str:
 
 def _sarif_rule(rule: Rule) -> dict[str, Any]:
     page = rule.page
-    text = f"{page.why}\n\nFor example:\n\n{page.example}\nBetter:\n\n{page.better}"
+    text = f"{page.why}\n\nExample:\n\n{page.example}\nUse instead:\n\n{page.better}"
     return {
         "id": rule.code,
         "name": rule.name,
