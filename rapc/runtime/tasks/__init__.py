@@ -1,1 +1,1 @@
-"""A task's life: how tasks start, choose, run, and end (T 3.4.1)."""
+"""The loop of a run, and the life of tasks: start, choice, cycle, end (T 3.4.1)."""

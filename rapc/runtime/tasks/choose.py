@@ -40,7 +40,8 @@ Choice = tuple[MethodPlan, Env, Sequence[Held]]
 def choose(run: Run, task: Task, asked: bool = False) -> Choice | None:
     """Return the method to try, or None if there is none.
 
-    If no method holds, ask the problem solver, unless the caller has `asked` before.
+    If no method holds, ask the problem solver, unless the caller has `asked` before. A
+    sole method is not compared with others: its context alone decides.
     """
     context, sole = run.context, task.plan.sole
     context.task = task
