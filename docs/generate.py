@@ -35,6 +35,7 @@ from generator.tables import (
     debugger_commands,
     events_of,
     grammar,
+    vocabulary,
     world_options,
 )
 
@@ -156,6 +157,7 @@ PARTS: Mapping[str, Callable[..., str]] = {
     "settings": settings,
     "slips": slips,
     "targets": targets,
+    "vocabulary": vocabulary,
     "world-options": world_options,
 }
 """The functions that write parts of pages, by the names in markers."""

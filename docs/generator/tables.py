@@ -65,17 +65,32 @@ def grammar(group: str) -> str:
     Lists that may occur repeatedly beside others that occur once are marked *.
     """
     once = [rule for name in leaves(RULES[group]) for rule in _once(name)]
-    listed = [*dict.fromkeys(rules_by_head(group).values()) | _headless(group)]
-    titles = [group.rpartition("_")[2], "meaning"]
-    paged = any(GRAMMAR[rule].pages for rule in listed)
     rows = []
-    for rule in listed:
+    for rule in _listed(group):
         row = GRAMMAR[rule]
-        links = ", ".join(f"[{page[0]}]({page})" for page in row.pages)
         said = f"{row.says}; {row.more}" if row.more else row.says
         mark = " *" if once and rule not in once else ""
-        rows.append([f"`{spelling(rule)}`{mark}", said] + [links] * paged)
-    return table(titles + ["chapter"] * paged, rows)
+        rows.append((f"`{spelling(rule)}`{mark}", said))
+    return table((group.rpartition("_")[2], "meaning"), rows)
+
+
+def vocabulary(title: str, *groups: str) -> str:
+    """Return a table of words of the language, with links to its chapters."""
+    rows = []
+    for rule in dict.fromkeys(rule for group in groups for rule in _listed(group)):
+        [link] = GRAMMAR[rule].pages
+        page, _, anchor = link.rpartition("/")[2].partition("#")
+        chapter = page[0] if page[0].isdecimal() else page.removesuffix(".md")
+        shown = anchor if anchor[:1].isdecimal() else chapter
+        rows.append((f"`{spelling(rule)}`", GRAMMAR[rule].says, f"[{shown}]({link})"))
+    return table((title, "meaning", "see"), rows)
+
+
+def _listed(group: str) -> list[str]:
+    """Return the lists in a group of the grammar; for another rule, the rule."""
+    if RULES[group][0] != "or":
+        return [group]
+    return [*dict.fromkeys(rules_by_head(group).values()) | _headless(group)]
 
 
 def _once(name: str) -> list[str]:
