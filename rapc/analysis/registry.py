@@ -38,9 +38,11 @@ _OTHERS = (
     "loops",
     "monitors",
     "protections",
+    "required_files",
     "settled",
     "skills",
     "times",
+    "unknown_values",
     "unused",
 )
 
