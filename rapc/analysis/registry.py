@@ -32,6 +32,7 @@ _WITH_ERRORS = (
 
 _OTHERS = (
     "agendas",
+    "claims",
     "conditions",
     "constants",
     "goals",

@@ -11,13 +11,6 @@ A constraint is evaluated at each selection of each task below [L 3.21]. The con
 fails if a step at any depth surely undoes the fact and another step follows.
 
 RAP143: formulas with `for` that no step before can make true.
-
-RAP133: methods that claim two things in opposite orders, by the agendas [L 8.27].
-
-A method holds its claimed things while its steps wait. A step below the method may
-claim a second thing. If another task of the agenda claims the things in the opposite
-order at the same priority, the two tasks can deadlock. Only things without variables
-count.
 """
 
 from __future__ import annotations
@@ -35,7 +28,6 @@ from rapc.analysis.facts.effects import (
     done,
     may_establish,
     put_in,
-    things_needed,
 )
 from rapc.analysis.facts.logic import (
     Literal,
@@ -50,7 +42,6 @@ from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import clauses, nodes
 from rapc.ir.printer import format_formula, format_goal
 from rapc.ir.walk import FormulaAt, formulas, input_terms, steps, variable_names
-from rapc.library.library import Library
 
 THREAT = Rule(
     code="RAP126",
@@ -510,106 +501,4 @@ def _vain(one: Literal, step: nodes.Step) -> Diagnostic:
             ),
         ),
         help="protect an effect of the step, or declare the effect",
-    )
-
-
-CROSSED = Rule(
-    code="RAP133",
-    name="crossed-claims",
-    severity=Severity.WARNING,
-    summary="two tasks of an agenda claim the same two things in opposite orders",
-    ignore="where the two tasks never run at the same time",
-    source="T 7.2.1",
-)
-
-_Things = frozenset[nodes.Thing]
-
-
-class _Taken(msgspec.Struct, frozen=True):
-    """A thing that is claimed while others are held."""
-
-    thing: nodes.Thing
-    held: _Things
-    rap: nodes.DefineRap
-
-
-_Orders = Mapping[tuple[nodes.Thing, nodes.Thing], Sequence[_Taken]]
-"""The claims by pairs of a held thing and a claimed thing."""
-
-
-_Known = dict[tuple[nodes.Thing, nodes.Thing], dict[_Things, _Taken]]
-"""The claims of several tasks, by all held things; only the first of equal claims."""
-
-
-@check(CROSSED)
-def crossed_claims(run: Pass) -> Iterator[Diagnostic]:
-    """Find tasks of an agenda that claim two things in opposite orders."""
-    raps = run.library.raps.values()
-    if not any(method.claims for rap in raps for method in rap.methods):
-        return
-    orders: dict[str, _Orders] = {}
-    told: set[_Things] = set()
-    for agenda in run.library.agendas.values():
-        by_priority: dict[int, _Known] = {}
-        for task in agenda.tasks:
-            name = task.goal.name
-            if name not in orders:
-                orders[name] = _orders(run.library, name)
-            others = by_priority.setdefault(task.priority, {})
-            for one, other in _crossed(orders[name], others):
-                pair = frozenset((one.thing, other.thing))
-                if pair not in told:
-                    told.add(pair)
-                    yield _crossing(one, other)
-            for key, taken in orders[name].items():
-                known = others.setdefault(key, {})
-                for other in taken:
-                    known.setdefault(other.held, other)
-
-
-def _orders(library: Library, goal: str) -> _Orders:
-    """Return the certain orders of claims below a task."""
-    found: dict[tuple[nodes.Thing, nodes.Thing], list[_Taken]] = {}
-    waiting: list[tuple[str, _Things]] = [(goal, frozenset())]
-    seen = set(waiting)
-    while waiting and len(seen) < LIMITS.claims_below:
-        name, held = waiting.pop()
-        rap = library.raps.get(name)
-        if rap is None or not rap.methods:
-            continue
-        own = [frozenset(things_needed(library, method)) for method in rap.methods]
-        always = frozenset.intersection(*own) - held
-        for wanted in sorted(always, key=format_formula):
-            for thing in sorted(held, key=format_formula):
-                taken = _Taken(wanted, held, rap)
-                found.setdefault((thing, wanted), []).append(taken)
-        for method, mine in zip(rap.methods, own, strict=True):
-            for step in steps(method):
-                below = (step.goal.name, held | mine)
-                if below not in seen:
-                    seen.add(below)
-                    waiting.append(below)
-    return found
-
-
-def _crossed(orders: _Orders, others: _Known) -> Iterator[tuple[_Taken, _Taken]]:
-    """Yield claims in opposite orders, unless a third thing prevents the deadlock."""
-    for (thing, wanted), mine in orders.items():
-        for other in others.get((wanted, thing), {}).values():
-            one = next((one for one in mine if not one.held & other.held), None)
-            if one is not None:
-                yield one, other
-                break
-
-
-def _crossing(one: _Taken, other: _Taken) -> Diagnostic:
-    first, second = format_formula(one.thing), format_formula(other.thing)
-    return CROSSED.at(
-        one.rap.name_span,
-        f"`{one.rap.name}` claims `{first}` while `{second}` is held, "
-        f"and `{other.rap.name}` claims them in the opposite order",
-        labels=(
-            Label(other.rap.name_span, f"claims `{second}` while `{first}` is held"),
-        ),
-        help="claim both things in one method, or in the same order",
     )

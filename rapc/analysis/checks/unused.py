@@ -1,22 +1,18 @@
-"""Unused inputs, variables, declarations, facts and things."""
+"""Unused inputs, variables, declarations and facts."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 import msgspec
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.facts.index import INDEX, Index, NameUse, Occurrence
-from rapc.analysis.facts.names import declared_at, renaming
-from rapc.analysis.facts.statistics import THRESHOLDS
+from rapc.analysis.facts.index import INDEX, Index, NameUse
+from rapc.analysis.facts.names import declared_at
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.graph import reachable
-from rapc.base.names import Close, Suggestions, is_row, plural
 from rapc.base.source import Span
 from rapc.ir import nodes
-from rapc.ir.printer import format_formula
-from rapc.ir.walk import steps
 from rapc.library.library import Library, name_span
 from rapc.library.signature import Signature
 from rapc.library.signatures import Use
@@ -260,188 +256,4 @@ def _unread(name: str, place: Span, by: Span) -> Diagnostic:
         f"nothing in the library queries `{name}`",
         labels=(Label(by, "asserted here"),),
         help="query the fact, or remove it",
-    )
-
-
-UNUSED_CLAIM = Rule(
-    code="RAP084",
-    name="unused-claim",
-    severity=Severity.WARNING,
-    summary="a RAP that runs once claims a thing that nothing else uses or claims",
-    fix="unsafe: writes the similar thing, if there is one",
-    ignore="where another library that runs at the same time uses the thing",
-    source="L 8",
-)
-
-MISSPELT_THING = Rule(
-    code="RAP086",
-    name="misspelt-thing",
-    severity=Severity.WARNING,
-    summary="a thing is named once, and a similar thing exists",
-    fix="unsafe: writes the similar thing",
-    ignore="where both things are meant: choose a name that is less similar",
-    source="L 8",
-)
-
-
-_Sort = tuple[str, int]
-"""The name of a thing and the number of its arguments."""
-
-_Places = Mapping[_Sort, Sequence[Occurrence[nodes.Thing]]]
-"""The occurrences of things, each once for each method or declaration."""
-
-
-@check(UNUSED_CLAIM, MISSPELT_THING)
-def unused_claim(run: Pass) -> Iterator[Diagnostic]:
-    """Find things without another use or claim, and misspelt names of things."""
-    places = _places(run.result(INDEX).of(nodes.Thing))
-    settled: set[_Sort] = set()
-    for one, other in _misspelt(places):
-        settled |= {_sort(one), _sort(other)}
-        yield _close(run, one.node, other.node)
-    users_known = not any(run.unsure(one.span) for one in _offers(run))
-    if not run.complete or not users_known:
-        return
-    near = Suggestions(sorted({name for name, _ in places}))
-    callers = _callers(run)
-    for sort, named in places.items():
-        if sort not in settled and _is_unused(named, places, callers):
-            yield _unused_thing(run, named[0].node, near, places)
-
-
-def _places(things: Iterable[Occurrence[nodes.Thing]]) -> _Places:
-    found: dict[_Sort, dict[int, Occurrence[nodes.Thing]]] = {}
-    for thing in things:
-        sort = thing.node.name, len(thing.node.args)
-        found.setdefault(sort, {}).setdefault(id(thing.parent), thing)
-    return {sort: list(named.values()) for sort, named in found.items()}
-
-
-def _misspelt(
-    places: _Places,
-) -> Iterator[tuple[Occurrence[nodes.Thing], Occurrence[nodes.Thing]]]:
-    """Yield each thing named once that has a similar name, with the similar thing.
-
-    If the similar name occurs several times, that name counts as correct. If both names
-    occur once, a claim counts as the fault; of two claims, the claim further down.
-    """
-    close: dict[int, Close] = {}
-    for count in {count for _, count in places}:
-        names = sorted(name for name, number in places if number == count)
-        close[count] = Close(names, THRESHOLDS.close_thing)
-    for (name, count), named in places.items():
-        others = [
-            places[other, count]
-            for other in close[count].all_to(name)
-            if not is_row(name, other) and _is_meant(places[other, count], named)
-        ]
-        if others:
-            yield named[0], others[0][0]
-
-
-def _is_meant(
-    other: Sequence[Occurrence[nodes.Thing]], named: Sequence[Occurrence[nodes.Thing]]
-) -> bool:
-    """Return whether a thing with a similar name is the intended thing."""
-    (this, *further), that = named, other[0]
-    if further or len(other) > 1:
-        return not further
-    if not isinstance(this.parent, nodes.Method):
-        return False
-    return not isinstance(that.parent, nodes.Method) or _is_above(that, this)
-
-
-def _is_above(one: Occurrence[nodes.Thing], other: Occurrence[nodes.Thing]) -> bool:
-    first, second = one.node.span, other.node.span
-    return (first.file, first.start) < (second.file, second.start)
-
-
-def _close(run: Pass, thing: nodes.Thing, other: nodes.Thing) -> Diagnostic:
-    return MISSPELT_THING.at(
-        thing.span,
-        f"nothing else uses or claims `{format_formula(thing)}`",
-        labels=(Label(other.span, "a similar thing"),),
-        help=f"did you mean `{other.name}`?",
-        fix=renaming(run.library.files, thing.name, other.name, [thing.span]),
-    )
-
-
-# --- claims without effect ------------------------------------------------------------
-
-
-def _callers(run: Pass) -> Mapping[str, Sequence[str | None]]:
-    """Return, by RAP, the RAPs whose steps call that RAP; None is an agenda."""
-    found: dict[str, list[str | None]] = {}
-    for agenda in run.library.agendas.values():
-        for task in agenda.tasks:
-            found.setdefault(task.goal.name, []).append(None)
-    for rap in run.library.raps.values():
-        for method in rap.methods:
-            for step in steps(method):
-                found.setdefault(step.goal.name, []).append(rap.name)
-    return found
-
-
-def _runs_once(name: str, callers: Mapping[str, Sequence[str | None]]) -> bool:
-    """Return whether a single task of an agenda leads to a RAP, by single steps.
-
-    A host may start any other RAP several times.
-    """
-    seen = set[str]()
-    here: str | None = name
-    while here is not None and here not in seen:
-        seen.add(here)
-        by = callers.get(here, ())
-        if len(by) != 1:
-            return False
-        here = by[0]
-    return here is None
-
-
-def _is_unused(
-    named: Sequence[Occurrence[nodes.Thing]],
-    places: _Places,
-    callers: Mapping[str, Sequence[str | None]],
-) -> bool:
-    """Return whether a thing has no other use, so that its claims have no effect.
-
-    A thing that occurs elsewhere with different arguments is a fault in any case.
-    """
-    first = named[0]
-    if any(
-        not isinstance(one.parent, nodes.Method) or one.owner is not first.owner
-        for one in named
-    ):
-        return False
-    assert isinstance(first.owner, nodes.DefineRap)
-    name, count = _sort(first)
-    elsewhere = any(other == name and number != count for other, number in places)
-    return elsewhere or _runs_once(first.owner.name, callers)
-
-
-def _offers(run: Pass) -> Iterable[nodes.DeclarePrimitive | nodes.DeclareSkill]:
-    """Return the declarations that may use things."""
-    return (*run.library.primitives.values(), *run.library.skills.values())
-
-
-def _sort(thing: Occurrence[nodes.Thing]) -> _Sort:
-    return thing.node.name, len(thing.node.args)
-
-
-def _unused_thing(
-    run: Pass, thing: nodes.Thing, near: Suggestions, places: _Places
-) -> Diagnostic:
-    written = format_formula(thing)
-    others = sorted(count for name, count in places if name == thing.name)
-    others.remove(len(thing.args))
-    help_, meant = near.did_you_mean(thing.name), near.near(thing.name)
-    if others:
-        meant = None
-        amount = plural(others[0], "argument") if others[0] else "no arguments"
-        help_ = f"other uses of `{thing.name}` have {amount}"
-    return UNUSED_CLAIM.at(
-        thing.span,
-        f"nothing else uses or claims `{written}`",
-        help=help_,
-        fix=renaming(run.library.files, thing.name, meant, [thing.span]),
     )
