@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
-import shlex
 from pathlib import Path
 
 import pytest
@@ -16,7 +14,6 @@ pytestmark = pytest.mark.xdist_group("compile")
 
 CHECKOUT = Path(__file__).parents[2]
 KITCHEN = CHECKOUT / "tests" / "library" / "kitchen.rap"
-PAGE = (CHECKOUT / "docs" / "how-to" / "compile.md").read_text(encoding="utf-8")
 FAULTY = """\
 (declare-primitive push (?thing) (okay))
 (declare-memory-proposition big (?thing))
@@ -193,13 +190,3 @@ def test_no_file_that_is_there_is_lost(tmp_path: Path) -> None:
 def test_what_is_no_plain_file_is_written_to() -> None:
     done = rapc("compile", str(KITCHEN), "-o", "/dev/stdout")
     assert done.stdout.startswith(f"rapc-library {FORMAT} ")
-
-
-def test_the_commands_on_the_page_work(tmp_path: Path) -> None:
-    (tmp_path / "examples").symlink_to(CHECKOUT / "examples")
-    commands = re.findall(r"^rapc (.*)$", PAGE, re.M)
-    done = [rapc(*shlex.split(c), cwd=tmp_path) for c in commands]
-    assert [d.returncode for d in done] == [0, 0, 0]
-    assert f"```text\n{done[-1].stdout}```" in PAGE
-    first = (tmp_path / "rocks.rapc").read_text().partition("\n")[0]
-    assert re.sub(r"[0-9a-f]{64}$", "CHECKSUM", first) in PAGE
