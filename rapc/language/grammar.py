@@ -101,7 +101,7 @@ GRAMMAR: Mapping[str, Production] = {
     "sensor_name": Production(('list', '"know-sensor-name"', 'term', ('?', 'term')), says='whether an item has a sensor name', takes='an item and optionally `true` or `false`', breaks='malformed-formula', pages=('2-queries.md#2.64',)),
     "count": Production(('list', '"count"', 'term', 'term', 'term'), says='the number of items of a class at a place', takes='a class, a place and a number', breaks='malformed-formula', pages=('../explanation/memory.md',)),
     "truth": Production(('or', '"t"', '"true"', '"nil"', '"false"'), says='always holds, or never holds', breaks='malformed-formula', pages=('2-queries.md#2.8',)),
-    "otherwise": Production('"otherwise"', says='in a context: no preceding method fits', breaks='malformed-formula', pages=('7-names.md#otherwise',)),
+    "otherwise": Production('"otherwise"', says='in a context: no preceding method applies', breaks='malformed-formula', pages=('7-names.md#otherwise',)),
     "proposition": Production(('list', 'PREDICATE', ('*', 'term')), says='a fact, or a declared function as a test', breaks='malformed-proposition', wrong='expected a proposition, not {kind}', help='write a name and its arguments in parentheses', short='(fact)', pages=('2-queries.md#facts',)),
     "request": Production(('list', 'PRIMITIVE', ('*', 'term')), short='(request)'),
     "skill": Production(('list', 'SKILL', ('*', 'term')), short='(:skill argument...)'),
