@@ -53,3 +53,9 @@ def test_each_list_with_a_head_has_a_meaning() -> None:
     heads = {rule for group in groups for rule in rules_by_head(group).values()}
     lists = {rule for rule in heads if RULES[rule][0] == "list"}
     assert lists <= {rule for rule, row in GRAMMAR.items() if row.says}
+
+
+def test_figures_are_drawn_before_the_site_is_built() -> None:
+    """A browser would draw a Mermaid block with a script of another host."""
+    pages = (CHECKOUT / "docs").rglob("*.md")
+    assert [file for file in pages if "```mermaid" in file.read_text("utf-8")] == []
