@@ -54,6 +54,6 @@ def test_main_job_does_what_it_is_for() -> None:
 
 
 def test_rap_code_in_the_readme_is_clean() -> None:
-    [block] = re.findall(r"^```rap\n(.*?)^```$", README, re.M | re.S)
+    [block] = re.findall(r"^```rap title=.*?\n(.*?)^```$", README, re.M | re.S)
     report = driver.check_library(load_text(block))
     assert (report.raps, report.findings) == (1, ())
