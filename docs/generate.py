@@ -30,6 +30,7 @@ from generator.limits import formats, limits, settings
 from generator.markdown import block, table
 from generator.measurements import profiles, slips, targets
 from generator.python import api
+from generator.session import session
 from generator.tables import (
     breakpoints,
     debugger_commands,
@@ -99,6 +100,7 @@ def pages() -> Iterator[tuple[Path, str]]:
     """Yield the pages that are generated as a whole."""
     yield DOCS / "index.md", NOTE.format("README.md") + front_page()
     yield DOCS / "figures" / "cycle.svg", cycle()
+    yield DOCS / "figures" / "repl.svg", session()
     for rule in rules().values():
         note = NOTE.format(f"rapc/rules/{rule.name}.md")
         yield DOCS / "reference" / "rules" / f"{rule.name}.md", note + rule_page(rule)
