@@ -61,7 +61,7 @@ def test_slower_rows_are_marked_and_rows_of_one_side_named() -> None:
     ]
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_checkout_is_measured_beside_itself() -> None:
     command = [sys.executable, "-m", "bench.paired", "--against", str(CHECKOUT)]
     done = subprocess.run(

@@ -10,7 +10,7 @@ from tests.effort import first
 
 @pytest.mark.parametrize(
     "asked",
-    first(1, [("courier", 90, 12), *((name, 400, 60) for name in moments.RUNS)]),
+    first(1, [("courier", 90, 12), *((name, 300, 25) for name in moments.RUNS)]),
     ids=str,
 )
 def test_what_is_asked_at_random_moments_leaves_no_mark(

@@ -53,7 +53,7 @@ def test_random_words_and_marks(text: str) -> None:
     hold_places(text)
 
 
-@examples(1500, share=15)
+@examples(600, share=6)
 @given(FORMS)
 def test_random_forms(text: str) -> None:
     hold_places(text)

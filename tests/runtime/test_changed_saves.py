@@ -20,7 +20,7 @@ def test_changed_saves_are_refused_or_go_on(name: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", changed_saves.RUNS)
 def test_many_changed_saves_are_refused_or_go_on(name: str) -> None:
-    _try(name, 20 * RECORDS[name], seed=1)
+    _try(name, 8 * RECORDS[name], seed=1)
 
 
 def _try(name: str, records: int, seed: int) -> None:

@@ -13,7 +13,7 @@ from tests.effort import first
 from .runs import FACTORIES, Run, order
 
 LONGEST = 3000
-CHUNKS = (range(3), *(range(at, at + 25) for at in range(3, 203, 25)))
+CHUNKS = (range(3), *(range(at, at + 25) for at in range(3, 128, 25)))
 
 
 @pytest.mark.parametrize("seeds", first(1, CHUNKS), ids=str)

@@ -15,13 +15,13 @@ from .runs import STDLIB, Run, library, order, task
 
 pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("situations")]
 
-SEEDS = range(200)
+SEEDS = range(80)
 OPTIONS = {"enemy-interval": 60, "fuel": 1000, "fuel-capacity": 1000}
 
 
 @pytest.fixture(scope="module")
 def runs() -> Sequence[Run]:
-    """A run for each seed; about ten seconds in all."""
+    """A run for each seed; about four seconds in all."""
     compiled = library(STDLIB / "truck")
     return [
         Run(
@@ -58,8 +58,8 @@ def test_troops_are_gone_or_left_within_forty_units(runs: Sequence[Run]) -> None
 
 def test_both_ways_of_getting_rid_of_them_are_gone(runs: Sequence[Run]) -> None:
     ways = Counter(met.how for run in runs for met in run.world.encounters)
-    assert ways["shot"] > 100
-    assert ways["left"] > 100
+    assert ways["shot"] > 40
+    assert ways["left"] > 40
     assert sum(map(captured, runs)) <= 4
 
 
