@@ -45,7 +45,7 @@ def _of_experiments() -> Iterator[tuple[str, object, object]]:
     yield "keys of a part", sorted(first_words(of_part, _KEY)), sorted(_keys(Series))
     told = ticked(of_part.partition("A `reference` has")[2].partition("\n\n")[0])
     yield "keys of a reference", _keys(Reference) & {*told}, _keys(Reference)
-    told = first_words(section(EXPERIMENTS, "## What is measured", "\n## "), _KEY)
+    told = first_words(section(EXPERIMENTS, "## Measures", "\n## "), _KEY)
     yield "measures", told, list(LABELS)
 
 
