@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shlex
 from pathlib import Path
 
 from rapc.base.values import Text
@@ -13,7 +12,6 @@ from rapc.runtime.task_request import read_task_request
 from rapc.worlds.truck.kinds import KINDS
 from rapc.worlds.truck.map_text import read_map
 from rapc.worlds.truck.primitives import OFFER
-from tests.cli.command import rapc
 
 from . import script_of_the_manual
 from .drive import Driver
@@ -64,11 +62,3 @@ def test_script_of_the_world_api_works() -> None:
     assert interpreter.memory.query("holding", None, None) == [
         ("holding", "left", "cup")
     ]
-
-
-def test_the_truck_page_shows_a_frame_as_it_is_drawn() -> None:
-    section = TRUCK.partition("## A run to look at\n")[2]
-    [command] = re.findall(r"^```sh\nrapc (.*)\n```$", section, re.M)
-    [frame] = re.findall(r"^```text\n(.*?)^```$", section, re.M | re.S)
-    done = rapc(*shlex.split(command), cwd=DOCS.parent, COLUMNS="80", LINES="24")
-    assert done.stdout.partition("Run over")[0] == frame
