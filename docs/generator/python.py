@@ -68,12 +68,12 @@ _REFERENCE = re.compile(r" ?\[[TSL] [^\]]*\]")
 _PART = re.compile(r"^(Args|Returns|Yields|Raises):$", re.M)
 
 
-def api(module: str) -> str:
-    """Return the reference of the public names of a module."""
+def api(module: str, *names: str) -> str:
+    """Return the reference of some public names of a module, or of all names."""
     home = import_module(module)
-    names = [name for name in home.__all__ if name != "__version__"]
-    names.sort(key=lambda name: _order(getattr(home, name)))
-    return "\n".join(filter(None, [_name(home, name) for name in names]))
+    public = [name for name in home.__all__ if name != "__version__"]
+    public.sort(key=lambda name: _order(getattr(home, name)))
+    return "\n".join(filter(None, [_name(home, name) for name in names or public]))
 
 
 def _order(found: object) -> int:

@@ -6,7 +6,7 @@ import re
 import subprocess
 import sys
 
-from rapc import events
+from rapc import events, world
 from rapc.cli.main import COMMANDS
 from rapc.language.grammar import GRAMMAR, RULES
 from rapc.language.heads import rules_by_head
@@ -38,6 +38,11 @@ def test_pages_have_the_parts_of_all_commands_and_events() -> None:
     named = parts("reference/trace", "events")
     assert len(named) == len({*named})
     assert {*named} == {*events.kinds()}
+
+
+def test_page_of_worlds_has_the_parts_of_all_names() -> None:
+    named = [one for one in parts("reference/worlds-api", "api") if one != "rapc.world"]
+    assert sorted(named) == sorted(world.__all__)
 
 
 def test_each_list_with_a_head_has_a_meaning() -> None:
