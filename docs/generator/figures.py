@@ -20,6 +20,9 @@ FIGURES: Mapping[str, str] = {
     "fill-order.svg": "stdlib/truck --rap fill-order",
     "stay-charged.svg": "examples/courier --effects stay-charged",
     "s-figure2.svg": "s-figure2.dot",
+    "s-figure4.svg": "rapc:hallway --skills 0.1 --world hallway --task '(pass 0)'",
+    "s-figure5.svg": "rapc:hallway --skills 0.1 --world hallway "
+    "--task '(follow-hall-to-end)'",
 }
 """The figures that Graphviz draws: a file, or arguments of `rapc graph`."""
 
@@ -29,7 +32,8 @@ def graph(source: str) -> str:
     if source.endswith(".dot"):
         return (DOCS / "figures" / source).read_text(encoding="utf-8")
     path, *options = shlex.split(source)
-    done = CliRunner().invoke(cli, ["graph", str(ROOT / path), *options])
+    library = path if path.startswith("rapc:") else str(ROOT / path)
+    done = CliRunner().invoke(cli, ["graph", library, *options])
     if done.exit_code:
         raise ValueError(done.output)
     return done.stdout
