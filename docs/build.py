@@ -33,7 +33,7 @@ MOVED: Mapping[str, str] = {
     "experiments": "how-to/experiments",
     "glossary": "reference/glossary",
     "hallway": "reference/hallway",
-    "idioms": "how-to/idioms",
+    "idioms": "how-to/index",
     "library-hallway": "libraries/hallway",
     "library-truck": "libraries/truck",
     "library-truck-beyond": "libraries/truck-beyond",

@@ -33,7 +33,6 @@ WIDE = frozenset(
         "how-to/behaviour-trees",
         "how-to/ci",
         "how-to/experiments",
-        "how-to/idioms",
         "index",
         "language/1-text",
         "language/2-queries",
