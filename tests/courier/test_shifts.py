@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import re
-from pathlib import Path
-
 import pytest
 
 from rapc.testing.discover import find
@@ -12,10 +9,6 @@ from rapc.testing.run import Case, Status, run_case
 from tests.claims import claimants_of, users_of
 from tests.courier.shifts import CLAIM, COURIER, library, work_a_shift
 from tests.effort import first
-
-PAGE = (Path(__file__).parents[2] / "docs" / "reference" / "courier.md").read_text(
-    encoding="utf-8"
-)
 
 
 @pytest.mark.parametrize("seed", first(5, range(60)))
@@ -66,12 +59,3 @@ def _name(case: Case) -> str:
 def test_its_own_tests_hold_whatever_chance_does(case: Case) -> None:
     for seed in range(5):
         assert run_case(case, seed).status is Status.PASSED
-
-
-def test_the_page_quotes_the_library() -> None:
-    files = "".join(file.read_text(encoding="utf-8") for file in COURIER.glob("*.rap"))
-    shown = re.findall(r"^```rap\n(.*?)^```$", PAGE, re.M | re.S)
-    assert shown
-    for block in shown:
-        for form in block.split("\n\n"):
-            assert form.strip() in files
