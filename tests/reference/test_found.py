@@ -330,3 +330,18 @@ def test_an_input_that_has_lost_its_value_when_the_step_may_run_fails_it() -> No
     )
     assert told[0].startswith("5 faulted 1 step `t1` at lib.rap:")
     assert told[1] == "5 failed 2 (use (+ (look-up a) 1)) interference interference"
+
+
+def test_windows_of_a_step_that_may_run_are_read_in_the_order_of_the_text() -> None:
+    text = """
+    (define-rap (top ?i) (method (task-net (t1 (sub)) (t2 (sub) {}))))
+    (define-rap (sub) (method (primitive (act c))))
+    """
+    at_once = "(window now 4 ?w) (window now 2 (* 1 ?i))"
+    after_a_step = "(window t1 4 ?w) (window t1 2 (* 1 ?i))"
+    for windows in (at_once, after_a_step):
+        told = play(text.format(windows), "(top d)", only="query-faulted")
+        assert [line.rpartition(": ")[2] for line in told[:2]] == [
+            "?w is not bound",
+            "`d` is not a number",
+        ]

@@ -152,7 +152,8 @@ def release_followers(
     if method_run.plan.windows:
         for at in following:
             if steps[at].live:
-                read_windows(run, steps[at])
+                may_run = following.count(at) == steps[at].waiting
+                read_windows(run, steps[at], last=may_run)
     for at in following:
         task = steps[at]
         if task.state is not ENDED:

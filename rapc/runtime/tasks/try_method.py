@@ -208,10 +208,10 @@ def _release_steps(run: Run, method_run: MethodRun) -> None:
         run.state.numbers = number
     for position in plan.first_steps:
         task = steps[position]
-        if task.wait is not None:
-            read_windows(run, task)
         if task.waiting == 0:
             release(run, task)
+        elif task.wait is not None:
+            read_windows(run, task)
 
 
 def _note(run: Run, method_run: MethodRun, method: MethodPlan) -> bool:
