@@ -206,10 +206,11 @@ def obstacles(record: RunRecord, before: Program, after: Program) -> Iterator[st
         before: the present library of the run.
         after: the library with the new declarations.
     """
-    for name, facts in record.memory.facts:
+    beliefs, sets = record.memory.memory, record.memory.recognizer.sets
+    for name, table in beliefs.facts.tables:
         old = before.signatures.relations[str(name)]
         new = after.signatures.relations.get(str(name))
-        yield from _of_facts(old, new, [fact for fact, _ in facts], after)
+        yield from _of_facts(old, new, [fact for fact, _ in table.stamps], after)
     state = record.state
     asked = [("is under way", fact) for _, (_, fact) in state.pending]
     yield from _declared_otherwise(
@@ -219,7 +220,7 @@ def obstacles(record: RunRecord, before: Program, after: Program) -> Iterator[st
     activations = [one for _, one in (*tables.on, *tables.off)]
     on = [("is on", skill) for one in activations for skill in one.skills]
     yield from _declared_otherwise(on, before.library.skills, after.library.skills)
-    known = {item.kind for item in (*record.memory.items, *record.memory.empty)}
+    known = {one.kind for one in (*beliefs.items.known, *sets)}
     old_classes, new_classes = before.library.indistinct, after.library.indistinct
     for kind in sorted(known):
         if old_classes.get(kind) != new_classes.get(kind):

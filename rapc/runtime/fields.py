@@ -23,3 +23,6 @@ Natural = Annotated[int, msgspec.Meta(ge=0)]
 
 Limit = Annotated[float, "perhaps infinite"]
 """A time, or infinity."""
+
+Stamp = Annotated[float, "perhaps never"]
+"""A time, or negative infinity: older than any time."""

@@ -53,15 +53,8 @@ class Run:
         self.state = RunState()  # `restore` replaces it
         self.recorder = Recorder()
         self.recorder.time = number(port.now())
-        comparators: Mapping[str, Callable[..., Any]] = port.code["the comparator"]
         #: The memory for handlers; the two fields below are parts of it.
-        self.access = Gate(
-            library.library,
-            library.signatures,
-            self.recorder,
-            comparators,
-            settings.max_layers,
-        )
+        self.access = empty_gate(self)
         self.beliefs, self.recognizer = self.access.memory, self.access.recognizer
         self.context = self.new_context()
         #: Evaluates explanations of failures, without changing the run.
@@ -143,3 +136,16 @@ class Run:
             task for task in at_work if task.plan.recursive or self.all_may_recur
         ]
         self.state.active_identities = dict(Counter(task.identity for task in counted))
+
+
+def empty_gate(run: Run) -> Gate:
+    """Return an empty memory for the library of a run."""
+    library = run.library
+    comparators: Mapping[str, Callable[..., Any]] = run.port.code["the comparator"]
+    return Gate(
+        library.library,
+        library.signatures,
+        run.recorder,
+        comparators,
+        run.settings.max_layers,
+    )

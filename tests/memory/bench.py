@@ -80,6 +80,7 @@ class MemoryBench:
         record: bool = True,
     ) -> None:
         self.events: list[Event] = []
+        self.library = library
         self.recorder = Recorder()
         if record:
             self.recorder.listen(self.events.append)

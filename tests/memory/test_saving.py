@@ -7,10 +7,12 @@ import random
 import msgspec
 import pytest
 
-from rapc.base.values import Fact, Text
+from rapc.compiler.program import Program
 from rapc.events import Event
 from rapc.runtime.memory.facts import NEVER
-from rapc.runtime.memory.saving import MemoryState, capture_memory, restore_memory
+from rapc.runtime.memory.gate import Gate
+from rapc.runtime.saving.codecs import Reader, Writer, fields_of
+from rapc.runtime.saving.memory_checks import check_memory
 from tests.effort import first
 
 from .bench import MemoryBench
@@ -19,11 +21,15 @@ from .walking import Step, Walk
 
 
 def _bytes(memory: MemoryBench) -> bytes:
-    return msgspec.msgpack.encode(capture_memory(memory.gate))
+    return msgspec.json.encode(fields_of(Gate).write(Writer(memory.gate), memory.gate))
 
 
 def _restore(memory: MemoryBench, saved: bytes) -> None:
-    restore_memory(memory.gate, msgspec.msgpack.decode(saved, type=MemoryState))
+    record = msgspec.json.decode(saved, type=fields_of(Gate).saved)
+    gate = MemoryBench(memory.library).gate
+    fields_of(Gate).read(Reader(Program(memory.library), gate), record)
+    check_memory(gate)
+    memory.gate.take_up(gate)
 
 
 def _steps(seed: int, count: int) -> list[Step]:
@@ -105,20 +111,6 @@ def test_exclusion_by_a_fact_that_has_gone_outlives_a_restore() -> None:
     memory.assert_fact("mark", new, "x")
     assert memory.name(new) == old
     assert memory.memory.value("contains", old, "nuts") is None
-
-
-def test_notations_are_held_by_as_many_methods() -> None:
-    memory = bench(DRUMS)
-    inside = memory.gate.memory
-    fact: Fact = ("near", "a", Text("b"))
-    inside.note(fact)
-    inside.note(fact)
-    _restore(memory, _bytes(memory))
-    notation = inside.notations.by_fact[fact]
-    inside.release_notation(notation)
-    assert fact in inside.facts
-    inside.release_notation(notation)
-    assert fact not in inside.facts
 
 
 def test_queries_keep_their_tables() -> None:

@@ -4,36 +4,66 @@ from __future__ import annotations
 
 import pkgutil
 import random
+from collections.abc import Iterator
 from importlib import import_module
 from typing import Any
 
+import msgspec
 import pytest
 
-from rapc.runtime import state
+from rapc.runtime import memory, state
 from rapc.runtime.fields import LEFT_OUT
+from rapc.runtime.memory.gate import Gate
 from rapc.runtime.saving.codecs import codec
 from rapc.runtime.state.agenda import Agenda
+from tests.runtime.helpers import Play
+
+WITHOUT_STATE = {
+    "Candidates",
+    "ItemEvents",
+    "MemoryBatch",
+    "MemoryView",
+    "SameKnown",
+    "Score",
+    "Scores",
+    "Tables",
+}
+"""Classes of memory that hold nothing of a run but what others have."""
+
+
+def _modules(package: Any) -> Iterator[Any]:
+    for found in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
+        yield import_module(found.name)
 
 
 def _classes() -> list[Any]:
-    names = [found.name for found in pkgutil.iter_modules(state.__path__)]
-    modules = [import_module(f"{state.__name__}.{name}") for name in names]
     return [
         one
-        for module in modules
+        for package in (state, memory)
+        for module in _modules(package)
         for name, one in vars(module).items()
         if isinstance(one, type)
         and one.__module__ == module.__name__
         and not name.startswith("_")
-        and not issubclass(one, tuple)
+        and not issubclass(one, tuple | msgspec.Struct)
+        and not getattr(one, "_is_protocol", False)
+        and name not in WITHOUT_STATE
     ]
+
+
+def _fields(kind: Any) -> set[str]:
+    """Return the names of the attributes of a class's objects."""
+    if kind is Agenda:
+        return set(vars(Agenda(random.Random())))
+    if kind is Gate:
+        run = Play("(define-rap (go) (method (primitive (slow a))))").interpreter
+        return set(vars(run.access))
+    return {name for one in kind.__mro__ for name in getattr(one, "__slots__", ())}
 
 
 @pytest.mark.parametrize("kind", _classes())
 def test_fields_of_state_class_are_saved_or_left_out(kind: Any) -> None:
-    slots = getattr(kind, "__slots__", None)
-    fields = vars(Agenda(random.Random())) if slots is None else slots
-    assert set(kind.FIELDS) == set(fields)
+    assert set(kind.FIELDS) == _fields(kind)
     for saved_as in kind.FIELDS.values():
         assert saved_as == LEFT_OUT or codec(saved_as).saved is not None
 

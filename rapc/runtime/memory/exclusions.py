@@ -14,10 +14,12 @@ choice between two facts that exclude each other (`memory`, `recognition.merging
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from typing import ClassVar
 
 from rapc.base.values import Atom, Fact
 from rapc.ir import nodes
 from rapc.library.signatures import Signatures
+from rapc.runtime.fields import LEFT_OUT, Fields
 from rapc.runtime.memory.facts import PREFIX, FactStore
 from rapc.world import Time
 
@@ -68,6 +70,13 @@ class _Side:
 class Exclusions:
     """The exclusions of a library, evaluated over the facts of a store."""
 
+    FIELDS: ClassVar[Fields] = {
+        "by_item": dict[str, dict[Excluded, Past]],
+        "_facts": LEFT_OUT,
+        "_pairs": LEFT_OUT,
+    }
+    __slots__ = tuple(FIELDS)
+
     def __init__(
         self,
         properties: Iterable[nodes.DeclareProperty],
@@ -76,7 +85,7 @@ class Exclusions:
     ) -> None:
         self._facts = facts
         #: The past assertions by item, then by the excluded patterns.
-        self._past: dict[str, dict[Excluded, Past]] = {}
+        self.by_item: dict[str, dict[Excluded, Past]] = {}
         self._pairs: dict[Atom, list[tuple[_Side, _Side]]] = {}
         for declared in properties:
             for exclusion in declared.excludes:
@@ -118,38 +127,25 @@ class Exclusions:
         """
         excluded = self.excluded(fact)
         for item in items_of(excluded):
-            known = self._past.setdefault(item, {})
+            known = self.by_item.setdefault(item, {})
             before = known.get(excluded)
             if before is None or before[1] <= time:
                 known[excluded] = (fact, time)
 
     def past(self, item: str) -> list[Past]:
         """Return the last assertions of facts that exclude facts of an item."""
-        return list(self._past.get(item, {}).values())
+        return list(self.by_item.get(item, {}).values())
 
     def forget(self, item: str) -> list[Past]:
         """Drop the past assertions of an item, and return them."""
-        dropped = self._past.pop(item, {})
+        dropped = self.by_item.pop(item, {})
         for excluded in dropped:
             for other in items_of(excluded):
-                known = self._past.get(other, {})
+                known = self.by_item.get(other, {})
                 known.pop(excluded, None)
                 if not known:
-                    self._past.pop(other, None)
+                    self.by_item.pop(other, None)
         return list(dropped.values())
-
-    def state(self) -> tuple[tuple[str, tuple[Past, ...]], ...]:
-        """Return the past assertions by item, as `load` takes them."""
-        return tuple(
-            (item, tuple(known.values())) for item, known in self._past.items()
-        )
-
-    def load(self, state: Iterable[tuple[str, Iterable[Past]]]) -> None:
-        """Replace the past assertions by those that `state` returned."""
-        self._past = {
-            item: {self.excluded(fact): (fact, time) for fact, time in known}
-            for item, known in state
-        }
 
 
 def items_of(excluded: Excluded) -> Iterable[str]:

@@ -11,12 +11,13 @@ forgotten.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import lru_cache
-from typing import Any
+from typing import Any, ClassVar
 
 from rapc.base.values import Atom, Fact
 from rapc.library.signature import Signature
+from rapc.runtime.fields import LEFT_OUT, Fields, Stamp
 from rapc.world import Time
 
 NEVER: Time = float("-inf")
@@ -39,7 +40,15 @@ class FactTable:
     These dicts stay the same objects for the life of the table.
     """
 
-    __slots__ = ("_indexes", "is_property", "length", "spread", "stamps", "values")
+    FIELDS: ClassVar[Fields] = {
+        "is_property": LEFT_OUT,
+        "length": LEFT_OUT,
+        "stamps": dict[Fact, Stamp],
+        "values": LEFT_OUT,
+        "spread": LEFT_OUT,
+        "_indexes": LEFT_OUT,
+    }
+    __slots__ = tuple(FIELDS)
 
     def __init__(self, relation: Signature | None) -> None:
         self.is_property = relation is not None and relation.is_property
@@ -116,20 +125,25 @@ class FactTable:
                 else:
                     del bucket[fact]
 
-    def load(self, facts: Iterable[tuple[Fact, Time]]) -> None:
+    def take_up(self, stamps: Mapping[Fact, Time]) -> None:
         """Replace the facts, which are in the order of their assertion.
 
         The dicts stay the same objects: compiled queries have them in hand.
         """
         self.stamps.clear()
+        self.stamps.update(stamps)
         self.values.clear()
-        for buckets in self._indexes.values():
+        if self.is_property:
+            for fact in stamps:
+                self.values[fact[1] if len(fact) == 3 else fact[1:-1]] = fact
+        for at, buckets in self.spread:
             buckets.clear()
-        for fact, time in facts:
-            self.add(fact, time)
+            for fact in stamps:
+                if at < len(fact):
+                    buckets.setdefault(fact[at], {})[fact] = None
 
 
-class _Tables(dict[Atom, FactTable]):
+class Tables(dict[Atom, FactTable]):
     """The tables of a store by name; a look-up creates a missing table."""
 
     def __init__(self, relation: Callable[[str], Signature | None]) -> None:
@@ -148,8 +162,11 @@ class FactStore:
         relation: the declaration of a name, if there is one.
     """
 
+    FIELDS: ClassVar[Fields] = {"tables": Tables}
+    __slots__ = tuple(FIELDS)
+
     def __init__(self, relation: Callable[[str], Signature | None]) -> None:
-        self.tables = _Tables(relation)
+        self.tables = Tables(relation)
 
     def __contains__(self, fact: object) -> bool:
         """Return whether a fact is stored."""
@@ -161,12 +178,13 @@ class FactStore:
         for table in self.tables.values():
             yield from table.stamps
 
-    def load(self, tables: Iterable[tuple[Atom, Iterable[tuple[Fact, Time]]]]) -> None:
-        """Replace all facts, name by name, oldest assertion first."""
-        for table in self.tables.values():
-            table.load(())
-        for name, facts in tables:
-            self.table(name).load(facts)
+    def take_up(self, other: FactStore) -> None:
+        """Replace all facts by those of another store."""
+        for name, table in self.tables.items():
+            if name not in other.tables:
+                table.take_up({})
+        for name, table in other.tables.items():
+            self.table(name).take_up(table.stamps)
 
     def table(self, name: Atom) -> FactTable:
         """Return the table of a name, which stays the same object."""
@@ -226,34 +244,28 @@ class Mentions:
     Facts of all names are in one order, that of their last assertion.
     """
 
-    __slots__ = ("_facts",)
+    FIELDS: ClassVar[Fields] = {"by_item": dict[str, dict[Fact, None]]}
+    __slots__ = tuple(FIELDS)
 
     def __init__(self) -> None:
-        self._facts: dict[Atom, dict[Fact, None]] = {}
+        #: The facts by item, each table in the order of the assertions.
+        self.by_item: dict[Atom, dict[Fact, None]] = {}
 
     def added(self, fact: Fact) -> None:
         """Add an asserted fact as the youngest, also after a repeated assertion."""
         for part in filter(_is_item, fact[1:]):
-            known = self._facts.setdefault(part, {})
+            known = self.by_item.setdefault(part, {})
             known.pop(fact, None)
             known[fact] = None
 
     def removed(self, fact: Fact) -> None:
         """Remove a fact that is gone."""
         for part in filter(_is_item, fact[1:]):
-            known = self._facts.get(part, {})
+            known = self.by_item.get(part, {})
             known.pop(fact, None)
             if not known:
-                self._facts.pop(part, None)
-
-    def state(self) -> tuple[tuple[str, tuple[Fact, ...]], ...]:
-        """Return the facts by item, as `load` takes them."""
-        return tuple((str(name), tuple(facts)) for name, facts in self._facts.items())
-
-    def load(self, state: Iterable[tuple[str, Iterable[Fact]]]) -> None:
-        """Replace the facts by those that `state` returned."""
-        self._facts = {name: dict.fromkeys(facts) for name, facts in state}
+                self.by_item.pop(part, None)
 
     def of(self, name: str) -> list[Fact]:
         """Return the facts that mention an item, oldest first, each once."""
-        return list(self._facts.get(name, ()))
+        return list(self.by_item.get(name, ()))

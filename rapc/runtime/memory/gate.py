@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, ClassVar
 
 from rapc.base import source
 from rapc.base.values import Atom, Fact, format_list
@@ -14,6 +14,7 @@ from rapc.language.atoms import need_atoms
 from rapc.library.library import Library
 from rapc.library.signatures import Signatures, kind_tests
 from rapc.runtime.events.recorder import Recorder
+from rapc.runtime.fields import LEFT_OUT, Fields
 from rapc.runtime.memory.facts import NEVER
 from rapc.runtime.memory.items import Item
 from rapc.runtime.memory.memory import (
@@ -150,6 +151,19 @@ class Gate(MemoryView):
         max_layers: how many layers an expectation set keeps.
     """
 
+    FIELDS: ClassVar[Fields] = {
+        "memory": Memory,
+        "recognizer": Recognizer,
+        "closing": LEFT_OUT,
+        "answers": LEFT_OUT,
+        "_memory": LEFT_OUT,
+        "_recorder": LEFT_OUT,
+        "_files": LEFT_OUT,
+        "_counted": LEFT_OUT,
+        "_of_kinds": LEFT_OUT,
+        "_batch": LEFT_OUT,
+    }
+
     def __init__(
         self,
         library: Library,
@@ -233,6 +247,12 @@ class Gate(MemoryView):
             content = items.named(content)
         handlers[str(content[0])](self, content)
         return content
+
+    def take_up(self, other: Gate) -> None:
+        """Replace the memory by that of another gate of the same library."""
+        self.drop_batch()
+        self.memory.take_up(other.memory)
+        self.recognizer.take_up(other.recognizer)
 
     def recognise(self) -> None:
         """Recognise items, if a description has changed."""

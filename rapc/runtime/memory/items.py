@@ -7,21 +7,32 @@ that no handler introduced is a plain symbol: it is its own sensor name.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from typing import Annotated, ClassVar
 
 from rapc.base.values import Atom, Fact
+from rapc.runtime.fields import LEFT_OUT, Fields
 
 
 class Item:
     """One introduced item: its sensor name, introducing class, and reach."""
 
-    __slots__ = ("accessible", "kind", "name", "sensor")
+    FIELDS: ClassVar[Fields] = {
+        "name": str,
+        "sensor": str,
+        "kind": str,
+        "accessible": bool,
+    }
+    __slots__ = tuple(FIELDS)
 
     def __init__(self, name: str, sensor: str, kind: str) -> None:
         self.name = name
         self.sensor = sensor
         self.kind = kind
         self.accessible = True
+
+
+ItemsByName = Annotated[dict[str, Item], "saved as names"]
+"""Items that are known, by name or sensor name."""
 
 
 class Items:
@@ -31,6 +42,16 @@ class Items:
     `gone` holds the names of items that memory has forgotten.
     """
 
+    FIELDS: ClassVar[Fields] = {
+        "known": dict[str, Item],
+        "aliases": dict[str, str],
+        "renamings": LEFT_OUT,
+        "gone": set[str],
+        "by_sensor": ItemsByName,
+        "reach": ItemsByName,
+    }
+    __slots__ = tuple(FIELDS)
+
     def __init__(self) -> None:
         self.known: dict[str, Item] = {}
         self.aliases: dict[str, str] = {}
@@ -38,29 +59,16 @@ class Items:
         self.renamings = 0
         self.gone: set[str] = set()
         self.by_sensor: dict[str, Item] = {}
-        self._reach: dict[str, Item] = {}
+        #: The accessible items, in the order in which they came into reach.
+        self.reach: dict[str, Item] = {}
 
-    def load(
-        self,
-        known: Iterable[Item],
-        aliases: Mapping[str, str],
-        gone: Iterable[str],
-        sensors: Iterable[tuple[str, str]],
-        reach: Iterable[str],
-    ) -> None:
-        """Replace all items; `sensors` and `reach` refer to their names.
-
-        The arguments are in order, as `capture` in `saving` returns them.
-        """
-        self.known = {item.name: item for item in known}
+    def take_up(self, other: Items) -> None:
+        """Replace all items and names by those of another table."""
+        self.known, self.gone = other.known, other.gone
+        self.by_sensor, self.reach = other.by_sensor, other.reach
         self.renamings += 1
         self.aliases.clear()
-        self.aliases.update(aliases)
-        self.gone = set(gone)
-        self.by_sensor = {
-            sensor: self.known[name] for sensor, name in sensors if name in self.known
-        }
-        self._reach = {name: self.known[name] for name in reach}
+        self.aliases.update(other.aliases)
 
     def introduce(self, sensor: str, kind: str) -> tuple[Item, bool]:
         """Return the distinct item of a sensor name, and whether its access is new.
@@ -75,7 +83,7 @@ class Items:
         news = not item.accessible
         if news:
             item.accessible = True
-            self._reach[item.name] = item
+            self.reach[item.name] = item
         return item, news
 
     def enter(self, item: Item) -> None:
@@ -83,22 +91,22 @@ class Items:
         self.known[item.name] = item
         if item.accessible:
             self.by_sensor[item.sensor] = item
-            self._reach[item.name] = item
+            self.reach[item.name] = item
 
     def put_out_of_reach(self, item: Item, keep_sensor: bool = True) -> None:
         """Remove an item from reach; its sensor name may go for good."""
         item.accessible = False
-        self._reach.pop(item.name, None)
+        self.reach.pop(item.name, None)
         if not keep_sensor:
             self.by_sensor.pop(item.sensor, None)
             item.sensor = ""
 
     def expire(self) -> list[Item]:
         """Remove all items from reach; return those that were within reach."""
-        found = list(self._reach.values())
+        found = list(self.reach.values())
         for item in found:
             item.accessible = False
-        self._reach.clear()
+        self.reach.clear()
         return found
 
     def drop_sensor(self, item: Item) -> None:
@@ -114,8 +122,8 @@ class Items:
         if lost.accessible:
             kept.sensor, kept.accessible = lost.sensor, True
             self.by_sensor[kept.sensor] = kept
-            reach = self._reach.items()
-            self._reach = {
+            reach = self.reach.items()
+            self.reach = {
                 kept.name if name == lost.name else name: kept if item is lost else item
                 for name, item in reach
             }
@@ -141,7 +149,7 @@ class Items:
 
     def accessible(self) -> list[str]:
         """Return the items within reach, in the order in which they came into reach."""
-        return list(self._reach)
+        return list(self.reach)
 
     def is_accessible(self, name: object) -> bool:
         """Return whether a name has a sensor name now."""

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from functools import lru_cache
-from typing import Any, Final, Protocol
+from typing import Any, ClassVar, Final, Protocol
 
 from rapc.base.values import Atom, Fact, format_list, number
 from rapc.errors import FactError
@@ -22,6 +22,7 @@ from rapc.language.atoms import is_atom
 from rapc.library.signature import Signature
 from rapc.library.signatures import Signatures
 from rapc.runtime.events.recorder import Recorder
+from rapc.runtime.fields import LEFT_OUT, Fields
 from rapc.runtime.memory.exclusions import Exclusions
 from rapc.runtime.memory.facts import FactStore, Mentions
 from rapc.runtime.memory.items import Items
@@ -74,6 +75,25 @@ class Memory:
         expected: the expectation sets by class and place, which the recogniser updates.
     """
 
+    FIELDS: ClassVar[Fields] = {
+        "place": Atom | None,
+        "facts": FactStore,
+        "items": Items,
+        "mentions": Mentions | None,
+        "exclusions": Exclusions | None,
+        "notations": LEFT_OUT,
+        "signatures": LEFT_OUT,
+        "_indistinct": LEFT_OUT,
+        "_expected": LEFT_OUT,
+        "_recorder": LEFT_OUT,
+        "_observers": LEFT_OUT,
+        "_fact_changed": LEFT_OUT,
+        "_noted": LEFT_OUT,
+        "_relations": LEFT_OUT,
+        "_tables": LEFT_OUT,
+    }
+    __slots__ = tuple(FIELDS)
+
     def __init__(
         self,
         signatures: Signatures,
@@ -111,6 +131,20 @@ class Memory:
         """Register observers of each change from now on, in this order."""
         self._observers = observers
         self._fact_changed = tuple([each.fact_changed for each in observers])
+
+    def take_up(self, other: Memory) -> None:
+        """Replace the beliefs by those of another memory of the same library.
+
+        The observers receive no report: they have to look at all facts again.
+        """
+        self.place = other.place
+        self.facts.take_up(other.facts)
+        self.items.take_up(other.items)
+        self.notations.take_up(other.notations)
+        if self.mentions is not None and other.mentions is not None:
+            self.mentions.by_item = other.mentions.by_item
+        if self.exclusions is not None and other.exclusions is not None:
+            self.exclusions.by_item = other.exclusions.by_item
 
     # --- the two verbs -----------------------------------------------------------
 

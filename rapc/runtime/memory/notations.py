@@ -1,19 +1,23 @@
 """Notations: facts that stay in memory as long as a method that noted them [T 4.9].
 
-Bookkeeping only: `rapc.runtime.memory.memory` stores and removes the facts.
+Bookkeeping only: `rapc.runtime.memory.memory` stores and removes the facts. A saved run
+has the noted facts of each method under way; the notations in force follow from them.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import ClassVar
 
 from rapc.base.values import Fact
+from rapc.runtime.fields import LEFT_OUT, Fields
 
 
 class Notation:
     """A fact that methods note and that was not asserted otherwise."""
 
-    __slots__ = ("count", "fact", "joined")
+    FIELDS: ClassVar[Fields] = {"fact": LEFT_OUT, "count": LEFT_OUT, "joined": LEFT_OUT}
+    __slots__ = tuple(FIELDS)
 
     def __init__(self, fact: Fact) -> None:
         #: The fact, with the current names of its items.
@@ -28,7 +32,8 @@ class Notation:
 class Notations:
     """The notations that are in force, by fact."""
 
-    __slots__ = ("by_fact",)
+    FIELDS: ClassVar[Fields] = {"by_fact": LEFT_OUT}
+    __slots__ = tuple(FIELDS)
 
     def __init__(self) -> None:
         #: The notations in force. Empty in most runs: callers test that first.
@@ -60,9 +65,9 @@ class Notations:
         found = [self.in_force(notation) for notation in notations]
         return [notation.fact for notation in found if notation is not None]
 
-    def of(self, facts: Iterable[Fact]) -> tuple[Notation, ...]:
-        """Return the notations of some facts, without the facts that have none."""
-        return tuple([self.by_fact[fact] for fact in facts if fact in self.by_fact])
+    def note(self, facts: Iterable[Fact]) -> tuple[Notation, ...]:
+        """Return the notations of some facts, each with one more noting method."""
+        return tuple([self.hold(fact, self.by_fact.get(fact)) for fact in facts])
 
     def release(self, notation: Notation) -> Fact | None:
         """Subtract one noting method; return the fact if no noting method is left."""
@@ -72,12 +77,10 @@ class Notations:
         current.count -= 1
         return current.fact if current.count == 0 else None
 
-    def load(self, counts: Iterable[tuple[Fact, int]]) -> None:
-        """Replace the notations in force, each with its number of noting methods."""
+    def take_up(self, other: Notations) -> None:
+        """Replace the notations in force by those of another table."""
         self.by_fact.clear()
-        for fact, count in counts:
-            notation = self.by_fact[fact] = Notation(fact)
-            notation.count = count
+        self.by_fact.update(other.by_fact)
 
     def rename(
         self,

@@ -3,7 +3,7 @@
 Codecs validate the form and the references of each field. This module compares
 fields with each other, with the plans of the library and with its declarations: a
 restored run continues like a run that was never saved. Memory is validated in
-`rapc.runtime.memory.validation`.
+`rapc.runtime.saving.memory_checks`.
 """
 
 from __future__ import annotations
@@ -14,12 +14,8 @@ from itertools import chain
 from rapc.base.resources import Counter, SetResource
 from rapc.errors import RefusedError
 from rapc.library.signatures import Use
-from rapc.runtime.memory.validation import (
-    WrongRecordError,
-    need,
-    once,
-    validate_memory,
-)
+from rapc.runtime.saving.codecs import WrongRecordError, need
+from rapc.runtime.saving.memory_checks import check_memory, once
 from rapc.runtime.saving.runs import RestoredRun
 from rapc.runtime.state.states import BLOCKED, ELIGIBLE, ENDED, RUNNING, WAITING
 from rapc.runtime.state.task import Env, MethodRun, Task
@@ -46,8 +42,7 @@ def check(restored: RestoredRun) -> None:
         _check_things(restored)
         _check_waiting(restored)
         _check_scheduled(restored)
-        noted = Tally(chain(*restored.noted.values()))
-        validate_memory(restored.run.access, restored.record.memory, noted)
+        check_memory(restored.gate)
     except (LookupError, TypeError, ValueError, RefusedError) as error:
         raise WrongRecordError(str(error)) from error
 

@@ -4,14 +4,15 @@ The table `FIELDS` of a state class states the type of each field. A saved objec
 record of these fields, which msgspec encodes. On reading, msgspec validates the form,
 and the codecs here validate references. References to tasks are their numbers, to plans
 their names and positions. Sets, counters and environments may be shared: they are in
-lists of their own, and references to them are positions.
+lists of their own, and references to them are positions. References to items are their
+memory names, to descriptions of items their numbers.
 """
 
 from __future__ import annotations
 
 import math
 import random
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import cache
 from operator import attrgetter
 from types import NoneType, UnionType
@@ -20,13 +21,20 @@ from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_ori
 import msgspec
 
 from rapc.base.resources import Counter, SetResource, Value
-from rapc.base.values import Atom, Number, Text
+from rapc.base.values import Atom, Fact, Number, Text
 from rapc.compiler.net_plan import WindowPlan
 from rapc.compiler.program import Program
 from rapc.compiler.rap_plan import MethodPlan, RapPlan
 from rapc.compiler.watches import WatchKey
-from rapc.runtime.fields import LEFT_OUT, Limit, Natural
-from rapc.runtime.memory.validation import need
+from rapc.runtime.fields import LEFT_OUT, Limit, Natural, Stamp
+from rapc.runtime.memory.exclusions import Excluded, Exclusions, Past
+from rapc.runtime.memory.facts import NEVER, FactStore, FactTable, Mentions, Tables
+from rapc.runtime.memory.gate import Gate
+from rapc.runtime.memory.items import Item, Items, ItemsByName
+from rapc.runtime.memory.memory import Memory
+from rapc.runtime.memory.notations import Notation
+from rapc.runtime.memory.recognition.recognizer import Recognizer
+from rapc.runtime.memory.recognition.sets import Description, ExpectationSet, View
 from rapc.runtime.state.activations import Activation
 from rapc.runtime.state.agenda import Agenda
 from rapc.runtime.state.run_state import RunState
@@ -34,6 +42,16 @@ from rapc.runtime.state.states import State
 from rapc.runtime.state.task import Ends, Env, MethodRun, Task, TopLevelTask
 from rapc.runtime.state.things import Ask, Hold, ThingWait
 from rapc.world import Time
+
+
+class WrongRecordError(Exception):
+    """Saved data that no run can have written; the text gives the reason."""
+
+
+def need(holds: object, wrong: str) -> None:
+    """Raise a WrongRecordError with the text `wrong` unless `holds` is true."""
+    if not holds:
+        raise WrongRecordError(wrong)
 
 
 class Ref(msgspec.Struct, frozen=True, tag="resource"):
@@ -54,9 +72,14 @@ Saved = str | int | float | Text | Ref
 
 
 class Writer:
-    """The shared values of a saved run, collected while its records are written."""
+    """The shared values of a saved run, collected while its records are written.
 
-    def __init__(self) -> None:
+    Args:
+        gate: the memory of the run, for records of memory and of methods.
+    """
+
+    def __init__(self, gate: Gate | None = None) -> None:
+        self.gate: Any = gate
         #: Counters as numbers, sets as their members in the order of arrival.
         self.resources: list[Number | tuple[Atom, ...]] = []
         self.environments: list[dict[str, Saved]] = []
@@ -91,6 +114,7 @@ class Reader:
 
     Args:
         library: the library that names the plans.
+        gate: a new memory of the library, to be filled.
         resources: the shared sets and counters, as in `Writer`.
         environments: the shared environments.
     """
@@ -98,10 +122,17 @@ class Reader:
     def __init__(
         self,
         library: Program,
-        resources: tuple[Number | tuple[Atom, ...], ...],
-        environments: tuple[dict[str, Saved], ...],
+        gate: Gate,
+        resources: tuple[Number | tuple[Atom, ...], ...] = (),
+        environments: tuple[dict[str, Saved], ...] = (),
     ) -> None:
         self.library = library
+        self.gate = gate
+        #: The items by memory name, and the descriptions by number.
+        self.items: dict[str, Item] = {}
+        self.descriptions: dict[int, Description] = {}
+        #: The class of the items whose expectation set is being read.
+        self.kind = ""
         self.state = RunState()
         #: The tasks of the host, in order, once they have been created.
         self.given: Iterator[Task] = iter(())
@@ -121,6 +152,27 @@ class Reader:
     def value(self, saved: Any) -> Any:
         """Return the value of a saved value."""
         return self._resources[saved.at] if type(saved) is Ref else saved
+
+    def known(self, items: Iterable[Any]) -> dict[str, Item]:
+        """Return the items of memory by name, from their records."""
+        for record in items:
+            described = isinstance(record, fields_of(Description).saved)
+            kind = Description if described else Item
+            item = fields_of(kind).read(self, record)
+            need(item.name not in self.items, "an item twice")
+            self.items[item.name] = item
+            if isinstance(item, Description):
+                need(item.number not in self.descriptions, "two items have one number")
+                self.descriptions[item.number] = item
+        return self.items
+
+    def description(self, number: int) -> Description:
+        """Return the description with a number, an empty one if no item has it."""
+        found = self.descriptions.get(number)
+        if found is None:
+            found = Description(number, "", "", self.kind)
+            self.descriptions[number] = found
+        return found
 
     def any_run(self) -> MethodRun:
         """Return a method under way, as a placeholder."""
@@ -170,6 +222,66 @@ class Codec(NamedTuple):
 
 def _same(_: object, value: Any) -> Any:
     return value
+
+
+def _in_force(writer: Writer, notations: tuple[Notation, ...]) -> tuple[Fact, ...]:
+    return tuple(writer.gate.memory.notations.facts(notations)) if notations else ()
+
+
+def _noted(reader: Reader, facts: tuple[Fact, ...]) -> tuple[Notation, ...]:
+    return reader.gate.memory.notations.note(facts) if facts else ()
+
+
+def _stamps(_: Reader, saved: tuple[tuple[Fact, Any], ...]) -> dict[Fact, float]:
+    found = {fact: NEVER if time is None else time for fact, time in saved}
+    need(len(found) == len(saved), "a fact twice")
+    return found
+
+
+def _past(reader: Reader, saved: tuple[Past, ...]) -> dict[Excluded, Past]:
+    """Return the last assertions of facts, by all that these exclude."""
+    exclusions = reader.gate.memory.exclusions
+    assert exclusions is not None
+    found = {exclusions.excluded(fact): (fact, time) for fact, time in saved}
+    need(len(found) == len(saved), "two last assertions")
+    return found
+
+
+def _item(writer: Writer, item: Item) -> Any:
+    """Return the record of an item or of a description."""
+    kind: Any = type(item)
+    return fields_of(kind).write(writer, item)
+
+
+def _set(reader: Reader, saved: Any) -> ExpectationSet:
+    """Return a set whose views are to be read."""
+    reader.kind = saved.kind
+    return ExpectationSet(saved.kind, saved.place)
+
+
+def _sets(reader: Reader, saved: Any) -> dict[tuple[str, Atom], ExpectationSet]:
+    """Return the table of sets of the new memory, filled."""
+    sets, record = reader.gate.recognizer.sets, fields_of(ExpectationSet)
+    for one in saved:
+        sets[one.kind, one.place] = record.read(reader, one)
+    need(len(sets) == len(saved), "a set twice")
+    return sets
+
+
+def _tables(reader: Reader, saved: Any) -> Tables:
+    """Return the table of facts of the new memory, filled."""
+    tables, record = reader.gate.memory.facts.tables, fields_of(FactTable)
+    for name, one in saved:
+        tables[name] = record.read(reader, one)
+    need(len(tables) == len(saved), "a table twice")
+    return tables
+
+
+def _part_of(reader: Reader, name: str) -> Any:
+    """Return a part that only memories of some libraries have."""
+    found = getattr(reader.gate.memory, name)
+    need(found is not None, f"{name} of a library without any")
+    return found
 
 
 def _live(task: Task | None) -> int | None:
@@ -228,8 +340,39 @@ CODECS: dict[Any, Codec] = {
         lambda r, it: {number: r.live[number] for number in it},
     ),
     Ask: Codec(tuple[tuple[Atom, ...], int, bool], None, lambda _, it: Ask(*it)),
+    tuple[Notation, ...]: Codec(tuple[Fact, ...], _in_force, _noted),
+    # JSON has no negative infinity: it is written as null
+    dict[Fact, Stamp]: Codec(
+        tuple[tuple[Fact, Time | None], ...], lambda _, it: tuple(it.items()), _stamps
+    ),
+    dict[Excluded, Past]: Codec(
+        tuple[Past, ...], lambda _, it: tuple(it.values()), _past
+    ),
+    ItemsByName: Codec(
+        tuple[tuple[str, str], ...],
+        lambda w, it: tuple(
+            [
+                (key, item.name)
+                for key, item in it.items()
+                if item.name in w.gate.memory.items.known
+            ]
+        ),
+        lambda r, it: {key: r.items[name] for key, name in it},
+    ),
+    Description: Codec(Natural, lambda _, it: it.number, Reader.description),
+    dict[ExpectationSet, None]: Codec(
+        tuple[tuple[str, Atom], ...],
+        lambda w, it: tuple(
+            [
+                key
+                for one in it
+                if w.gate.recognizer.sets.get(key := (one.kind, one.place)) is one
+            ]
+        ),
+        lambda r, it: {r.gate.recognizer.sets[key]: None for key in it},
+    ),
 }
-"""The codecs of types that are more than data."""
+"""The codecs of types that are more than data; those of memory with parts are below."""
 
 
 @cache
@@ -251,9 +394,9 @@ def codec(kind: Any) -> Codec:
 
 def _composed(kind: Any, origin: Any, args: tuple[Any, ...]) -> Codec:
     """Return the codec of a type with parts."""
-    parts = [codec(arg) for arg in args if arg not in (NoneType, ...)]
+    parts = [codec(arg) for arg in args if arg not in (None, NoneType, ...)]
     if origin is dict:
-        return _of_dict(*parts)
+        return _of_dict(*parts) if len(parts) == 2 else _of_keys(*parts)
     if origin is set:
         return Codec(
             _tuple[*args, ...], lambda _, it: sorted(it), lambda _, it: set(it)
@@ -319,7 +462,37 @@ def _of_dict(key: Codec, value: Codec) -> Codec:
     return Codec(_tuple[_tuple[key.saved, value.saved], ...], write, read)
 
 
+def _of_keys(key: Codec) -> Codec:
+    """Return the codec of a table without values: its keys in their order."""
+    write = key.written if key.write else None
+    read = key.made if key.read else None
+
+    def made(reader: Reader, keys: Any) -> Any:
+        given = keys if read is None else [read(reader, one) for one in keys]
+        found = dict.fromkeys(given)
+        need(len(found) == len(keys), "a key twice in a table")
+        return found
+
+    return Codec(
+        _tuple[key.saved, ...],
+        lambda w, it: tuple(it) if write is None else tuple([write(w, k) for k in it]),
+        made,
+    )
+
+
 _MADE: dict[Any, Callable[[Reader, Any], Any]] = {
+    Gate: lambda r, _: r.gate,
+    Memory: lambda r, _: r.gate.memory,
+    FactStore: lambda r, _: r.gate.memory.facts,
+    FactTable: lambda _r, _: FactTable(None),
+    Items: lambda r, _: r.gate.memory.items,
+    Item: lambda _, it: Item(it.name, it.sensor, it.kind),
+    Description: lambda _, it: Description(it.number, it.name, it.sensor, it.kind),
+    Mentions: lambda r, _: _part_of(r, "mentions"),
+    Exclusions: lambda r, _: _part_of(r, "exclusions"),
+    Recognizer: lambda r, _: r.gate.recognizer,
+    ExpectationSet: _set,
+    View: lambda _, it: View(0, it.serial),
     Agenda: lambda _r, _: Agenda(random.Random()),
     Activation: lambda _r, it: Activation(it.ticket, it.owner, None, None, ()),
     Ends: lambda _, it: Ends(len(it.times)),
@@ -347,8 +520,11 @@ class Record:
             kind.__name__,
             [(name.lstrip("_"), one.saved) for name, one in codecs.items()],
             frozen=True,
+            # a table of items has records of two classes
+            tag=kind.__name__.lower() if issubclass(kind, Item) else None,
         )
-        self._get = attrgetter(*codecs)
+        get = attrgetter(*codecs)
+        self._get = get if len(codecs) > 1 else lambda made: (get(made),)
         self._writes = [
             (at, one.write) for at, one in enumerate(codecs.values()) if one.write
         ]
@@ -377,3 +553,28 @@ class Record:
 
 
 fields_of = cache(Record)
+
+_TABLE, _SET = fields_of(FactTable), fields_of(ExpectationSet)
+
+CODECS |= {
+    Tables: Codec(
+        _tuple[_tuple[Atom, _TABLE.saved], ...],
+        lambda w, it: tuple(
+            [
+                (name, _TABLE.write(w, it[name]))
+                for name in sorted(name for name, table in it.items() if table.stamps)
+            ]
+        ),
+        _tables,
+    ),
+    dict[str, Item]: Codec(
+        _tuple[fields_of(Item).saved | fields_of(Description).saved, ...],
+        lambda w, it: tuple([_item(w, one) for one in it.values()]),
+        Reader.known,
+    ),
+    dict[tuple[str, Atom], ExpectationSet]: Codec(
+        _tuple[_SET.saved, ...],
+        lambda w, it: tuple([_SET.write(w, one) for one in it.values()]),
+        _sets,
+    ),
+}

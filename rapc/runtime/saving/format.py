@@ -14,17 +14,17 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import msgspec
 
 from rapc.base.chance import Stream
-from rapc.base.values import Atom, Fact, Number
+from rapc.base.values import Atom, Number
 from rapc.errors import StateError
 from rapc.ir.nodes import Method
 from rapc.runtime.fields import Natural
-from rapc.runtime.memory.saving import MemoryState
+from rapc.runtime.memory.gate import Gate
 from rapc.runtime.saving.codecs import Saved, fields_of
 from rapc.runtime.settings import Settings
 from rapc.runtime.state import agenda, run_state, task, things
 from rapc.world import Time
 
-FORMAT = 6
+FORMAT = 7
 """The version of the format; changes of the state's fields or of the IR change it."""
 
 _HEAD = re.compile(rb"rapc-run (\d{1,9}) ([0-9a-f]{64})\n")
@@ -36,11 +36,13 @@ if TYPE_CHECKING:
     StateRecord: TypeAlias = Any
     AgendaRecord: TypeAlias = Any
     ThingsRecord: TypeAlias = Any
+    MemoryRecord: TypeAlias = Any
 else:
     TaskRecord = fields_of(task.Task).saved
     StateRecord = fields_of(run_state.RunState).saved
     AgendaRecord = fields_of(agenda.Agenda).saved
     ThingsRecord = fields_of(things.Things).saved
+    MemoryRecord = fields_of(Gate).saved
 
 
 class RunRecord(msgspec.Struct, frozen=True):
@@ -76,9 +78,7 @@ class RunRecord(msgspec.Struct, frozen=True):
     #: The missed deadlines without an event so far, by task number.
     missed: tuple[tuple[int, tuple[Time, ...]], ...]
     tested_at: Time
-    #: The facts that the methods of tasks note, by the number of the task.
-    notations: tuple[tuple[int, tuple[Fact, ...]], ...]
-    memory: MemoryState
+    memory: MemoryRecord
     #: The state that the world has saved.
     world: bytes
 

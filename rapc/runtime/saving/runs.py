@@ -9,13 +9,20 @@ from __future__ import annotations
 import math
 from typing import Any
 
+from msgspec.json import encode
+
 from rapc.base.chance import stream_in, stream_state
 from rapc.library.library import digest
 from rapc.library.saved_check import UnsoundError
-from rapc.runtime.memory.saving import capture_memory
-from rapc.runtime.memory.validation import WrongRecordError, need
-from rapc.runtime.run import Run
-from rapc.runtime.saving.codecs import Reader, Writer, fields_of
+from rapc.runtime.memory.gate import Gate
+from rapc.runtime.run import Run, empty_gate
+from rapc.runtime.saving.codecs import (
+    Reader,
+    Writer,
+    WrongRecordError,
+    fields_of,
+    need,
+)
 from rapc.runtime.saving.format import RunRecord
 from rapc.runtime.state.agenda import Agenda
 from rapc.runtime.state.run_state import RunState
@@ -31,15 +38,9 @@ def capture(run: Run, seed: int, world: bytes) -> RunRecord:
     The capture changes nothing: no event, no serial, no draw.
     """
     state, recorder, monitors = run.state, run.recorder, run.monitors
-    writer = Writer()
+    writer = Writer(run.access)
     tasks = [given.task for given in state.top_level]
     records = tuple([_written(writer, task, tasks) for task in tasks])  # `tasks` grows
-    notations = run.beliefs.notations
-    noted = [
-        (task.number, tuple(facts))
-        for task in tasks
-        if task.run is not None and (facts := notations.facts(task.run.notations))
-    ]
     return RunRecord(
         library=digest(run.library.library),
         world_name=run.port.name,
@@ -67,8 +68,7 @@ def capture(run: Run, seed: int, world: bytes) -> RunRecord:
         ),
         missed=tuple((n, tuple(times)) for n, times in sorted(monitors.missed.items())),
         tested_at=monitors.tested_at,
-        notations=tuple(noted),
-        memory=capture_memory(run.access),
+        memory=fields_of(Gate).write(writer, run.access),
         world=world,
         resources=tuple(writer.resources),
         environments=tuple(writer.environments),
@@ -110,7 +110,11 @@ class RestoredRun:
         self.run, self.record = run, record
         try:
             self._random = stream_in(record.random)
-            reader = Reader(run.library, record.resources, record.environments)
+            #: The memory, in a gate of its own.
+            self.gate = empty_gate(run)
+            reader = Reader(
+                run.library, self.gate, record.resources, record.environments
+            )
             self.state, self.live = reader.state, reader.live
             self._add_methods()
             #: All tasks in the order of their records.
@@ -124,17 +128,25 @@ class RestoredRun:
             self.to_test = {number: self.live[number] for number in record.to_test}
             #: The methods under way by the numbers of their tasks.
             self.runs = {n: t.run for n, t in self.live.items() if t.run is not None}
-            self.noted = {self.runs[n]: facts for n, facts in record.notations}
+            fields_of(Gate).read(reader, record.memory)
         except (LookupError, TypeError, ValueError, OverflowError) as error:
             raise WrongRecordError(f"{type(error).__name__}: {error}") from error
 
     def _add_methods(self) -> None:
         library, state = self.run.library, self.state
+        present = {
+            (name, method.index): method
+            for name, methods in self.run.state.added_methods.items()
+            for method in methods
+        }
         for name, node in self.record.added_methods:
             plan = library.known_rap(name)
             try:
                 index = len(state.methods(plan))
-                method = library.added_method(plan, node, index)
+                method = present.get((name, index))
+                # positions count as well: nodes are equal without them
+                if method is None or encode(method.node) != encode(node):
+                    method = library.added_method(plan, node, index)
             except UnsoundError as error:
                 raise WrongRecordError(str(error)) from error
             state.added_methods.setdefault(name, []).append(method)
@@ -169,13 +181,9 @@ class RestoredRun:
         return made
 
     def install(self) -> None:
-        """Replace the contents of the run by these contents.
-
-        The caller restores memory before: the notations are found in memory.
-        """
+        """Replace the contents of the run by these contents."""
         run, record = self.run, self.record
-        for method_run, facts in self.noted.items():
-            method_run.notations = run.beliefs.notations.of(facts)
+        run.access.take_up(self.gate)
         run.rng.setstate(self._random.getstate())
         run.state = self.state
         run.recount_identities()

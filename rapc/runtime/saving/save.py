@@ -11,22 +11,16 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from rapc.base.code_places import place_of
-from rapc.base.values import Atom, Fact, format_atom
+from rapc.base.values import Atom, format_atom
 from rapc.errors import StateError
 from rapc.library.library import digest
 from rapc.runtime.held_world import OF_THE_BYTES
-from rapc.runtime.memory import saving as memory_saving
-from rapc.runtime.memory.saving import MemoryState
-from rapc.runtime.memory.validation import WrongRecordError
 from rapc.runtime.run import Run
 from rapc.runtime.saving.checks import check
+from rapc.runtime.saving.codecs import WrongRecordError
 from rapc.runtime.saving.format import RunRecord, decode_run, encode_run, not_a_run
 from rapc.runtime.saving.runs import RestoredRun, capture, options_of
-from rapc.runtime.state.task import MethodRun
 from rapc.world import Savable, World
-
-_Noted = list[tuple[MethodRun, list[Fact]]]
-"""Methods with the facts that they note."""
 
 
 def save(run: Run, seed: int) -> bytes:
@@ -65,41 +59,17 @@ def restore(run: Run, saved: bytes) -> int:
         check(restored)
     except WrongRecordError as error:
         raise not_a_run(error) from error
-    before, noted = memory_saving.capture_memory(run.access), _noted(run)
-    world_before = world.save()
+    before = world.save()
     try:
-        memory_saving.restore_memory(run.access, record.memory)
         world.restore(record.world)
-        early = run.port.now() < record.time
-    except BaseException as error:
-        _put_back(run, before, noted)
-        if isinstance(error, OF_THE_BYTES):
-            raise not_a_run(error) from error
-        raise
-    if early:
-        _put_back(run, before, noted)
-        world.restore(world_before)
+    except OF_THE_BYTES as error:
+        raise not_a_run(error) from error
+    if run.port.now() < record.time:
+        world.restore(before)
         raise not_a_run(ValueError("its world is at an earlier time"))
     restored.install()
     run.broken = False
     return record.seed
-
-
-def _put_back(run: Run, before: MemoryState, noted: _Noted) -> None:
-    """Restore memory to the state before, with the notations of methods."""
-    memory_saving.restore_memory(run.access, before)
-    for method_run, facts in noted:
-        method_run.notations = run.beliefs.notations.of(facts)
-
-
-def _noted(run: Run) -> _Noted:
-    """Return the methods with notations, and the noted facts."""
-    notations = run.beliefs.notations
-    return [
-        (task.run, notations.facts(task.run.notations))
-        for task in run.state.live_tasks()
-        if task.run is not None and task.run.notations
-    ]
 
 
 def _look_whose(run: Run, record: RunRecord) -> None:

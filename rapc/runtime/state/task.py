@@ -76,7 +76,7 @@ class MethodRun:
         "steps": LEFT_OUT,
         "steps_left": LEFT_OUT,
         "ends": Ends | None,
-        "notations": LEFT_OUT,
+        "notations": tuple[Notation, ...],
         "skills": tuple[Fact, ...],
         "ticket": int | None,
         "constrained": LEFT_OUT,

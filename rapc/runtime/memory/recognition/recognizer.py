@@ -57,10 +57,12 @@ layer then states nothing that the local model does not state, and is dropped.
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
+from typing import ClassVar
 
 from rapc.base.values import Atom, Fact
 from rapc.events import ItemIntroduced, ItemLost, ItemMoved
 from rapc.runtime.events.recorder import Recorder
+from rapc.runtime.fields import LEFT_OUT, Fields, Natural
 from rapc.runtime.memory.facts import PREFIX, Mentions
 from rapc.runtime.memory.memory import REPLACED, STORED, Memory
 from rapc.runtime.memory.recognition import departure, merging
@@ -89,6 +91,22 @@ class Recognizer:
         max_layers: how many layers a set keeps after an expiry, at least 1.
         sets: a table for the expectation sets, if other parts read them.
     """
+
+    FIELDS: ClassVar[Fields] = {
+        "number": Natural,
+        "layers": Natural,
+        "sets": dict[tuple[str, Atom], ExpectationSet],
+        "unsettled": dict[ExpectationSet, None],
+        "lost": dict[Description, None],
+        "renamed": LEFT_OUT,
+        "_memory": LEFT_OUT,
+        "_mentions": LEFT_OUT,
+        "_item_events": LEFT_OUT,
+        "_classes": LEFT_OUT,
+        "_scores": LEFT_OUT,
+        "_max_layers": LEFT_OUT,
+    }
+    __slots__ = tuple(FIELDS)
 
     def __init__(
         self,
@@ -119,6 +137,18 @@ class Recognizer:
     def recognises(self, kind: str) -> bool:
         """Return whether items of a class are recognised by comparison."""
         return kind in self._classes
+
+    def take_up(self, other: Recognizer) -> None:
+        """Replace the expectation sets by those of another recogniser."""
+        self.number, self.layers = other.number, other.layers
+        self.sets.clear()
+        self.sets.update(other.sets)
+        for home in self.sets.values():
+            home.settle()
+        self.unsettled.clear()
+        self.unsettled.update(other.unsettled)
+        self.lost.clear()
+        self.lost.update(other.lost)
 
     # --- descriptions -----------------------------------------------------------
 

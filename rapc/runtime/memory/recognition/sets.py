@@ -6,9 +6,10 @@ Structure only [T 2.3.1, 2.3.3]. Not here: comparison (`scoring`, `matching`), d
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 from rapc.base.values import Atom, Fact
+from rapc.runtime.fields import LEFT_OUT, Fields, Natural
 from rapc.runtime.memory.items import Item
 
 UNKNOWN = "unknown"
@@ -26,7 +27,15 @@ class Description(Item):
     view of the set `home` that contains the description.
     """
 
-    __slots__ = ("_key", "_known", "home", "mask", "number", "values")
+    FIELDS: ClassVar[Fields] = {
+        **Item.FIELDS,
+        "number": Natural,
+        "values": dict[Fact, Atom],
+        "mask": LEFT_OUT,
+        "home": LEFT_OUT,
+        "_known": LEFT_OUT,
+    }
+    __slots__ = tuple(FIELDS.keys() - Item.FIELDS.keys())
 
     def __init__(self, number: int, name: str, sensor: str, kind: str) -> None:
         super().__init__(name, sensor, kind)
@@ -68,7 +77,13 @@ class Description(Item):
 class View:
     """A layer of an expectation set, or its part of the local model."""
 
-    __slots__ = ("bit", "members", "serial", "version")
+    FIELDS: ClassVar[Fields] = {
+        "bit": LEFT_OUT,
+        "serial": Natural,
+        "members": dict[Description, None],
+        "version": LEFT_OUT,
+    }
+    __slots__ = tuple(FIELDS)
 
     def __init__(self, bit: int, serial: int = 0) -> None:
         #: The bit of this view among the views of its set.
@@ -91,16 +106,17 @@ class ExpectationSet:
     All layers hold equally many descriptions, and the local model at most as many.
     """
 
-    __slots__ = (
-        "_changes",
-        "candidates",
-        "kind",
-        "layers",
-        "local",
-        "place",
-        "seekers",
-        "settled",
-    )
+    FIELDS: ClassVar[Fields] = {
+        "kind": str,
+        "place": Atom,
+        "local": View,
+        "layers": list[View],
+        "settled": LEFT_OUT,
+        "candidates": LEFT_OUT,
+        "seekers": LEFT_OUT,
+        "_changes": LEFT_OUT,
+    }
+    __slots__ = tuple(FIELDS)
 
     def __init__(self, kind: str, place: Atom) -> None:
         self.kind = kind
@@ -116,6 +132,14 @@ class ExpectationSet:
         #: The descriptions of views that sought a match at that search, with a version.
         self.seekers: dict[tuple[int, int], tuple[int, Any]] = {}
         self._changes = 0
+
+    def settle(self) -> None:
+        """Compute the bits of the views, and the views of each description."""
+        for at, view in enumerate((self.local, *self.layers)):
+            view.bit = 1 << at
+            for member in view.members:
+                member.mask |= view.bit
+                member.home = self
 
     def changed(self, mask: int) -> None:
         """Note a change of a member of the views with these bits."""
