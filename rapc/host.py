@@ -336,7 +336,7 @@ def rap_text(run: Interpreter, name: str) -> str:
         raise ArgumentError(f"`name` is {kind(name)}, no text")
     rap = run.library.library.raps.get(name)
     if rap is None:
-        raise RefusedError([f"there is no RAP `{name}`"])
+        raise RefusedError([f"unknown RAP `{name}`"])
     added = tuple(m.node for m in run.state.added_methods.get(name, ()))
     return format_node(msgspec.structs.replace(rap, methods=rap.methods + added))
 

@@ -219,7 +219,7 @@ def _opened(trace: str, files: Iterable[str], world: World) -> TextIO:
 def _drawable(world: HeldWorld, world_name: str) -> Callable[[], Picture]:
     """Return the `picture` of a world; a world without it ends the command."""
     if not isinstance(world, Drawable):
-        fail(f"the world `{world_name}` cannot be shown: it has no `picture` method")
+        fail(f"cannot show world `{world_name}`: it has no `picture` method")
     world.picture()
     return world.picture
 

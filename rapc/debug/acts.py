@@ -72,7 +72,7 @@ class AssertFact(Act, frozen=True):
         run.assert_fact(*self.fact)
 
     def __str__(self) -> str:
-        return f"assert {format_list(self.fact)}"
+        return f"asserted {format_list(self.fact)}"
 
 
 class EraseFacts(Act, frozen=True):
@@ -85,7 +85,7 @@ class EraseFacts(Act, frozen=True):
         run.erase(*self.prefix)
 
     def __str__(self) -> str:
-        return f"erase {format_list(self.prefix)}"
+        return f"erased {format_list(self.prefix)}"
 
 
 class SubmitTask(Act, frozen=True):
@@ -98,7 +98,7 @@ class SubmitTask(Act, frozen=True):
         run.submit(self.request)
 
     def __str__(self) -> str:
-        return f"submit {as_text(self.request)}"
+        return f"submitted {as_text(self.request)}"
 
 
 class CancelTasks(Act, frozen=True):
@@ -114,11 +114,11 @@ class CancelTasks(Act, frozen=True):
         """
         if not run.cancel(self.goal):
             raise ArgumentError(
-                f"no top-level task under way is {format_list(self.goal)}"
+                f"no top-level task under way matches {format_list(self.goal)}"
             )
 
     def __str__(self) -> str:
-        return f"cancel {format_list(self.goal)}"
+        return f"cancelled {format_list(self.goal)}"
 
 
 class SendSignal(Act, frozen=True):
@@ -131,7 +131,7 @@ class SendSignal(Act, frozen=True):
         run.signal(*self.content)
 
     def __str__(self) -> str:
-        return f"signal {format_list(self.content)}"
+        return f"sent signal {format_list(self.content)}"
 
 
 class FailTask(Act, frozen=True):
@@ -144,7 +144,7 @@ class FailTask(Act, frozen=True):
         run.fail_task(self.task)
 
     def __str__(self) -> str:
-        return f"fail [{self.task}]"
+        return f"failed task [{self.task}]"
 
 
 class RetryTask(Act, frozen=True):
@@ -161,7 +161,7 @@ class RetryTask(Act, frozen=True):
         run.retry_task(self.task)
 
     def __str__(self) -> str:
-        return f"retry [{self.task}]"
+        return f"failed the method of task [{self.task}]"
 
 
 class ChangeOption(Act, frozen=True):
@@ -187,7 +187,7 @@ class ChangeOption(Act, frozen=True):
         world = run.port
         if not isinstance(world, Adjustable):
             raise ArgumentError(
-                f"the world `{world.name}` lets no option be changed while it runs"
+                f"the world `{world.name}` has no options that can change during a run"
             )
         try:
             text = isinstance(self.value, Text)
@@ -197,7 +197,7 @@ class ChangeOption(Act, frozen=True):
         return None
 
     def __str__(self) -> str:
-        return f"option {self.owner}.{self.name} {typed(self.value)}"
+        return f"set {self.owner}.{self.name} to {typed(self.value)}"
 
 
 def _field(name: str) -> str:
@@ -239,10 +239,12 @@ def change_option(run: Interpreter, owner: str, name: str, text: str) -> Act:
         value = getattr(read_settings({name: text}), _field(name))
         return ChangeOption(owner, name, value)
     if owner != world.name:
-        raise ArgumentError(f"`{owner}` is neither `{OWN_SETTINGS}` nor `{world.name}`")
+        raise ArgumentError(
+            f"unknown owner `{owner}`; expected `{OWN_SETTINGS}` or `{world.name}`"
+        )
     read = read_options(type(innermost(world)), {name: text})
     if isinstance(world, Adjustable) and name not in (known := world.adjustable()):
-        said = f"`{owner}.{name}` counts at the beginning of a run alone"
+        said = f"`{owner}.{name}` cannot change during a run"
         raise ArgumentError(said + hint(name, known))
     return ChangeOption(owner, name, read[name])
 
@@ -319,12 +321,12 @@ class ForceResult(Act, frozen=True):
         if not isinstance(world, ForcedWorld):
             if isinstance(world, Skilled) or not isinstance(world, Savable):
                 raise ArgumentError(
-                    f"the world `{world.name}` lets no result be forced: "
-                    "it has skills, or cannot be saved"
+                    f"cannot force results in world `{world.name}`: the world has "
+                    "skills or cannot be saved"
                 )
             held.enclose(world := ForcedWorld(world))
         world.forced.append(Forced(self.pattern, self.result, self.times))
 
     def __str__(self) -> str:
         often = f" {self.times} times" if self.times > 1 else ""
-        return f"force {format_list(self.pattern)} {self.result}{often}"
+        return f"forced {format_list(self.pattern)} {self.result}{often}"

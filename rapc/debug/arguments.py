@@ -54,7 +54,7 @@ def read_pattern(text: str) -> Fact:
     """
     made = parse_pattern(text)
     if any(isinstance(term, Call) for term in made.args):
-        raise TextError(f"a pattern holds values and variables only: {text}")
+        raise TextError(f"a pattern may contain only values and variables: {text}")
     terms = [one.value if isinstance(one, Const) else one.name for one in made.args]  # type: ignore[union-attr]
     return (made.name, *terms)
 
@@ -86,7 +86,7 @@ class Arguments:
             TextError: if no argument is left; `what` names the missing argument.
         """
         if not self._left:
-            raise TextError(f"{what} is missing")
+            raise TextError(f"missing {what}")
         return self._left.pop(0)
 
     def rest(self) -> list[str]:
@@ -111,7 +111,7 @@ class Arguments:
             return default
         said = self.word(what).removeprefix("[").removesuffix("]")
         if not said.isdecimal():
-            raise TextError(f"{what} is a whole number, not `{said}`")
+            raise TextError(f"{what} must be a whole number, not `{said}`")
         return int(said)
 
     def task(self, history: History) -> int:
@@ -127,11 +127,11 @@ class Arguments:
         if name and not name.strip("[]").isdecimal():
             history.check_is_run()
             if name in history.library.program.library.raps:
-                self.word("a task")
+                self.word("task")
                 return _task_of(history, name)
-        number = self.count("a task", history.selected or 0)
+        number = self.count("task", history.selected or 0)
         if not number:
-            raise TextError("no task has been chosen yet: say which is meant")
+            raise TextError("no current task; give a task number")
         return number
 
     def time(self, what: str) -> Time:
@@ -144,7 +144,7 @@ class Arguments:
         try:
             return number(float(said))
         except ValueError:
-            raise TextError(f"{what} is a number, not `{said}`") from None
+            raise TextError(f"{what} must be a number, not `{said}`") from None
 
     def fact(self, what: str) -> Fact:
         """Take the next argument as a fact without variables.
@@ -160,7 +160,7 @@ class Arguments:
         Raises:
             TextError: if the argument is not a signal.
         """
-        return parse_signal(self.word("a signal"))
+        return parse_signal(self.word("signal"))
 
     def end(self) -> None:
         """Validate that no argument is left.
@@ -169,7 +169,7 @@ class Arguments:
             TextError: if an argument is left.
         """
         if self._left:
-            raise TextError(f"`{self._left[0]}` is too much here")
+            raise TextError(f"unexpected argument `{self._left[0]}`")
 
 
 def _task_of(history: History, rap: str) -> int:

@@ -23,16 +23,16 @@ from rapc.library.signatures import Use
 from rapc.world import Time
 
 KINDS: Mapping[str, str] = {
-    "rap": "a task of a RAP comes up: NAME, or a goal with variables",
-    "task": "a task comes up or ends: its number",
+    "rap": "a task of a RAP is selected: NAME, or a goal with variables",
+    "task": "a task is selected or ends: its number",
     "method": "a method is chosen: NAME, or NAME of RAP",
-    "failure": "a task fails: a reason or result, or nothing for any",
-    "primitive": "a request goes to the world: a request with variables",
+    "failure": "a task fails: a reason or result; by default any",
+    "primitive": "a request is sent: a request with variables",
     "fact": "a fact is asserted or erased: a fact with variables",
-    "true": "a query comes to hold",
-    "false": "a query holds no more",
+    "true": "a query becomes true",
+    "false": "a query becomes false",
     "deadline": "a deadline is missed",
-    "time": "the clock comes to a time",
+    "time": "the clock reaches a time",
 }
 """The kinds of breakpoints, each with its help."""
 
@@ -99,10 +99,13 @@ class Breakpoints:
         number, history = self._next, self._history
         if point.kind not in KINDS:
             raise TextError(
-                f"`{point.kind}` is nothing to stop at; it is one of {', '.join(KINDS)}"
+                f"unknown kind of breakpoint `{point.kind}`; expected one of "
+                f"{', '.join(KINDS)}"
             )
         if not point.what and point.kind not in ("failure", "deadline"):
-            raise TextError(f"`{point.kind}` lacks what it is: {KINDS[point.kind]}")
+            raise TextError(
+                f"breakpoint `{point.kind}` requires an argument: {KINDS[point.kind]}"
+            )
         if point.condition:
             history.question(point.condition)  # validates the names
         if point.kind in ("true", "false"):
@@ -124,7 +127,7 @@ class Breakpoints:
             ArgumentError: if no breakpoint has that number.
         """
         if self.all.pop(number, None) is None:
-            raise ArgumentError(f"there is no breakpoint {number}")
+            raise ArgumentError(f"unknown breakpoint {number}")
         self._meets.pop(number, None)
         self._held.pop(number, None)
         self._install()
@@ -166,7 +169,7 @@ class Breakpoints:
         if rap and raps and rap not in raps:
             listed = ", ".join(f"`{one}`" for one in raps)
             raise ArgumentError(
-                f"`{rap}` has no method `{name}`; it is one of {listed}"
+                f"`{rap}` has no method `{name}`; expected one of {listed}"
             )
         return _of(
             lambda keys: keys["method"] == name and rap in ("", keys["rap"]),
@@ -263,7 +266,7 @@ class Breakpoints:
             point, holds = self.all[number], self._is_so(self.all[number])
             self._held[number] = holds
             if holds != held and holds == (point.kind != "false"):
-                words = f"{point.what} {'holds' if holds else 'holds no more'}"
+                words = f"{point.what} {'became true' if holds else 'became false'}"
                 time = f"time {readable(self._history.now)}"
                 found.append((number, time if point.kind == "time" else words))
         return found
@@ -320,4 +323,4 @@ def _number(text: str) -> Time:
     try:
         return float(text.removeprefix("[").removesuffix("]"))
     except ValueError:
-        raise TextError(f"a number is wanted, not `{text}`") from None
+        raise TextError(f"expected a number, not `{text}`") from None

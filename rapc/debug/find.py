@@ -60,7 +60,7 @@ def _wanted(kind: str, said: Iterable[str]) -> tuple[type[Event], Want]:
     """Return the event type and the predicate of a search."""
     known = events.kinds()
     if kind not in known:
-        raise TextError(f"there are no events `{kind}`{hint(kind, known)}")
+        raise TextError(f"unknown kind of event `{kind}`{hint(kind, known)}")
     keys: dict[str, str] = {}
     words: list[str] = []
     has = known[kind].__struct_encode_fields__
@@ -71,7 +71,9 @@ def _wanted(kind: str, said: Iterable[str]) -> tuple[type[Event], Want]:
         elif key in has:
             keys[key] = value
         else:
-            raise TextError(f"`{kind}` has no `{key}`; it has {', '.join(has)}")
+            raise TextError(
+                f"`{kind}` has no key `{key}`; its keys are {', '.join(has)}"
+            )
 
     def want(told: ToldEvent) -> bool:
         values = {k: str(v) for k, v in record(told.event()).items()}

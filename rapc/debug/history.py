@@ -47,8 +47,7 @@ _SHARE = 12
 """The divisor for older saved states: a gap is at most age / `_SHARE`."""
 
 _ONLY_TO_LOOK_AT = (
-    "this is a recorded run without what it ran: it can be stepped, searched and told, "
-    "not asked or changed"
+    "not available in a read-only recording: its library or world is missing"
 )
 
 
@@ -250,7 +249,7 @@ class History:
     def stand(self) -> str:
         """Return the present moment as a line of text."""
         words = f"cycle {self.cycle}, time {readable(self.now)}"
-        words += f", run over ({self.reason})" if self.over else ""
+        words += f", run ended ({self.reason})" if self.over else ""
         return words if self.branch.name == "main" else f"{words}, {self.branch.name}"
 
     # --- forwards -----------------------------------------------------------------
@@ -387,7 +386,7 @@ class History:
 
     def _look_back(self) -> None:
         if self.no_way_back:
-            raise StateError(f"there is no way back: {self.no_way_back}")
+            raise StateError(f"cannot go back: {self.no_way_back}")
 
     def _put_back(self, moment: Moment) -> None:
         """Restore the run at a moment of the branch."""
@@ -395,7 +394,7 @@ class History:
         saves = self.branch.saves
         at = max((one for one in saves if one <= moment), default=None)
         if at is None:
-            raise StateError("there is no saved state before that moment")
+            raise StateError("cannot go back: no saved state before that moment")
         run, save = self.run, saves[at]
         if run.library is not save.program or run.settings != save.settings:
             run = run.remade(save.program, save.settings)
@@ -600,7 +599,7 @@ class History:
         """
         self.check_is_run()
         if any(name == branch.name for branch in self.branches):
-            raise ArgumentError(f"there is a branch `{name}` already")
+            raise ArgumentError(f"duplicate branch `{name}`")
         self.branch.left = self.moment
         name = name or f"branch-{len(self.branches)}"
         self.branch = self.branch.begun_at(self.moment, name)
@@ -621,7 +620,7 @@ class History:
                 self.branch = branch
                 self._put_back(branch.left)
                 return
-        raise ArgumentError(f"there is no branch `{name}`")
+        raise ArgumentError(f"unknown branch `{name}`")
 
     def question(self, text: str) -> HostQuery:
         """Return a query, compiled for the present library of the run.

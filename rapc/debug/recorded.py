@@ -85,7 +85,7 @@ class Replay:
             return self.note()
         at_end = self._history.moment == self._last
         if self._cut and self._is_recorded and at_end:
-            return f"the recording ends here ({self._recording.reason or 'cut off'})"
+            return f"end of the recording ({self._recording.reason or 'cut off'})"
         return None
 
     @property
@@ -119,7 +119,7 @@ class Replay:
             self.parted = told.cycle
             self._to_tell = (
                 f"the run differs from the recording from cycle {told.cycle} on (line "
-                f"{told.serial + 1}): the library, the world or acts by hand differ"
+                f"{told.serial + 1}): different library, world or user acts"
             )
 
 

@@ -154,19 +154,21 @@ class Recording:
     def __str__(self) -> str:
         """Return the extent of the recording as text."""
         cycles = plural(self.last_cycle, "cycle")
-        return f"{cycles}, {f'over ({self.reason})' if self.reason else 'cut off'}"
+        return f"{cycles}, {f'ended ({self.reason})' if self.reason else 'cut off'}"
 
     # --- the first line and the last ------------------------------------------------
 
     def _spec(self) -> RunSpec:
         line = self._bytes(0, lambda file: file.readline())
-        said = f"`{self.path}` is not a trace of a run from its beginning"
+        said = f"`{self.path}` is not a trace from the start of a run"
         if not line or self._decoded(line, 0, _TAG).event != _STARTED:
             raise LoadError(said)
         version = self._decoded(line, 0, _FORMAT).format
         if version != TRACE_FORMAT:
             found = f"trace format {version}, not {TRACE_FORMAT}"
-            raise LoadError(f"`{self.path}` was written by another rapc: {found}")
+            raise LoadError(
+                f"`{self.path}` was written by another version of rapc: {found}"
+            )
         return self._decoded(line, 0, _BEGUN).spec
 
     def _tail(self) -> _Tail:
@@ -317,7 +319,7 @@ class Recording:
         head = self._decoded(line, row, _HEAD)
         wrong = ""
         if head.event not in events.kinds():
-            wrong = f"is an event `{head.event}`, which is not known"
+            wrong = f"has the unknown event `{head.event}`"
         elif head.n != row or (
             last is not None and (head.cycle < last.cycle or head.time < last.time)
         ):
@@ -383,7 +385,7 @@ class Playback:
     @property
     def reason(self) -> str:
         """The end reason of the run; empty before its end."""
-        return (self._recording.reason or "no more is recorded") if self._over else ""
+        return (self._recording.reason or "end of the recording") if self._over else ""
 
     def cycle_by(self, time: Time) -> int:
         """Return the last cycle that ended at or before a time."""

@@ -67,7 +67,8 @@ class TakeUp(Act, frozen=True):
         return taken_up(run, self.program, record)
 
     def __str__(self) -> str:
-        return f"take up {' '.join(self.changed) or 'the same text'}"
+        names = " ".join(f"`{name}`" for name in self.changed)
+        return f"reloaded {names or 'the same text'}"
 
 
 def changed(before: Library, after: Library) -> tuple[str, ...]:
@@ -98,7 +99,7 @@ def _moved(record: RunRecord, before: Program, after: Program) -> RunRecord:
         name = task[0] if isinstance(task, tuple) else task.plan
         old, new = before.library.raps[name], after.library.raps.get(name)
         if new is None:
-            raise RefusedError([f"tasks of `{name}` are under way: it must stay"])
+            raise RefusedError([f"cannot remove `{name}`: its tasks are under way"])
         if new != old:
             _look_at_head(old, new)
         if isinstance(task, tuple):
@@ -142,7 +143,7 @@ def _look_at_head(old: nodes.DefineRap, new: nodes.DefineRap) -> None:
     for field in ("inputs", "outputs", "resources"):
         if getattr(old, field) != getattr(new, field):
             raise RefusedError(
-                [f"tasks of `{old.name}` are under way: its {field} must stay"]
+                [f"cannot change the {field} of `{old.name}`: its tasks are under way"]
             )
 
 
@@ -224,24 +225,24 @@ def obstacles(record: RunRecord, before: Program, after: Program) -> Iterator[st
     old_classes, new_classes = before.library.indistinct, after.library.indistinct
     for kind in sorted(known):
         if old_classes.get(kind) != new_classes.get(kind):
-            yield f"items of class `{kind}` are known: what tells them apart must stay"
+            yield f"cannot change class `{kind}`: memory contains its items"
 
 
 def _of_facts(
     old: Signature, new: Signature | None, facts: list[Fact], after: Program
 ) -> Iterator[str]:
     """Yield the reasons why facts in memory are invalid."""
-    held = f"memory holds {plural(len(facts), 'fact')} of `{old.name}`"
-    away = f"`:erase ({old.name})` takes them away"
+    held = f"memory contains {plural(len(facts), 'fact')} of `{old.name}`"
+    away = f"remove the facts with `:erase ({old.name})`"
     if new is None:
-        yield f"{held}, which is declared no more; {away}"
+        yield f"{held}, which is no longer declared; {away}"
     elif (new.kind, new.most) != (old.kind, old.most):
-        yield f"{held}, which is another {new.kind} now, `{new.written}`; {away}"
+        yield f"{held}, which is now the {new.kind} `{new.written}`; {away}"
     else:
         for fact in facts:
             wrong = after.signatures.wrong_kind("asserted", old.name, fact[1:])
             if wrong is not None:
-                yield f"memory holds {format_list(fact)}: {wrong}"
+                yield f"memory contains {format_list(fact)}: {wrong}"
                 return
 
 
@@ -254,7 +255,9 @@ def _declared_otherwise(
     for how, fact in uses:
         name = str(fact[0])
         if before.get(name) != after.get(name):
-            yield f"{format_list(fact)} {how}: how `{name}` is declared must stay"
+            yield (
+                f"cannot change the declaration of `{name}`: {format_list(fact)} {how}"
+            )
 
 
 TYPED = "<typed>"

@@ -156,7 +156,7 @@ def experiment_file(name: str) -> Path:
     if name not in known:
         listed = f"name {', '.join(known)}, or a file that ends in `{SUFFIX}`"
         raise ExperimentError(
-            f"there is no experiment `{name}`", did_you_mean(name, known, listed)
+            f"unknown experiment `{name}`", did_you_mean(name, known, listed)
         )
     return known[name]
 
@@ -188,7 +188,7 @@ def decode_experiment(text: str, name: str) -> Experiment:
         data = toml.parsed(text)
         for where, key, known in _unknown(data):
             raise ExperimentError(
-                f"there is no key `{key}`{where}", did_you_mean(key, known)
+                f"unknown key `{key}`{where}", did_you_mean(key, known)
             )
         found = toml.converted({**data, "name": name}, Experiment)
     except toml.TomlError as error:

@@ -161,7 +161,7 @@ def _unknown(
     named = {**reference.figures, **reference.bounds} if reference else {}
     for name in named:
         if name not in measures:
-            message = f"part `{part.name}`: there is no measure `{name}`"
+            message = f"part `{part.name}`: unknown measure `{name}`"
             yield ExperimentError(message, did_you_mean(name, measures))
 
 

@@ -60,7 +60,7 @@ _STYLE = Style.from_dict(
     }
 )
 
-GREETING = "`:help` lists the commands, Tab completes, Ctrl-D leaves"
+GREETING = "`:help` lists the commands; Tab completes; Ctrl-D quits"
 
 
 class _Completer(Completer):
@@ -155,7 +155,7 @@ class Prompt:
         shell = self._shell
         greeting = [f"{shell.history.stand()}; {GREETING}"]
         if shell.recording:
-            told = f"recorded run: {shell.recording}; `:goto end` goes to its end"
+            told = f"recorded run: {shell.recording}; use `:goto end` to go to its end"
             greeting.insert(0, told)
         self._write(say(*greeting))
         interrupted = False
@@ -169,7 +169,7 @@ class Prompt:
                 if interrupted and not self._typed:
                     return
                 interrupted = True
-                sys.stdout.write("Ctrl-C once more leaves\n")
+                sys.stdout.write("press Ctrl-C again to quit\n")
                 continue
             interrupted = False
             self._write(shell.answer(text))
@@ -195,7 +195,7 @@ class Prompt:
             if top is not None and top is not entry:
                 words.append(f"for [{top.task}] {top.goal}")
         if history.over:
-            words.append(f"over ({history.reason})")
+            words.append(f"ended ({history.reason})")
         width = shutil.get_terminal_size().columns
         return visible("  ".join(words))[: max(width - 1, 1)]
 

@@ -177,7 +177,7 @@ class Shell:
             return str(error)
         said = "; ".join(in_pairs(one) or "yes" for one in found[:_WATCHED]) or "no"
         more = len(found) - _WATCHED
-        return f"{said}; and {more} more" if more > 0 else said
+        return f"{said}; {more} more" if more > 0 else said
 
     # --- RAP text -----------------------------------------------------------------
 
@@ -186,11 +186,11 @@ class Shell:
             return self._earlier(int(text[1]))
         if not text.startswith("("):
             raise TextError(
-                f"`{text.split(maxsplit=1)[0]}` is neither a command, which begins "
-                "with a colon, nor RAP text, which begins with a parenthesis"
+                f"expected a command (`:help`) or a RAP form, not "
+                f"`{text.split(maxsplit=1)[0]}`"
             )
         if not is_balanced(text):
-            raise TextError("a parenthesis or a string is left open")
+            raise TextError("a parenthesis or string is not closed")
         words = text[1:].split(maxsplit=1)
         head = words[0].rstrip("()").lower() if words else ""
         if head.startswith(("define-", "declare-")):
@@ -213,16 +213,16 @@ class Shell:
         if not changed(
             self.history.run.library.library, renewed.library.program.library
         ):
-            return say("nothing has changed")
+            return say("no definition changed")
         branch = self.history.branch
         act = self.history.take_up(renewed.library)
         found = [line for line in concise(renewed.report) if line.startswith(file)]
-        return say(*found, *self.branched(branch), f"done: {act}")
+        return say(*found, *self.branched(branch), str(act))
 
     def branched(self, before: Branch) -> list[str]:
         """Return a line if an act has begun a new branch, or no line."""
         now = self.history.branch
-        return [] if now is before else [f"on {now.name}: the other future stays"]
+        return [] if now is before else [f"now on {now.name}; the old branch is kept"]
 
     def _is_goal(self, head: str, text: str) -> bool:
         """Return whether a list is a goal; with variables, a query has precedence."""
@@ -236,20 +236,22 @@ class Shell:
         self.history.act(SubmitTask(request))
         later = request.at is not None and request.at > self.history.now
         number = self.history.run.state.numbers
-        return say(f"submitted for later: {text}" if later else f"[{number}] {text}")
+        return say(
+            f"submitted for a later time: {text}" if later else f"[{number}] {text}"
+        )
 
     def ask(self, text: str) -> Answer:
         """Evaluate a query over memory and return the answer with its solutions."""
         forms = split(text)
         if len(forms) != 1:
-            raise TextError("one formula is wanted, not more")
+            raise TextError("expected one formula")
         solutions = self.history.question(forms[0]).all()
         self.answers = [solutions, *self.answers[:2]]
         return self._solutions(solutions)
 
     def _earlier(self, number: int) -> Answer:
         if number > len(self.answers):
-            return failure(f"there is no answer `*{number}` yet")
+            return failure(f"no answer `*{number}`")
         return self._solutions(self.answers[number - 1])
 
     def _solutions(self, solutions: list[dict[str, Value]]) -> Answer:
@@ -267,8 +269,8 @@ class Shell:
         rows = [[found.get(name) for name in names] for found in solutions[:MOST]]
         self._left = solutions[MOST:]
         left = len(self._left)
-        notes = [f"and {left} more, with `:more`"] if left else []
-        return table(names, rows, none="there are no more", notes=notes)
+        notes = [f"{left} more with `:more`"] if left else []
+        return table(names, rows, none="no more solutions", notes=notes)
 
 
 def _refusal(error: Error | ValueError) -> Sequence[str]:

@@ -342,7 +342,7 @@ class Interpreter(Run):
                 return task
         if 0 < number <= self.state.numbers:
             raise ArgumentError(f"task [{number}] has ended: ask at an earlier moment")
-        raise ArgumentError(f"there is no task [{number}]")
+        raise ArgumentError(f"unknown task [{number}]")
 
     def fail_task(self, number: int) -> None:
         """Fail a task, like a task with a false condition; its method ends first.

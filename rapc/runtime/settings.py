@@ -70,7 +70,7 @@ def read_settings(values: Mapping[str, Plain]) -> Settings:
     read: dict[str, object] = {}
     for name, value in values.items():
         if name not in names:
-            said = f"there is no setting `rapc.{name}`{hint(name, names)}"
+            said = f"unknown setting `rapc.{name}`{hint(name, names)}"
             raise SettingError(said)
         try:
             read[names[name]] = _read(value) if isinstance(value, str) else value

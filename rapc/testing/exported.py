@@ -408,7 +408,7 @@ def _outcome(told: Iterable[events.Event], task: int) -> tuple[str, str]:
             case events.TaskRemoved() if event.task == task and event.cause != _OVER:
                 raise StateError(f"task [{task}] was removed: no test can expect that")
     if goal is None:
-        raise StateError(f"there is no task [{task}]")
+        raise StateError(f"unknown task [{task}]")
     inputs = [
         format_atom(part) if isinstance(part, str | int | float | Text) else "?"
         for part in goal.inputs

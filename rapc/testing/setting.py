@@ -130,7 +130,7 @@ def problems(
     """
     handled, solved = kit.handlers.data, kit.solvers
     found = [
-        Unmet(datum.span, (f"unknown handler for the datum `{datum.name}`",))
+        Unmet(datum.span, (f"datum `{datum.name}` has no handler",))
         for row in test.script
         for datum in row.data
         if datum.name not in handled

@@ -224,7 +224,8 @@ def read_values(
         owner, _, name = key.partition(".")
         if owner not in (OWN_SETTINGS, world.name):
             raise WorldError(
-                f"`{key}`: `{owner}` is neither `{OWN_SETTINGS}` nor `{world.name}`",
+                f"`{key}`: unknown owner `{owner}`; expected `{OWN_SETTINGS}` or "
+                f"`{world.name}`",
                 did_you_mean(owner, [OWN_SETTINGS, world.name]),
             )
         (own if owner == OWN_SETTINGS else theirs)[name] = text

@@ -221,7 +221,7 @@ def _problems(
     yield from _faults(signatures, "datum", one.data)
     for datum in one.data:
         if datum[0] not in handled:
-            yield f"unknown handler for the datum `{datum[0]}`"
+            yield f"datum `{datum[0]}` has no handler"
 
 
 def _unbound(facts: Iterable[Fact], pattern: Fact) -> Iterator[str]:

@@ -342,13 +342,13 @@ def test_a_moment_at_which_nothing_is_on_says_so(tmp_path: Path) -> None:
     on = ("graph", "hall.rap", "--skills", "0.5", *WORLD)
     drawn = [rapc(*on, *form, cwd=tmp_path) for form in ((), ("--format", "mermaid"))]
     assert all(done.returncode == 0 for done in drawn)
-    assert '  label="no skill is on";\n' in drawn[0].stdout
-    assert drawn[1].stdout == 'flowchart LR\n  n0["no skill is on"]\n'
+    assert '  label="no active skills";\n' in drawn[0].stdout
+    assert drawn[1].stdout == 'flowchart LR\n  n0["no active skills"]\n'
     done = rapc(*on, "--format", "json", cwd=tmp_path)
     nothing: dict[str, object] = {"title": "skills", "vertices": [], "edges": []}
     assert json.loads(done.stdout) == nothing
     done = rapc(*on, "--format", "text", cwd=tmp_path)
-    assert done.stdout == "no skill is on\n"
+    assert done.stdout == "no active skills\n"
 
 
 def test_the_network_is_drawn_behind_faults(tmp_path: Path) -> None:

@@ -160,13 +160,13 @@ def test_nothing_stops_a_replay() -> None:
 def test_what_is_no_breakpoint_is_said() -> None:
     session, points = _with()
     for point, said_of in (
-        (Breakpoint("frob"), "`frob` is nothing to stop at"),
+        (Breakpoint("frob"), "unknown kind of breakpoint `frob`"),
         (Breakpoint("rap", "fill-oder"), "did you mean `fill-order`"),
         (Breakpoint("method", "outsid"), "did you mean `outside`"),
         (Breakpoint("method", "outside of travel-road"), "has no method `outside`"),
         (Breakpoint("method", "outside of travel-raod"), "mean `travel-road`"),
         (Breakpoint("true", "(frob)"), "unknown predicate `frob`"),
-        (Breakpoint("time", "noon"), "a number is wanted"),
+        (Breakpoint("time", "noon"), "expected a number"),
     ):
         with pytest.raises((ArgumentError, TextError, ValueError), match=said_of):
             points.add(point)
@@ -187,9 +187,11 @@ def test_breakpoints_are_kept_in_a_file(tmp_path: Path) -> None:
     assert "rap travel-road if (place depot depot) after 2" in text
     for damaged in (b"[{}]", b'[{"kind":"\xff"}]', b'[{"x":' + b"[" * 100_000):
         kept.write_bytes(damaged)
-        assert "holds no breakpoints" in said(other, f":break load {kept}", width=300)
+        assert "is not a list of breakpoints" in said(
+            other, f":break load {kept}", width=300
+        )
     assert "cannot read" in said(other, f":break load {tmp_path / 'none'}")
-    assert "there are no breakpoints" in said(other, ":unbreak all")
+    assert "no breakpoints" in said(other, ":unbreak all")
 
 
 def test_watches_are_marked_where_they_change() -> None:
@@ -200,8 +202,8 @@ def test_watches_are_marked_where_they_change() -> None:
     )
     assert "* watch 1 (truck-location ?where): ?where depot" in said(shell, ":step 2")
     assert "  watch 1 (truck-location ?where): ?where depot" in said(shell, ":step 2")
-    assert said(shell, ":unwatch 1") == "nothing is watched\n"
-    assert "there is no watch 3" in said(shell, ":unwatch 3")
+    assert said(shell, ":unwatch 1") == "no watches\n"
+    assert "unknown watch 3" in said(shell, ":unwatch 3")
     assert "unknown predicate `frob`" in said(shell, ":watch (frob)")
 
 
@@ -232,14 +234,16 @@ def test_search_in_vain_tells_the_events_before() -> None:
     )
     shell.answer(":run")
     assert said(shell, ":find task-failed").splitlines()[:2] == [
-        "no task-failed is found after this cycle",
-        "1 event before it: `:find back task-failed`",
+        "no event task-failed after this cycle",
+        "1 event before this cycle: use `:find back task-failed`",
     ]
     text = said(shell, ":find method-ended result=blocked")
-    assert "events before it: `:find back method-ended result=blocked`" in text
+    assert (
+        "events before this cycle: use `:find back method-ended result=blocked`" in text
+    )
     last = shell.history.cycle
     assert f"in cycle {last}\n" in said(shell, ":find back task-failed")
-    assert "no task-failed is found before this cycle" in said(
+    assert "no event task-failed before this cycle" in said(
         shell, ":find back task-failed"
     )
     assert "events before" not in said(shell, ":find signal")

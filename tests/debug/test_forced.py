@@ -67,6 +67,6 @@ def test_what_the_world_does_not_offer_is_not_forced() -> None:
 def test_a_result_is_forced_by_a_command() -> None:
     shell = truck_shell()
     assert said(shell, ":force (truck-move) okay 3") == (
-        "done: force (truck-move) okay 3 times\n"
+        "forced (truck-move) okay 3 times\n"
     )
-    assert "a result is missing" in said(shell, ":force (truck-move)")
+    assert "missing result" in said(shell, ":force (truck-move)")

@@ -54,7 +54,7 @@ def test_retries_are_counted_by_goal() -> None:
     assert isinstance(failed, int)
     assert failed >= 2
     assert lift["results"] == f"{failed} slipped"
-    assert str(lift["most often because of"]).startswith("primitive of `lift`")
+    assert str(lift["most frequent reason"]).startswith("primitive of `lift`")
 
 
 def test_deadlines_are_told_with_how_late() -> None:
@@ -75,12 +75,12 @@ def test_who_has_to_do_with_a_fact() -> None:
     session = truck()
     session.goto(50)
     found = who(session, "(truck-location ?where)").rows
-    assert found[0]["who"] == "(truck-location zone-2)"
+    assert found[0]["by"] == "(truck-location zone-2)"
     assert ", by (truck-move)" in str(found[0]["where"])
-    listeners = [one["who"] for one in found if one["how"] == "listened to by"]
+    listeners = [one["by"] for one in found if one["use"] == "monitored by"]
     assert [str(one).split()[0] for one in listeners] == ["[6]"]
-    assert {one["how"] for one in found} >= {"test", "asserted"}
-    assert any(one["who"] == "define-rap travel-road" for one in found)
+    assert {one["use"] for one in found} >= {"test", "asserted"}
+    assert any(one["by"] == "define-rap travel-road" for one in found)
     with pytest.raises(ArgumentError, match="unknown predicate `frob`"):
         who(session, "(frob)")
 
@@ -89,4 +89,4 @@ def test_who_has_noted_a_fact() -> None:
     session = truck()
     session.goto(70)
     found = who(session, "(claimed item-1)").rows
-    assert "noted by" in [one["how"] for one in found]
+    assert "noted by" in [one["use"] for one in found]

@@ -29,9 +29,9 @@ def test_an_option_of_the_world_counts_from_where_it_was_changed() -> None:
     shell = truck_shell()
     shell.answer(":to 20")
     assert said(shell, ":option truck.arm2-drops=100") == (
-        "done: option truck.arm2-drops 100\n"
+        "set truck.arm2-drops to 100\n"
     )
-    assert said(shell, ":option truck.arm1-drops = 100").startswith("done: ")
+    assert said(shell, ":option truck.arm1-drops = 100").startswith("set ")
     there = shell.history.run.save()
     shell.answer(":to 90")
     told = shell.history.scan(events.PrimitiveEnded)
@@ -50,8 +50,8 @@ def test_an_option_of_the_world_counts_from_where_it_was_changed() -> None:
 def test_options_are_changed_where_results_are_forced() -> None:
     shell = truck_shell()
     shell.answer(":force (arm-grasp ? ?) arm-dropped")
-    assert said(shell, ":option truck.arm2-drops 100").startswith("done: ")
-    assert said(shell, ":option rapc.futile-limit 3").startswith("done: ")
+    assert said(shell, ":option truck.arm2-drops 100").startswith("set ")
+    assert said(shell, ":option rapc.futile-limit 3").startswith("set ")
     shell.answer(":to 90")
     there = shell.history.run.save()
     shell.history.goto(30)
@@ -71,14 +71,14 @@ def test_what_a_choice_rested_on_is_asked_of_the_run_as_it_was_made() -> None:
 def test_what_cannot_be_changed_is_said() -> None:
     shell = truck_shell()
     for text, answer in (
-        ("truck.fuel 3", "`truck.fuel` counts at the beginning of a run alone"),
+        ("truck.fuel 3", "`truck.fuel` cannot change during a run"),
         ("truck.fule 3", "the world `truck` has no option `fule`"),
         ("truck.arm1-drops 300", "`arm1-drops` must be between 0 and 100"),
-        ("truck.arm1-drops", "a value of `truck.arm1-drops` is missing"),
+        ("truck.arm1-drops", "missing value of `truck.arm1-drops`"),
         ("rapc.futil-limit 3", "did you mean `futile-limit`?"),
         ("rapc.strict maybe", "takes true or false, not `maybe`"),
-        ("foo 3", "an option is `truck.NAME` or `rapc.NAME`"),
-        ("foo.x 3", "`foo` is neither `rapc` nor `truck`"),
+        ("foo 3", "expected `truck.NAME` or `rapc.NAME`"),
+        ("foo.x 3", "unknown owner `foo`; expected `rapc` or `truck`"),
     ):
         assert answer in said(shell, f":option {text}", width=200)
     assert shell.history.branch.acts == []

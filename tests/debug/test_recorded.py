@@ -28,7 +28,7 @@ def test_a_trace_is_that_of_rapc_run(tmp_path: Path) -> None:
     rapc("run", *RUN, "-q", "--seed", "7", "--trace", str(other))
     shell = truck_shell()
     shell.answer(":run")
-    assert " events in " in said(shell, f":record {mine}", width=200)
+    assert " events written to " in said(shell, f":record {mine}", width=200)
     told, expected = mine.read_text().splitlines(), other.read_text().splitlines()
     assert told[1:] == expected[1:]
     assert _parted(mine) is None
@@ -82,7 +82,7 @@ def test_a_recorded_run_begins_at_its_beginning_and_goes_to_its_end(
     assert lines[1] == "cycle 1, time 0"
     last = Recording(trace).last_cycle
     assert lines[2].startswith(f"cycle {last},")
-    assert lines[2].endswith("run over (done)")
+    assert lines[2].endswith("run ended (done)")
     assert lines[3].startswith(f"cycle {last - 4},")
     assert "factory-1" in done.stdout
 
@@ -95,7 +95,7 @@ def test_act_before_the_end_of_a_recording_begins_a_branch(tmp_path: Path) -> No
     shell = Shell(replay._history, commands())
     shell.answer(":show none")
     assert "on branch-1" in said(shell, ":step 5", ":assert (truck-fuel 1)")
-    assert "over" in said(shell, ":run")
+    assert "run ended" in said(shell, ":run")
     assert said(shell, ":branch main", ":goto end").startswith(
         f"cycle {recording.last_cycle},"
     )
@@ -130,7 +130,7 @@ def test_a_run_that_parts_from_the_recorded_one_says_where(tmp_path: Path) -> No
     told = rapc("repl", str(trace), *run).stdout.splitlines()
     assert told[1].startswith(f"stopped: {where}")
     assert told[-2].startswith("cycle 30,")
-    assert told[-1].endswith("run over (done)")
+    assert told[-1].endswith("run ended (done)")
     told = rapc(
         "repl", str(trace), "-c", ":goto end", "-c", ":back"
     ).stdout.splitlines()
@@ -145,7 +145,7 @@ def test_the_first_decision_that_differs_is_told(tmp_path: Path) -> None:
     shell = truck_shell()
     shell.answer(":run")
     text = said(shell, f":diff {trace}", width=200)
-    assert text.startswith("the first decision that differs, in cycle ")
+    assert text.startswith("first different decision, in cycle ")
     assert "  here:  " in text
     assert "  there: " in text
 
@@ -155,13 +155,13 @@ def test_the_first_decision_that_differs_is_told(tmp_path: Path) -> None:
     [
         ("hello", "is not a trace: line 1: "),
         ("[]", "is not a trace: line 1: expected `object`, got `array`"),
-        ('{"event":"signal"}', "not a trace of a run from its beginning"),
+        ('{"event":"signal"}', "not a trace from the start of a run"),
         ('{"event":"run-started"}', "line 1: object missing required field `spec`"),
         (
             '{"event":"run-started","format":1,"library":"a.rap"}',
-            "was written by another rapc: trace format 1, not 2",
+            "was written by another version of rapc: trace format 1, not 2",
         ),
-        ("", "not a trace of a run from its beginning"),
+        ("", "not a trace from the start of a run"),
         ("[" * 100_000, "line 1: "),
         (
             '{"event":"run-started","x":' + "[" * 100_000,
@@ -204,7 +204,7 @@ def test_a_trace_has_the_digest_of_its_library(tmp_path: Path) -> None:
     done = rapc("repl", str(trace), "-c", ":run", "-c", ":tree")
     assert done.returncode == 0
     assert done.stderr == f"opened read-only: `{library}` does not exist\n"
-    assert "run over (done)" in done.stdout
+    assert "run ended (done)" in done.stdout
 
 
 SAY = """
@@ -218,7 +218,7 @@ def test_a_run_that_was_broken_off_is_opened_where_it_was(tmp_path: Path) -> Non
     rapc("run", *RUN, "-q", "--seed", "7", "--until", "90", "--trace", str(trace))
     done = rapc("repl", str(trace), "-c", ":show none", "-c", ":run", "-c", ":step")
     assert (done.returncode, done.stderr) == (0, "")
-    assert "stopped: the recording ends here (until)\ncycle 41, time 70" in done.stdout
+    assert "stopped: end of the recording (until)\ncycle 41, time 70" in done.stdout
     assert "cycle 42, time " in done.stdout
 
 
@@ -269,8 +269,8 @@ def test_recorded_run_of_a_module_becomes_a_test(lamps: Path) -> None:
     again = ("repl", "l.jsonl", "--world", "lamps:LampWorld", "-c", ":goto end")
     done = rapc(*again, "-c", ":export-test x.test.rap", cwd=lamps)
     assert done.stdout.splitlines()[1:] == [
-        "x.test.rap: x, which passes now",
-        "`rapc test` needs `--world-module lamps`",
+        "test x written to x.test.rap; the test passes now",
+        "`rapc test` requires `--world-module lamps`",
     ]
     assert '(world "lamps:LampWorld")' in (lamps / "x.test.rap").read_text()
     done = rapc("test", "x.test.rap", "--world-module", "lamps", cwd=lamps)
@@ -348,7 +348,7 @@ def test_what_needs_the_run_is_refused_in_a_line(tmp_path: Path) -> None:
             if answer.failed and text not in told:
                 assert len(answer.lines) == 1, text
     for text in (":why", ":agenda", "(place ?x ?y)", "(rock-order red 1)", ":break"):
-        assert "a recorded run without what it ran" in said(tape, text, width=200)
+        assert "not available in a read-only recording" in said(tape, text, width=200)
     assert [one.text for one in candidates(tape, "(plac")] == []
     assert ":step" in [one.text for one in candidates(tape, ":st")]
     assert candidates(tape, ":source ") == []
@@ -363,7 +363,7 @@ def _all(recording: Recording) -> list[object]:
     [
         (
             '{"event":"frob","n":1,"cycle":1,"time":0}',
-            "an event `frob`, which is not kn",
+            "the unknown event `frob`",
         ),
         (
             '{"event":"task-selected","n":1}',
@@ -424,8 +424,8 @@ def test_a_recording_that_was_cut_off_in_a_line_ends_before_it(tmp_path: Path) -
     trace.write_text(text[: len(text) * 2 // 3])
     done = rapc("repl", str(trace), "-c", ":show none", "-c", ":run")
     last = Recording(trace).last_cycle
-    assert "stopped: the recording ends here (cut off)" in done.stdout
+    assert "stopped: end of the recording (cut off)" in done.stdout
     assert f"cycle {last - 1}, " in done.stdout
     tape = Shell(History(Playback(Recording(trace))), commands())
     assert f"cycle {last}, time " in said(tape, ":show none", ":run")
-    assert said(tape, ":step").endswith("run over (no more is recorded)\n")
+    assert said(tape, ":step").endswith("run ended (end of the recording)\n")

@@ -104,7 +104,7 @@ def test_what_cannot_be_taken_up_changes_nothing() -> None:
     for text, why in (
         (
             "(define-rap (speak ?x) (method (primitive (say ?x))))",
-            "its inputs must stay",
+            "cannot change the inputs of",
         ),
         (
             "(declare-primitive shout (?word) (okay))",
@@ -183,18 +183,19 @@ def test_a_task_under_way_may_gain_a_monitor_and_lose_it() -> None:
         (
             "(declare-memory-proposition wet (?place))",
             "(declare-memory-proposition wet (?place ?how))",
-            r"memory holds 1 fact of `wet`, which is another proposition now, "
-            r"`\(wet \?place \?how\)`; `:erase \(wet\)` takes them away",
+            r"memory contains 1 fact of `wet`, which is now the proposition "
+            r"`\(wet \?place \?how\)`; remove the facts with `:erase \(wet\)`",
         ),
         (
             "(?tank (?amount number))",
             "(?tank (?amount item))",
-            r"memory holds \(level tank 3\): ",
+            r"memory contains \(level tank 3\): ",
         ),
         (
             "(declare-primitive wait-a-bit () (okay)",
             "(declare-primitive wait-a-bit () (okay late)",
-            r"\(wait-a-bit\) is under way: how `wait-a-bit` is declared must stay",
+            r"cannot change the declaration of `wait-a-bit`: \(wait-a-bit\) is "
+            r"under way",
         ),
     ],
 )
@@ -232,10 +233,10 @@ def test_files_are_read_again(tmp_path: Path) -> None:
     file.write_text(TEXT)
     session = _session()
     shell = Shell(session, commands(), [str(file)])
-    assert said(shell, ":reload") == "nothing has changed\n"
+    assert said(shell, ":reload") == "no definition changed\n"
     shell.answer(":step 2")
     file.write_text(TEXT.replace("(say ?word)", "(say again)"))
-    assert said(shell, ":reload") == "done: take up utter\n"
+    assert said(shell, ":reload") == "reloaded `utter`\n"
     file.write_text(TEXT.replace("?word)))", "?wrod)))"))
     assert "is not bound here" in said(shell, ":reload", width=200)
     shell.answer(":run")
@@ -258,7 +259,7 @@ def test_definitions_are_typed_checked_and_used() -> None:
     shell = truck_shell()
     assert said(
         shell, "(define-rap (go-fast) (method (primitive (truck-speed fast))))"
-    ) == ("done: take up go-fast\n")
+    ) == ("reloaded `go-fast`\n")
     assert "[2] (go-fast)" in said(shell, "(go-fast)")
     text = said(
         shell,
@@ -268,4 +269,4 @@ def test_definitions_are_typed_checked_and_used() -> None:
     assert "<typed>:1:" in text
     assert "did you mean" in text or "truck-sped" in text
     assert "<typed>" in said(shell, ":source go-fast")
-    assert "a parenthesis or a string is left open" in said(shell, "(define-rap (x")
+    assert "a parenthesis or string is not closed" in said(shell, "(define-rap (x")

@@ -178,7 +178,7 @@ def test_results_that_cannot_be_kept_or_read(copied: Path) -> None:
     [
         (
             ["chapter"],
-            "error: there is no experiment `chapter`\n  did you mean `chapter6`?\n",
+            "error: unknown experiment `chapter`\n  did you mean `chapter6`?\n",
         ),
         (["none.toml"], "error: cannot read `none.toml`: no such file or directory\n"),
         (
@@ -191,7 +191,7 @@ def test_results_that_cannot_be_kept_or_read(copied: Path) -> None:
             ["truck.toml", "--out", "truck.toml/x"],
             "error: cannot create `truck.toml/x`",
         ),
-        (["bad.toml"], "error: bad.toml: there is no key `worlds`\n  did you mean"),
+        (["bad.toml"], "error: bad.toml: unknown key `worlds`\n  did you mean"),
         (
             ["truck.toml", "--out", "base"],
             "error: `base/results.sqlite` cannot be used",

@@ -42,20 +42,20 @@ def test_seeds_count_from_the_first() -> None:
     [
         ("until = ", "invalid value (at end of document)", None),
         ("a = " + "[" * 20_000, "nested too deeply", None),
-        ("seads = 3\n" + TRUCK, "there is no key `seads`", "did you mean `seeds`?"),
+        ("seads = 3\n" + TRUCK, "unknown key `seads`", "did you mean `seeds`?"),
         (
             changed("notes =", "note ="),
-            "there is no key `note` in part 1",
+            "unknown key `note` in part 1",
             "did you mean `notes`?",
         ),
         (
             changed("figures =", "figure ="),
-            "there is no key `figure` in `reference` of part 1",
+            "unknown key `figure` in `reference` of part 1",
             "did you mean `figures`?",
         ),
         (
             changed("label =", "name ="),
-            "there is no key `name` in `mark` of part 1",
+            "unknown key `name` in `mark` of part 1",
             None,
         ),
     ],
@@ -163,12 +163,12 @@ def test_what_contradicts_itself(text: str, message: str) -> None:
         ),
         (
             changed('"truck.arm1-drops"', '"trucks.arm1-drops"'),
-            "`trucks.arm1-drops`: `trucks` is neither `rapc` nor `truck`",
+            "`trucks.arm1-drops`: unknown owner `trucks`; expected `rapc` or `truck`",
             "did you mean `truck`?",
         ),
         (
             changed('"truck.arm1-drops"', '"rapc.futile-limits"'),
-            "there is no setting `rapc.futile-limits`; did you mean `futile-limit`?",
+            "unknown setting `rapc.futile-limits`; did you mean `futile-limit`?",
             None,
         ),
         (
@@ -198,7 +198,7 @@ def test_what_contradicts_itself(text: str, message: str) -> None:
         ),
         (
             changed("completed = [2]", "complete = [2]"),
-            "part `drops`: there is no measure `complete`",
+            "part `drops`: unknown measure `complete`",
             "did you mean `completed`?",
         ),
     ],
@@ -237,7 +237,7 @@ def test_parts_are_found_by_name() -> None:
 def test_files_are_found_by_name(tmp_path: Path) -> None:
     with pytest.raises(ExperimentError) as caught:
         definition.experiment_file("chapter")
-    assert caught.value.message == "there is no experiment `chapter`"
+    assert caught.value.message == "unknown experiment `chapter`"
     file = tmp_path / "my.toml"
     assert definition.experiment_file(str(file)) == file
     with pytest.raises(ExperimentError) as caught:

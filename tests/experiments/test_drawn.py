@@ -109,7 +109,7 @@ REFUSED = {
         None,
     ),
     ("from = 5", "frm = 5"): (
-        "there is no key `frm` in `when` of `draw`",
+        "unknown key `frm` in `when` of `draw`",
         "did you mean `from`?",
     ),
     ("to = 9", "to = 3"): ("`draw`, when: `from` is more than `to`", None),
@@ -137,7 +137,7 @@ REFUSED = {
         None,
     ),
     ("tasks = [", "tusks = ["): (
-        "there is no key `tusks`",
+        "unknown key `tusks`",
         "did you mean `tasks`?",
     ),
 }

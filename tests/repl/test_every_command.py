@@ -43,11 +43,11 @@ def test_every_command_answers_on_a_terminal(
     columns, typed = case
     terminal = Terminal(columns, tmp_path, *RUN)
     terminal.see("Ctrl-D leaves")
-    terminal.ask(":show none", "after a step is shown: none")
+    terminal.ask(":show none", "shown after each step: none")
     terminal.ask(":to 60", "cycle 60")
     for command in typed:
         terminal.ask(command.examples[0], command.examples[0])
-        screen = terminal.ask(":show none", "after a step is shown: none")
+        screen = terminal.ask(":show none", "shown after each step: none")
         assert not any("Traceback" in line for line in screen)
         assert all(len(line) <= columns for line in screen)
     assert terminal.leave() == 0
@@ -73,8 +73,8 @@ def test_every_example_of_the_help_answers_in_a_script(
         if answers[text]["failed"]
     }
     expected = re.compile(
-        r"has ended|there is no|no task has failed|has not failed|no method"
-        r"|is at work on no|never came up|cannot (be )?read|did not come up"
+        r"has ended|unknown|no failed task|has not failed|no method"
+        r"|was never selected|cannot (be )?read|was not selected"
         r"|unknown predicate|unknown event|is set by"
     )
     strange = {text: why for text, why in refused.items() if not expected.search(why)}

@@ -61,7 +61,7 @@ def test_a_run_becomes_a_test_that_holds_only_what_matters(tmp_path: Path) -> No
     shell = arms(tmp_path, *DROPS, *CATCHES)
     path = tmp_path / "dropped.test.rap"
     told = said(shell, ":run", f":export-test {path}", width=400)
-    assert told.strip() == f"{path}: dropped, which passes now"
+    assert told.strip() == f"test dropped written to {path}; the test passes now"
     text = path.read_text(encoding="utf-8")
     assert '(require "arms")' in text
     assert "(seen box)" in text
@@ -91,7 +91,7 @@ def test_what_is_wanted_fails_now(tmp_path: Path) -> None:
     shell = arms(tmp_path, DROPS[0], row("(grasp box)", "dropped", 2))
     path = tmp_path / "wanted.test.rap"
     told = said(shell, ":run", f":export-test {path} succeeds", width=400)
-    assert "wanted, which fails now" in told
+    assert "the test fails now" in told
     assert "(succeeds (pick-up box))" in path.read_text(encoding="utf-8")
     assert statuses(path) == [Status.FAILED]
 
@@ -104,7 +104,7 @@ def test_hallway_run_becomes_a_test(tmp_path: Path) -> None:
     )
     shell = Shell(session, commands(), ["stdlib/hallway"])
     told = said(shell, ":to 8", f":export-test {path}", width=400)
-    assert "errand, which passes now" in told
+    assert "the test passes now" in told
     assert statuses(path) == [Status.PASSED]
 
 
@@ -238,7 +238,7 @@ def test_a_run_that_no_script_can_tell_is_refused(tmp_path: Path) -> None:
     session = History.open(library, world, tasks=["(try-luck)"])
     shell = Shell(session, commands(), [str(path)])
     told = said(shell, ":run", f":export-test {test}", width=400)
-    assert "a script cannot tell this run" in told
+    assert "a script cannot repeat this run" in told
     assert not test.exists()
 
 
@@ -266,11 +266,11 @@ def test_a_task_that_comes_later_is_given_then(tmp_path: Path, task: str) -> Non
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ("run.rap", "ends with `.test.rap`"),
-        ("new.test.rap 99", "there is no task [99]"),
-        ("new.test.rap 1 often", "is too much"),
+        ("run.rap", "must end with `.test.rap`"),
+        ("new.test.rap 99", "unknown task [99]"),
+        ("new.test.rap 1 often", "unexpected argument `often`"),
         ("there.test.rap", "cannot write"),
-        ("", "a file is missing"),
+        ("", "missing file"),
     ],
 )
 def test_what_cannot_be_written_is_refused(

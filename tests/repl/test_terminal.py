@@ -18,12 +18,12 @@ TASK = ("--task", "(rock-order red 1)", "--seed", "7")
 def test_a_session_on_a_terminal(columns: int, tmp_path: Path) -> None:
     terminal = Terminal(columns, tmp_path, *TASK)
     terminal.see("Ctrl-D leaves")
-    terminal.ask(":show none", "after a step is shown: none")
+    terminal.ask(":show none", "shown after each step: none")
     terminal.ask(":step 3", "cycle 3, time 0")
     terminal.ask(":back", "cycle 2, time 0")
     terminal.ask("(and (place ?p quarry)\r(produces ?p rock))", "quarry-3")
     terminal.ask(":stpe", "did you mean `:step`?")
-    terminal.ask(":why", "came up in cycle 2")
+    terminal.ask(":why", "was selected in cycle 2")
     screen = terminal.ask(":agenda", "its method")
     assert all(len(line) <= columns for line in screen)
     assert terminal.leave() == 0
@@ -46,11 +46,11 @@ def test_ctrl_c_clears_the_line_and_twice_leaves(tmp_path: Path) -> None:
     terminal.press("(and (place")
     terminal.see("(and (place")
     terminal.press("\x03")
-    terminal.see("Ctrl-C once more leaves")
+    terminal.see("press Ctrl-C again to quit")
     terminal.ask(":step", "cycle 1, time 0")
     terminal.clear()
     terminal.press("\x03")
-    terminal.see("Ctrl-C once more leaves")
+    terminal.see("press Ctrl-C again to quit")
     assert terminal.leave("\x03") == 0
 
 
@@ -68,12 +68,12 @@ def test_ctrl_c_does_not_leave_after_typing(erased: str, tmp_path: Path) -> None
     terminal.see("Ctrl-D leaves")
     terminal.press("\x03")
     for _ in range(2):
-        terminal.see("Ctrl-C once more leaves")
+        terminal.see("press Ctrl-C again to quit")
         terminal.press(":agend")
         terminal.see("rapc> :agend")
         terminal.clear()
         terminal.press(f"{erased}\x03")
-    terminal.see("Ctrl-C once more leaves")
+    terminal.see("press Ctrl-C again to quit")
     terminal.ask(":step", "cycle 1, time 0")
     assert terminal.leave() == 0
 
@@ -83,7 +83,7 @@ def test_ctrl_c_pauses_a_run(tmp_path: Path) -> None:
     orders = [word for _ in range(60) for word in ("--task", "(rock-order red 4)")]
     terminal = Terminal(100, tmp_path, *orders, "--set", "truck.fuel-use=0")
     terminal.see("Ctrl-D leaves")
-    terminal.ask(":show none", "after a step is shown: none")
+    terminal.ask(":show none", "shown after each step: none")
     terminal.clear()
     terminal.press(":run\r")
     terminal.until_carried_out()

@@ -129,10 +129,7 @@ def test_a_world_without_a_picture_is_refused(tmp_path: Path) -> None:
         cwd=lamps,
     )
     assert (done.returncode, done.stdout) == (2, "")
-    said = (
-        "error: the world `lamps:LampWorld` cannot be shown: it has no `picture` "
-        "method\n"
-    )
+    said = "error: cannot show world `lamps:LampWorld`: it has no `picture` method\n"
     assert done.stderr == said
     assert not trace.exists()
 

@@ -27,7 +27,7 @@ PROBLEMS = [
     ("(script ((grab box) :data ((noise))))", "unknown sensor datum `noise`"),
     (
         "(script ((grab box) :data ((sighting box))))",
-        "unknown handler for the datum `sighting`",
+        "datum `sighting` has no handler",
     ),
     (
         "(script ((look box) :after 3))",

@@ -43,7 +43,7 @@ def _lacking(library: Library, test: nodes.DefineTest) -> Iterator[tuple[Span, s
     for row in asked:
         for datum in row.data:
             if datum.name in library.data:
-                message = f"unknown handler for the datum `{datum.name}`"
+                message = f"datum `{datum.name}` has no handler"
                 yield datum.span, message
     answered = {answer.call.function for answer in test.answers}
     for declared in library.properties.values():

@@ -37,14 +37,14 @@ class Commitment(msgspec.Struct, frozen=True):
 
 @question("chosen [TASK]", ":when chosen 106", ":when chosen")
 def when(history: History, args: Arguments) -> Answer:
-    """Say what the choice of a method rested on, and what of that is no longer so.
+    """List the facts that a choice of method relied on, and changes since.
 
-    Without a task: all methods under way that rest on what is no longer so.
+    Without a task, list all methods under way that rely on facts that have changed.
     """
     args.takes("chosen")
     found = [commitment(history, args.task(history))] if args else stale(history)
     if not found:
-        return say("no method under way rests on what is no longer so")
+        return say("no method under way relies on facts that have changed")
     return say(*(line for one in found for line in _lines(one)))
 
 
@@ -54,12 +54,12 @@ def _lines(one: Commitment) -> Iterator[str]:
     chose = f"{keys['method']}{bound_to(keys['bindings'])}"
     yield f"[{one.task}] {one.goal} chose {chose} {at}"
     for fact in one.rested_on:
-        mark = "no longer so" if fact in one.gone else "still so"
+        mark = "no longer in memory" if fact in one.gone else "still in memory"
         yield f"  because of {format_list(fact)}: {mark}"
     if one.now is not None and not one.now.holds:
         yield f"  now: {one.now.in_a_line()}"
     would = ", or ".join(f"{name}{bound_to(bound)}" for name, bound in one.would)
-    yield f"  it would choose now: {would or 'nothing'}"
+    yield f"  choice now: {would or 'no method'}"
 
 
 def commitment(history: History, number: int) -> Commitment:
@@ -70,7 +70,7 @@ def commitment(history: History, number: int) -> Commitment:
         StateError: if the run cannot go back.
     """
     if history.run.task(number).run is None:
-        raise ArgumentError(f"task [{number}] is at work on no method")
+        raise ArgumentError(f"task [{number}] has no method under way")
     told = history.last(events.MethodChosen, want=lambda o: o.keys["task"] == number)
     assert told is not None
     with history.at(told.cycle - 1) as run:

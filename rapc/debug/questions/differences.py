@@ -25,16 +25,16 @@ from rapc.runtime.events.trace import record
     of_recordings=True,
 )
 def diff(history: History, args: Arguments) -> Answer:
-    """Say what differs between two moments, or from a run that was recorded.
+    """Show the differences between two moments, or from a recorded run.
 
-    Of two runs the first decision is told that differs: which task came up, or
-    which method was chosen.
+    For two runs, the first different decision is shown: the selected task or the chosen
+    method.
     """
     if args and not args.peek().isdecimal():
-        return _from_a_recording(history, Path(args.word("a file")))
+        return _from_a_recording(history, Path(args.word("file")))
     history.check_is_run()
-    first = args.count("a cycle")
-    second = args.count("a cycle", history.cycle)
+    first = args.count("cycle")
+    second = args.count("cycle", history.cycle)
     one, other = _at(history, first), _at(history, second)
     rows = [("+", "fact", format_list(f)) for f in other.facts if f not in one.facts]
     rows += [("-", "fact", format_list(f)) for f in one.facts if f not in other.facts]
@@ -81,18 +81,18 @@ def _from_a_recording(history: History, path: Path) -> Answer:
         if {**(here or {}), "n": 0} != {**(there or {}), "n": 0}:
             cycle = (here or there or {})["cycle"]
             return say(
-                f"the first decision that differs, in cycle {cycle}:",
+                f"first different decision, in cycle {cycle}:",
                 f"  here:  {_decision(here)}",
                 f"  there: {_decision(there)}",
             )
-    return say("all decisions are the same, as far as both have gone")
+    return say("no different decision up to the end of the shorter run")
 
 
 def _decision(event: _Event | None) -> str:
     if event is None:
-        return "nothing more"
+        return "end of the run"
     at = f"at {readable(event['time'])}"
     if event["event"] == "task-selected":
-        return f"{event['goal']} [{event['task']}] came up {at}"
+        return f"{event['goal']} [{event['task']}] was selected {at}"
     chose = f"[{event['task']}] chose {event['method']} of {event['rap']} {at}"
     return f"{chose}{bound_to(event['bindings'])}"

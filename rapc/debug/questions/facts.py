@@ -58,9 +58,9 @@ class _Change(NamedTuple):
     of_recordings=True,
 )
 def history_(history: History, args: Arguments) -> Answer:
-    """Tell when facts came and went, and what became of an item, with who did it."""
-    said = args.word("an item or a fact")
-    none = f"nothing has become of {said}"
+    """List the changes of a fact or an item, with their causes."""
+    said = args.word("item or a fact")
+    none = f"no changes of {said}"
     if said.startswith("("):
         pattern = read_pattern(said)
         size = len(pattern)
@@ -71,7 +71,7 @@ def history_(history: History, args: Arguments) -> Answer:
 
         found = _changes(history, about, lambda told: False)
     else:
-        predicate = args.word("a predicate").lower() if args else ""
+        predicate = args.word("predicate").lower() if args else ""
         names = _names_of(history, said.lower())
 
         def names_it(told: ToldEvent) -> bool:
@@ -84,7 +84,7 @@ def history_(history: History, args: Arguments) -> Answer:
             names_it,
             lambda told: not predicate and told.keys["item"] in names,
         )
-        none += f"; if it is no item but a fact, write ({said})"
+        none += f"; for a fact, use `:history ({said})`"
     return table(("time", "cycle", "", "what", "by"), found, none=none)
 
 
@@ -148,8 +148,8 @@ _USES: tuple[Use, ...] = ("test", "believed", "asserted", "erased")
 
 @question("FACT", ":who (truck-location depot)", ":who (location ?item external)")
 def who(history: History, args: Arguments) -> Answer:
-    """Tell who asserted a fact, who asks for it, and who waits for it."""
-    pattern = read_pattern(args.word("a fact"))
+    """List the uses of a fact: assertions, queries and waiting tasks."""
+    pattern = read_pattern(args.word("fact"))
     run, name = history.run, str(pattern[0])
     if name not in run.library.signatures.relations:
         raise ArgumentError(str(run.library.signatures.unknown("test", name)))
@@ -162,14 +162,14 @@ def who(history: History, args: Arguments) -> Answer:
     found = origins(history, stamps, history.cycle + 1)
     rows = [*map(_believed, found), *_noted_by(history, facts)]
     rows += [*_listening(history, pattern), *_places(history, name)]
-    return table(("how", "who", "where"), rows, none="nobody has to do with it")
+    return table(("use", "by", "where"), rows, none="no uses")
 
 
 _Row = tuple[str, str, str]
 
 
 def _believed(origin: Origin) -> _Row:
-    since = "the beginning" if origin.time is None else readable(origin.time)
+    since = "the start" if origin.time is None else readable(origin.time)
     by = f", by {origin.by}" if origin.by else ""
     how = "noted" if origin.by == "notation" else "believed"
     return how, format_list(origin.fact), f"since {since}{by}"
@@ -192,7 +192,7 @@ def _listening(history: History, pattern: Fact) -> Iterator[_Row]:
         keys = () if task.wait is None else task.wait.keys or ()
         if any(_hears(key, pattern) for key in keys):
             entry = entries[task.number]
-            yield "listened to by", f"[{entry.task}] {entry.goal}", entry.state
+            yield "monitored by", f"[{entry.task}] {entry.goal}", entry.state
 
 
 def _hears(key: WatchKey, pattern: Fact) -> bool:

@@ -18,7 +18,7 @@ def names_with_facts(history: History) -> Answer:
     """Return the names of facts in memory, with the number of facts of each."""
     tables = sorted(history.run.beliefs.facts.tables.items())
     rows = [(name, len(found.stamps)) for name, found in tables if found.stamps]
-    return table(("facts of", "number"), rows, none="memory is empty")
+    return table(("facts of", "number"), rows, none="no facts in memory")
 
 
 def beliefs(history: History, name: str, *values: Atom | None) -> Answer:
@@ -41,12 +41,12 @@ def beliefs(history: History, name: str, *values: Atom | None) -> Answer:
             since = None if stamp is None or stamp == NEVER else number(stamp)
             age = None if since is None else history.now - since
             rows.append((format_list(fact), since, age))
-    return table(("fact", "since", "age"), rows, none="no such fact")
+    return table(("fact", "since", "age"), rows, none="no matching facts")
 
 
 @question()
 def items(history: History, args: Arguments) -> Answer:
-    """List the items that memory knows."""
+    """List the items in memory."""
     memory = history.run.beliefs
     rows = []
     for item in memory.items.known.values():
@@ -56,12 +56,12 @@ def items(history: History, args: Arguments) -> Answer:
             (item.name, item.kind, at, item.sensor if item.accessible else None)
         )
     columns = ("item", "class", "location", "sensor name")
-    return table(columns, rows, none="memory knows no items")
+    return table(columns, rows, none="no items in memory")
 
 
 @question()
 def monitors(history: History, args: Arguments) -> Answer:
-    """List the tasks with monitors, and what each waits for."""
+    """List the tasks with monitors, and the facts and events they wait for."""
     run = history.run
     entries = {entry.task: entry for entry in history.run.agenda()}
     rows = []
@@ -72,15 +72,15 @@ def monitors(history: History, args: Arguments) -> Answer:
             timer = None if wait is None else wait.timer
             told = (task.number, entry.goal, entry.state, formula, timer)
             rows.append((*told, entry.deadline))
-    columns = ("task", "goal", "state", "waits for", "looks at", "deadline")
-    return table(columns, rows, none="no task has a monitor")
+    columns = ("task", "goal", "state", "waits for", "next test", "deadline")
+    return table(columns, rows, none="no monitors")
 
 
 @question()
 def claims(history: History, args: Arguments) -> Answer:
-    """List the things that are held, by whom, and who waits for them.
+    """List the held things with the tasks that hold and wait for each.
 
-    Circles of tasks that wait for each other are named below.
+    Deadlocks of tasks are listed below the table.
     """
     things = history.run.things
     rows = []
@@ -96,12 +96,12 @@ def claims(history: History, args: Arguments) -> Answer:
         rows.append((*told, " ".join(f"[{number}]" for number in waiters) or None))
     columns = ("thing", "held by", "goal", "how", "waited for by")
     notes = deadlocks_in_words(history.run)
-    return table(columns, rows, none="no thing is held", notes=notes)
+    return table(columns, rows, none="no held things", notes=notes)
 
 
 @question()
 def requests(history: History, args: Arguments) -> Answer:
-    """List the requests under way: sent, neither ended nor cancelled."""
+    """List the requests under way."""
     # A world may answer a cancelled request later, or never.
     pending = sorted(history.run.state.pending.items())
     rows = [
@@ -109,24 +109,24 @@ def requests(history: History, args: Arguments) -> Answer:
         for ticket, (task, asked) in pending
         if task is not None
     ]
-    return table(("ticket", "task", "request"), rows, none="no request is under way")
+    return table(("ticket", "task", "request"), rows, none="no requests under way")
 
 
 @question()
 def stack(history: History, args: Arguments) -> Answer:
-    """Show the families that were chosen, the one that is preferred now first."""
+    """List the families that were selected, the preferred family first."""
     goals = history.run.goals()
     rows = [
-        (priority, f"[{family}]", str(goals.get(family, "has ended")))
+        (priority, f"[{family}]", str(goals.get(family, "ended")))
         for priority, family in reversed(history.run.eligible.stack)
     ]
     columns = ("priority", "family", "goal")
-    return table(columns, rows, none="no family has been chosen yet")
+    return table(columns, rows, none="no family selected")
 
 
 @question()
 def skills(history: History, args: Arguments) -> Answer:
-    """List the skills that methods have switched on."""
+    """List the active skills."""
     activations = history.run.state.activations
     rows = [
         (
@@ -137,15 +137,17 @@ def skills(history: History, args: Arguments) -> Answer:
         )
         for one in (*activations.on.values(), *activations.off.values())
     ]
-    return table(("ticket", "task", "skills", ""), rows, none="no skill is on")
+    return table(("ticket", "task", "skills", ""), rows, none="no active skills")
 
 
 @question()
 def world(history: History, args: Arguments) -> Answer:
-    """Show what is true in the world, which the robot need not know."""
+    """Show the true state of the world, which the robot does not know."""
     shown = history.run.port
     if not isinstance(shown, Drawable):
-        raise ArgumentError(f"the world `{shown.name}` has no picture of itself")
+        raise ArgumentError(
+            f"cannot show world `{shown.name}`: it has no `picture` method"
+        )
     picture = shown.picture()
     rows = [
         (
@@ -156,8 +158,8 @@ def world(history: History, args: Arguments) -> Answer:
         for spot in picture.spots
     ]
     gauges = [f"{one.name}: {readable(one.value)}" for one in picture.gauges]
-    said = "what is true in the world; the robot does not know it"
-    return table(("place", "things", "besides"), rows, said, notes=gauges)
+    said = "true state of the world; unknown to the robot"
+    return table(("place", "things", "note"), rows, said, notes=gauges)
 
 
 def _thing(thing: Thing) -> str:
@@ -166,19 +168,19 @@ def _thing(thing: Thing) -> str:
 
 @question("[TASK | RAP]", ":source", ":source 12", ":source fill-order")
 def source(history: History, args: Arguments) -> Answer:
-    """Show the text of a RAP, or of the RAP of a task."""
+    """Show the source text of a RAP, or of the RAP of a task."""
     program = history.library.program
     name = args.peek()
     if not name or name.strip("[]").isdecimal():
         name = _rap_of(history, args.task(history))
     else:
-        name = args.word("a RAP").lower()
+        name = args.word("RAP").lower()
     node = program.library.raps.get(name)
     if node is None:
         raise ArgumentError(str(program.signatures.unknown("goal", name)))
     file = program.library.files.get(node.span.file)
     if file is None or not file.text:
-        raise TextError(f"the text of `{node.name}` is not at hand")
+        raise TextError(f"the source text of `{node.name}` is not available")
     first, last = file.row(node.span.start), file.row(node.span.end)
     width = len(str(last))
     lines = [f"{row:>{width}} {file.line(row)}" for row in range(first, last + 1)]

@@ -18,7 +18,7 @@ from rapc.runtime.state.task import Task
 
 @question()
 def agenda(history: History, args: Arguments) -> Answer:
-    """List the tasks under way, and what keeps each from going on."""
+    """List the tasks under way, and why each task waits."""
     rows = [
         (
             *(one.task, one.goal, one.state, one.priority or None),
@@ -27,7 +27,7 @@ def agenda(history: History, args: Arguments) -> Answer:
         for one in history.run.agenda()
     ]
     columns = ("task", "goal", "state", "priority", "deadline", "slack", "waits for")
-    return table(columns, rows, none="no task is under way")
+    return table(columns, rows, none="no tasks under way")
 
 
 # --- families -----------------------------------------------------------------------
@@ -38,7 +38,7 @@ _Member = dict[str, Any]
 
 @question(of_recordings=True)
 def tree(history: History, args: Arguments) -> Answer:
-    """Show the families of tasks, with states, methods and last results."""
+    """Show the families of tasks with states, methods and last results."""
     members = _live(history.run) if history.is_run else _told(history)
     below: dict[int | None, list[int]] = {}
     for number, one in members.items():
@@ -50,7 +50,7 @@ def tree(history: History, args: Arguments) -> Answer:
         told = "  " * depth + f"[{number}] {one['goal']}"
         rows.append((told, one["state"], one["method"], one["result"], cause))
     columns = ("task", "state", "method", "last result", "because of")
-    return table(columns, rows, none="no task is under way")
+    return table(columns, rows, none="no tasks under way")
 
 
 def _live(run: Interpreter) -> Mapping[int, _Member]:
@@ -131,7 +131,7 @@ def _in_families(
 
 @question("[TASK]", ":task", ":task 12")
 def task(history: History, args: Arguments) -> Answer:
-    """Show all of a task: its bindings, method, times, and what it came to."""
+    """Show a task: bindings, method, times and result."""
     run, number = history.run, args.task(history)
     found = run.task(number)
     entry = next(one for one in run.agenda() if one.task == number)
@@ -165,7 +165,7 @@ def task(history: History, args: Arguments) -> Answer:
 
 @question("[TASK]", ":chain 157")
 def chain(history: History, args: Arguments) -> Answer:
-    """Show a task and all above it, up to its top-level task."""
+    """Show a task and its ancestors."""
     above: Task | None = history.run.task(args.task(history))
     rows = []
     while above is not None:

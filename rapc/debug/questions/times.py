@@ -21,9 +21,9 @@ from rapc.world import Time
 
 @question(of_recordings=True)
 def retries(history: History, args: Arguments) -> Answer:
-    """List the goals that have failed more than once, and why.
+    """List the goals that failed more than once, with reasons.
 
-    Where `times` is 1, all of it happened with the clock standing still.
+    If `times` is 1, all failures happened at the same time.
     """
     by_goal: dict[str, list[ToldEvent]] = {}
     for told in history.scan(events.TaskFailed):
@@ -37,8 +37,8 @@ def retries(history: History, args: Arguments) -> Answer:
             said = ", ".join(f"{count} {result}" for result, count in results)
             times = len({one.time for one in failed})
             rows.append((goal, len(failed), times, span, said, cause))
-    columns = ("goal", "failed", "times", "from", "results", "most often because of")
-    return table(columns, rows, none="no goal has failed twice")
+    columns = ("goal", "failed", "times", "from", "results", "most frequent reason")
+    return table(columns, rows, none="no goal failed more than once")
 
 
 def _root(told: ToldEvent) -> str:
@@ -51,7 +51,7 @@ def _root(told: ToldEvent) -> str:
 
 @question(of_recordings=True)
 def deadlines(history: History, args: Arguments) -> Answer:
-    """List the deadlines that were missed, by how much, and those ahead."""
+    """List the missed and the next deadlines."""
     goals: dict[int, str] = {}
     ended: dict[int, Time] = {}
     missed: dict[tuple[int, Time], None] = {}
@@ -77,7 +77,7 @@ def deadlines(history: History, args: Arguments) -> Answer:
         if due is not None and due >= now and (above is None or above.deadline != due):
             rows.append((entry.task, str(entry.goal), due, "ahead", None, due - now))
     columns = ("task", "goal", "deadline", "", "ended", "late or left")
-    return table(columns, rows, none="no task has a deadline")
+    return table(columns, rows, none="no deadlines")
 
 
 # --- the timeline -------------------------------------------------------------------
@@ -107,14 +107,14 @@ class Spell(msgspec.Struct, eq=False):
 
 @question("[FROM [TO]]", ":timeline", ":timeline 200 240", of_recordings=True)
 def timeline(history: History, args: Arguments) -> Answer:
-    """Tell what the time went by with, and how much of it each family used.
+    """Show the requests, active skills and waiting over time.
 
-    Requests and skills stand by the time at which they began, with the events heard
-    of the skills. Of several at a time the last to begin is reckoned to have used
-    it.
+    Each request and skill is listed at its start, with the events reported by the
+    skill. If several requests or skills overlap, the last to start counts for its
+    family.
     """
-    start = args.time("a time") if args else 0
-    stop = args.time("a time") if args else None
+    start = args.time("time") if args else 0
+    stop = args.time("time") if args else None
     found = spells(history, start, stop)
     rows = [
         (
@@ -134,7 +134,7 @@ def timeline(history: History, args: Arguments) -> Answer:
         for family, time in used.items()
     ]
     columns = ("from", "to", "family", "task", "what", "heard")
-    return table(columns, rows, none="no time has passed", notes=notes)
+    return table(columns, rows, none="no time passed", notes=notes)
 
 
 def _in_words(signals: Sequence[Fact]) -> str:

@@ -26,9 +26,9 @@ _OF_CHOICES = (
     ":what-if (erase (color item-1)) 5",
 )
 def what_if(history: History, args: Arguments) -> Answer:
-    """Say what the next cycles would bring if memory were another.
+    """Show the next cycles with changed memory, then undo the change.
 
-    It is tried aside and undone.
+    The default is 1 cycle.
     """
     acts: list[Act] = []
     cycles = 1
@@ -38,13 +38,13 @@ def what_if(history: History, args: Arguments) -> Answer:
         else:
             acts.append(_act(said))
     if not acts:
-        raise TextError("say what if: (assert FACT...) or (erase PREFIX...)")
+        raise TextError("missing (assert FACT) or (erase PREFIX)")
     now, then = ahead(history, (), cycles), ahead(history, acts, cycles)
     if [(o.kind, o.time, o.keys) for o in now] == [
         (o.kind, o.time, o.keys) for o in then
     ]:
-        return say("the same would be done:", *_lines(now))
-    return say("as it is:", *_lines(now), "it would be:", *_lines(then))
+        return say("no difference:", *_lines(now))
+    return say("actual:", *_lines(now), "with the change:", *_lines(then))
 
 
 def ahead(history: History, acts: Iterable[Act], cycles: int) -> list[ToldEvent]:
@@ -66,7 +66,7 @@ def _act(text: str) -> Act:
         "erase": EraseFacts,
     }
     if len(words) != 2 or words[0] not in makes:
-        raise TextError(f"(assert FACT) or (erase PREFIX) is wanted, not {text}")
+        raise TextError(f"expected (assert FACT) or (erase PREFIX), not {text}")
     return makes[words[0]](read_pattern(words[1]))
 
 

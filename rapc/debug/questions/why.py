@@ -101,26 +101,26 @@ _SETTLES: Mapping[type[Event], str] = {
     ":why failed 92",
 )
 def why(history: History, args: Arguments) -> Answer:
-    """Say why a task came up and what it did then, or why it failed.
+    """Explain why a task was selected, and what it did; or why it failed.
 
-    Each rule of choice is told with the tasks that it left, then the method with
-    the facts that its context rested on: when each was asserted, and by what.
+    The answer lists each rule of selection with the tasks left by the rule, then the
+    chosen method with the facts that made its context true.
     """
     if args.takes("failed"):
         return why_failed(history, args.task(history) if args else None)
     number = args.task(history)
-    cycle = args.count("a cycle") if args.takes("in") else None
+    cycle = args.count("cycle") if args.takes("in") else None
     choice, doing = reasons(history, number, cycle)
     return say(*_of_choice(choice), *_of_doing(doing))
 
 
 def _of_choice(choice: Choice) -> Iterator[str]:
     at = f"in cycle {choice.cycle}, at time {readable(choice.time)}"
-    yield f"[{choice.task}] came up {at}:"
+    yield f"[{choice.task}] was selected {at}:"
     if len(choice.candidates) == 1:
-        yield "  it was the only task that could go on"
+        yield "  the only eligible task"
         return
-    yield f"  {len(choice.candidates)} could go on: {numbers(choice.candidates)}"
+    yield f"  {len(choice.candidates)} eligible tasks: {numbers(choice.candidates)}"
     for rule, left in choice.rules:
         yield f"  {rule}: {numbers(left)}"
 
@@ -162,7 +162,7 @@ def reasons(
     )
     own = list(of_cycle)
     if events.TaskSelected not in [one.kind for one in own]:
-        raise ArgumentError(f"task [{task}] did not come up in cycle {last}")
+        raise ArgumentError(f"task [{task}] was not selected in cycle {last}")
     settled = next((one for one in own if one.kind in _SETTLES), None)
     with history.at(last - 1) as run:
         run.come_to_choice()
@@ -175,8 +175,8 @@ def reasons(
 _RULES = (
     "highest priority",
     "earliest latest start",
-    "no method has ended badly",
-    "family at work",
+    "no failed method",
+    "current family",
 )
 """The rules of choice, in order; each keeps the tasks with the least key part."""
 
@@ -204,7 +204,7 @@ def _choice(history: History, task: int) -> Choice:
             rules.append((rule, kept))
             left = kept
     if len(left) > 1:
-        rules.append(("chance", (task,)))
+        rules.append(("random", (task,)))
     return Choice(task, history.cycle + 1, history.now, candidates, tuple(rules))
 
 
@@ -301,7 +301,7 @@ def source(told: ToldEvent) -> str:
 
 _FAILURES: Mapping[type[Event], str] = {
     events.TaskFailed: "failed",
-    events.MethodEnded: "had a method that ended badly",
+    events.MethodEnded: "had a failed method",
     events.TaskRemoved: "was removed",
 }
 
@@ -324,12 +324,10 @@ def why_failed(history: History, number: int | None = None) -> Answer:
     told = history.last(*_FAILURES, want=wanted)
     if told is None:
         if number is None:
-            raise ArgumentError("no task has failed")
+            raise ArgumentError("no failed task")
         if not 0 < number <= numbers:
-            raise ArgumentError(f"there is no task [{number}]")
-        raise ArgumentError(
-            f"task [{number}] has not failed, and no method of it has ended badly"
-        )
+            raise ArgumentError(f"unknown task [{number}]")
+        raise ArgumentError(f"task [{number}] has not failed and has no failed method")
     keys, failed = told.keys, told.keys["task"]
     goal = keys.get("goal") or _goal(history, failed)
     at = f"in cycle {told.cycle}, at time {readable(told.time)}"

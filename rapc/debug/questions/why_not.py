@@ -81,7 +81,7 @@ class ClauseAsked(msgspec.Struct, frozen=True):
             yield f"  {' ' if found else '>'} {text}: {told}"
         left = self.count - len(self.parts)
         if left:
-            yield f"    and {left} more, not asked"
+            yield f"    {left} more, not evaluated"
         if self.bindings:
             yield f"  {bound_to(self.bindings).strip()}"
         if self.note:
@@ -89,9 +89,9 @@ class ClauseAsked(msgspec.Struct, frozen=True):
         for fact in self.missing:
             yield f"  would hold with {format_list(fact)}"
         for fact in self.unwanted:
-            yield f"  is kept from holding by {format_list(fact)}"
+            yield f"  contradicted by {format_list(fact)}"
         for fact in self.near:
-            yield f"  near to it: {format_list(fact)}"
+            yield f"  similar fact: {format_list(fact)}"
 
     def in_a_line(self) -> str:
         """Return a line: whether the clause holds, or the failing conjunct."""
@@ -151,16 +151,16 @@ class TaskAnswer(msgspec.Struct, frozen=True):
     ":why-not (and (p ?x) (q ?x))",
 )
 def why_not(history: History, args: Arguments) -> Answer:
-    """Say what keeps a task from going on, a method from being chosen, a query from holding.
+    """Explain why a task waits, a method is not chosen, or a query is false.
 
-    Behind each conjunct stands how many solutions all up to it have. A task that
-    has ended is asked about as it stood before its last cycle.
-    """  # noqa: E501  # the help is a single sentence
+    Each conjunct is listed with the number of solutions up to this conjunct. The answer
+    for an ended task describes the state before its last cycle.
+    """
     if args.peek().startswith("("):
-        return say(*why_not_query(history, args.word("a query")).lines())
+        return say(*why_not_query(history, args.word("query")).lines())
     answer = task_asked(history, args.task(history))
     if args:
-        return say(*_one_method(answer, args.word("a method")))
+        return say(*_one_method(answer, args.word("method")))
     clauses = (f"  {one.clause}: {one.in_a_line()}" for one in answer.clauses)
     methods = (f"  method {one.name}: {in_words(one)}" for one in answer.methods)
     return say(*answer.stands, *clauses, *methods)
@@ -189,23 +189,23 @@ def _one_method(answer: TaskAnswer, name: str) -> Iterator[str]:
     if rest:
         yield f"  {rest}"
     if method.otherwise:
-        yield "  it is for when no method before it holds"
+        yield "  excluded by `otherwise`: a preceding method holds"
 
 
 def in_words(method: MethodAnswer) -> str:
     """Return as text whether a method could be chosen, with its past results."""
     if method.otherwise:
-        told = "is for when no method before it holds"
+        told = "excluded by `otherwise`: a preceding method holds"
     elif method.solved:
-        told = "has come from the problem solver"
+        told = "added by the problem solver"
     elif method.context is None:
-        told = "has no context"
+        told = "no context"
     else:
         told = method.context.in_a_line()
     if method.failures:
-        told += f"; has failed {plural(method.failures, 'time')}"
+        told += f"; failed {plural(method.failures, 'time')}"
     if method.tries:
-        told += f"; was chosen {plural(method.tries, 'time')}"
+        told += f"; chosen {plural(method.tries, 'time')}"
     return f"{told}; waits for {method.held_by}" if method.held_by else told
 
 
@@ -222,12 +222,12 @@ def task_asked(history: History, number: int) -> TaskAnswer:
     live = {task.number: task for task in history.run.state.live_tasks()}
     if number in live:
         if history.no_way_back and live[number].bound:
-            return _answer(history.run, number, history.cycle, past=False)
+            return _answer(history.run, number, history.cycle)
         with history.at() as run:
-            return _answer(run, number, history.cycle, past=False)
+            return _answer(run, number, history.cycle)
     with history.at(last_cycle(history, number) - 1) as run:
         run.come_to_choice()
-        return _answer(run, number, history.cycle, past=True)
+        return _answer(run, number, history.cycle)
 
 
 def last_cycle(history: History, number: int) -> int:
@@ -237,14 +237,14 @@ def last_cycle(history: History, number: int) -> int:
         ArgumentError: if the task was never selected.
     """
     if not 0 < number <= history.run.state.numbers:
-        raise ArgumentError(f"there is no task [{number}]")
+        raise ArgumentError(f"unknown task [{number}]")
     found = history.last(TaskSelected, want=lambda told: told.keys["task"] == number)
     if found is None:
-        raise ArgumentError(f"task [{number}] never came up")
+        raise ArgumentError(f"task [{number}] was never selected")
     return found.cycle
 
 
-def _answer(run: Interpreter, number: int, cycle: int, *, past: bool) -> TaskAnswer:
+def _answer(run: Interpreter, number: int, cycle: int) -> TaskAnswer:
     task = run.task(number)
     entries = {entry.task: entry for entry in run.agenda()}
     own = entries[number]
@@ -254,17 +254,17 @@ def _answer(run: Interpreter, number: int, cycle: int, *, past: bool) -> TaskAns
         task=number,
         goal=task.goal(),
         cycle=cycle,
-        stands=tuple(_stands(task, own, entries.values(), cycle, past)),
+        stands=tuple(_stands(task, own, entries.values(), cycle)),
         clauses=tuple(_clauses(run, task)),
         methods=tuple(methods(run, task)) if task.bound else (),
     )
 
 
 def _stands(
-    task: Task, own: AgendaEntry, all_: Iterable[AgendaEntry], cycle: int, past: bool
+    task: Task, own: AgendaEntry, all_: Iterable[AgendaEntry], cycle: int
 ) -> Iterator[str]:
     """Yield lines about the state of a task and the tasks with precedence."""
-    at = f"{'stood' if past else 'stands'} after cycle {cycle}"
+    at = f"after cycle {cycle}"
     waits = f", waiting for {own.waits_for}" if own.waits_for else ""
     yield f"[{own.task}] {task.goal()} {at}: {own.state}{waits}"
     could_go_on = [one for one in all_ if one.state == own.state == "eligible"]
@@ -341,7 +341,7 @@ def why_not_query(history: History, text: str) -> ClauseAsked:
     history.run.question(text)  # validates the names
     formula, run = parse_formula(text), history.run
     query = run.library.compiler.query(formula, "question", formula.span)
-    return ask(run, "the question", query, None, {})
+    return ask(run, "query", query, None, {})
 
 
 def ask(

@@ -25,37 +25,36 @@ from rapc.repl.shell import Shell
 def _do(shell: Shell, act: Act) -> Answer:
     before, branch = shell.history.serial, shell.history.branch
     shell.history.act(act)
-    return say(*shell.happened(before), *shell.branched(branch), f"done: {act}")
+    return say(*shell.happened(before), *shell.branched(branch), str(act))
 
 
 @command("FACT", ":assert (truck-status ready)")
 def _assert(shell: Shell, args: Arguments) -> Answer:
     """Assert a fact.
 
-    All that is done to the run is done again when it is replayed. Done in the past,
-    it begins a new branch.
+    A replay repeats all acts of the user. An act in the past begins a new branch.
     """
-    return _do(shell, AssertFact(args.fact("a fact")))
+    return _do(shell, AssertFact(args.fact("fact")))
 
 
 @command("PREFIX", ":erase (color item-1)")
 def _erase(shell: Shell, args: Arguments) -> Answer:
-    """Erase every fact that starts so."""
-    return _do(shell, EraseFacts(args.fact("a fact")))
+    """Erase all facts that begin with PREFIX."""
+    return _do(shell, EraseFacts(args.fact("fact")))
 
 
 @command("GOAL [OPTIONS]", ":submit (rock-order red 1) :priority 2 :deadline 400")
 def _submit(shell: Shell, args: Arguments) -> Answer:
-    """Give the robot a task; a goal typed by itself does the same."""
-    args.word("a goal")
+    """Submit a task; a goal without a command does the same."""
+    args.word("goal")
     args.rest()
     return shell.submit(args.text)
 
 
 @command("GOAL", ":cancel (rock-order red ?)")
 def _cancel(shell: Shell, args: Arguments) -> Answer:
-    """Take away the top-level tasks that a goal matches."""
-    return _do(shell, CancelTasks(read_pattern(args.word("a goal"))))
+    """Cancel the top-level tasks that match GOAL."""
+    return _do(shell, CancelTasks(read_pattern(args.word("goal"))))
 
 
 @command("SIGNAL", ":signal (:door-open hall)")
@@ -70,25 +69,27 @@ def _signal(shell: Shell, args: Arguments) -> Answer:
     ":force (truck-move) okay 3",
 )
 def _force(shell: Shell, args: Arguments) -> Answer:
-    """Let the next request that is like this end with a result.
+    """Force the result of the next request that matches REQUEST.
 
-    The request does not reach the world: nothing is done there, and it takes as
-    long as such a request usually does. Items are those of the sensors.
+    The request is not sent to the world, which does not change; it takes its usual
+    time. Items in REQUEST have their names in the sensors.
     """
-    request = read_pattern(args.word("a request"))
-    result = args.word("a result").lower()
-    return _do(shell, ForceResult(request, result, max(args.count("times", 1), 1)))
+    request = read_pattern(args.word("request"))
+    result = args.word("result").lower()
+    return _do(
+        shell, ForceResult(request, result, max(args.count("number of requests", 1), 1))
+    )
 
 
 @command("[TASK]", ":fail 12")
 def _fail(shell: Shell, args: Arguments) -> Answer:
-    """Let a task fail, as if a condition of it did not hold."""
+    """Make a task fail, as if one of its conditions were false."""
     return _do(shell, FailTask(args.task(shell.history)))
 
 
 @command("[TASK]", ":retry 12")
 def _retry(shell: Shell, args: Arguments) -> Answer:
-    """Let the method of a task end badly, so that the task chooses again."""
+    """Make the method of a task fail, so that the task chooses again."""
     return _do(shell, RetryTask(args.task(shell.history)))
 
 
@@ -99,34 +100,34 @@ def _retry(shell: Shell, args: Arguments) -> Answer:
     ":option truck.arm1-drops 0",
 )
 def _option(shell: Shell, args: Arguments) -> Answer:
-    """Change a setting of the interpreter or an option of the world, or list them.
+    """Change an option of the world or a setting, or list them.
 
-    Listed are those that can be changed while a run goes on, with their values.
+    The list contains the options and settings that can be changed during a run.
     """
     run = shell.history.run
     if not args:
         known = changeable_options(run).items()
         rows = [(name, typed(value)) for name, value in known]
         return table(("option", "value"), rows)
-    given, _, value = args.word("an option").partition("=")
+    given, _, value = args.word("option").partition("=")
     owner, dot, name = given.partition(".")
     if not (owner and dot and name):
-        raise TextError(f"an option is `{run.port.name}.NAME` or `rapc.NAME`")
+        raise TextError(f"expected `{run.port.name}.NAME` or `rapc.NAME`")
     if not value:
-        value = args.word(f"a value of `{given}`").removeprefix("=")
-        value = value or args.word(f"a value of `{given}`")
+        value = args.word(f"value of `{given}`").removeprefix("=")
+        value = value or args.word(f"value of `{given}`")
     return _do(shell, change_option(run, owner, name, value))
 
 
 @command()
 def _reload(shell: Shell, args: Arguments) -> Answer:
-    """Read the files of the library again, and go on with what they say now.
+    """Reload the files of the library and continue with the new text.
 
-    What is found in them is shown, and a faulty file is refused. A method under way
-    keeps the text that it began with; the next choice sees the new one.
+    Findings are shown; a library with errors is refused. A method under way keeps its
+    old text; the next choice uses the new text.
     """
     if not shell.paths:
-        raise TextError("it is not known which files the library was read from")
+        raise TextError("cannot reload: the library was not loaded from files")
     name = shell.history.run.library.name
     typed = "\n\n".join(shell.typed.values())
     return shell.renew(reread(shell.paths, typed, name))

@@ -30,23 +30,21 @@ _SUFFIX = ".test.rap"
     ":export-test wanted.test.rap 1 succeeds",
 )
 def _export_test(shell: Shell, args: Arguments) -> Answer:
-    """Write what just happened as a define-test that passes now.
+    """Write the run so far as a test that passes now.
 
-    The world is a script in it: each request with the result, the time and the
-    changes of memory that came with it, as far as these matter. What became of the
-    task is expected, the first one if none is named, and all requests. With
-    `succeeds` the test wants the task to succeed: one that failed makes a test that
-    fails now. A run that a script cannot tell is refused; an earlier moment of it
-    may do.
+    The world becomes a script with each request, its result, its time and its changes
+    of memory. The test expects the result of TASK (default: the first task) and all
+    requests. With `succeeds`, the test expects success: for a failed task, the test
+    fails now. If a script cannot repeat the run, export from an earlier moment.
     """
-    path = Path(args.word("a file"))
+    path = Path(args.word("file"))
     task = 1 if args.peek() in ("", "succeeds") else args.task(shell.history)
     wanted = args.takes("succeeds")
     args.end()
     if not path.name.endswith(_SUFFIX):
-        raise TextError(f"the name of a file of tests ends with `{_SUFFIX}`")
+        raise TextError(f"the file name must end with `{_SUFFIX}`")
     if not shell.paths:
-        raise TextError("it is not known which files the library was read from")
+        raise TextError("cannot export: the library was not loaded from files")
     told = [one.event() for one in shell.history.scan()]
     program = shell.history.library.program
     declared = program.library.primitives
@@ -71,8 +69,13 @@ def _export_test(shell: Shell, args: Arguments) -> Answer:
         test.want()
     text = f"{_requires(shell.paths, path)}\n\n{test.text()}"
     passes = _write(path, text, modules, wanted=wanted)
-    written = f"{path}: {test.name}, which {'passes' if passes else 'fails'} now"
-    return say(written, *[f"`rapc test` needs `--world-module {m}`" for m in modules])
+    written = (
+        f"test {test.name} written to {path}; the test "
+        f"{'passes' if passes else 'fails'} now"
+    )
+    return say(
+        written, *[f"`rapc test` requires `--world-module {m}`" for m in modules]
+    )
 
 
 def _acts(shell: Shell, told: Sequence[Event]) -> Iterator[tuple[Time, str]]:
@@ -101,8 +104,8 @@ def _agree(outcome: Outcome) -> None:
     if outcome.status is not Status.PASSED:
         why = outcome.failures[0].happened[0]
         raise StateError(
-            f"a script cannot tell this run so that it comes to the same: {why}; "
-            "an earlier moment may do (`:goto`)"
+            f"a script cannot repeat this run: {why}; try to export from an earlier "
+            "moment (`:goto`)"
         )
 
 
@@ -123,5 +126,7 @@ def _write(path: Path, text: str, modules: Collection[str], *, wanted: bool) -> 
     passes = [one.status is Status.PASSED for one in outcomes]
     if not outcomes or outcomes[0].status is Status.ERROR or not (wanted or passes[0]):
         path.unlink()
-        raise StateError("the files of the library are not what was run: `:reload`")
+        raise StateError(
+            "the files of the library have changed since the run started; use `:reload`"
+        )
     return passes[0]

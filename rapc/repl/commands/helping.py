@@ -9,17 +9,17 @@ from rapc.errors import TextError
 from rapc.repl.shell import Shell
 
 _TYPED = (
-    "(define-rap ...)   a definition is checked and joins the library",
-    "(location ?x ?y)   a query is asked of memory; *1 *2 *3 are the last answers",
-    "(rap input ...)    a goal is given to the robot, with :priority N and the like",
+    "(define-rap ...)   check a definition and add it to the library",
+    "(location ?x ?y)   evaluate a query; *1 *2 *3 are the last answers",
+    "(rap input ...)    submit a task, with options such as :priority N",
 )
 
 
 @command("[COMMAND]", ":help", ":help goto")
 def _help(shell: Shell, args: Arguments) -> Answer:
-    """List the commands, or say more of one."""
+    """List the commands, or describe a command."""
     if args:
-        return _of_command(shell, args.word("a command").removeprefix(":"))
+        return _of_command(shell, args.word("command").removeprefix(":"))
     rows: list[tuple[str, str]] = []
     group = ""
     for one in shell.commands.values():
@@ -27,8 +27,8 @@ def _help(shell: Shell, args: Arguments) -> Answer:
             group = one.group
             rows.append((group.upper(), ""))
         rows.append((f":{one.name} {one.takes}".rstrip(), one.doc))
-    notes = ("", *_TYPED, "", "`:help COMMAND` says more, with examples.")
-    return table(("command", "what it does"), rows, notes=notes)
+    notes = ("", *_TYPED, "", "`:help COMMAND` describes a command, with examples.")
+    return table(("command", "description"), rows, notes=notes)
 
 
 def _of_command(shell: Shell, name: str) -> Answer:
@@ -46,6 +46,6 @@ def _of_command(shell: Shell, name: str) -> Answer:
 
 @command()
 def _quit(shell: Shell, args: Arguments) -> Answer:
-    """Leave; the run is given up."""
+    """End the session; the run is discarded."""
     shell.left = True
     return Answer()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from rapc.base.names import plural
+from rapc.base.values import readable
 from rapc.debug.answer import Answer, command, say
 from rapc.debug.arguments import Arguments
 from rapc.debug.history import Stop
@@ -24,11 +25,11 @@ def _went(shell: Shell, go: Callable[[], Stop]) -> Answer:
     lines = shell.happened(before)
     left = len(lines) - _SHOWN
     if left > 0:
-        lines = [f"... {plural(left, 'line')} left out", *lines[-_SHOWN:]]
+        lines = [f"... {plural(left, 'line')} omitted", *lines[-_SHOWN:]]
     said = {
         "break": f"stopped: {stop.said}",
         "pause": "paused",
-        "broken": f"the run broke off: {stop.said}",
+        "broken": f"run ended by an error: {stop.said}",
     }.get(stop.kind, stop.said if stop.kind == "asked" else "")
     watched = shell.watched()
     told = [*lines, *([said] if said else []), *watched, shell.history.stand()]
@@ -37,12 +38,12 @@ def _went(shell: Shell, go: Callable[[], Stop]) -> Answer:
 
 @command("[N]", ":step", ":step 10")
 def _step(shell: Shell, args: Arguments) -> Answer:
-    """Run a cycle, or N of them.
+    """Run one cycle, or N cycles.
 
-    A cycle is what happens to one task from being chosen to succeeding, failing,
-    waiting, or beginning a method.
+    In a cycle, one task is selected; the task then succeeds, fails, waits or starts a
+    method.
     """
-    cycles = args.count("how many cycles", 1)
+    cycles = args.count("number of cycles", 1)
     return _went(shell, lambda: shell.history.step(cycles))
 
 
@@ -60,7 +61,7 @@ def _out(shell: Shell, args: Arguments) -> Answer:
 
 @command("[TASK]", ":parent", ":parent 12")
 def _parent(shell: Shell, args: Arguments) -> Answer:
-    """Run until the task above a task comes up again."""
+    """Run until the parent of a task is selected."""
     history = shell.history
     parent = history.run.task(args.task(shell.history)).parent
     if parent is None:
@@ -70,7 +71,7 @@ def _parent(shell: Shell, args: Arguments) -> Answer:
         if not parent.live:
             return f"task [{parent.number}] has ended"
         if history.selected == parent.number:
-            return f"task [{parent.number}] has come up"
+            return f"task [{parent.number}] was selected"
         return None
 
     return _went(shell, lambda: history.go(came_up))
@@ -78,7 +79,7 @@ def _parent(shell: Shell, args: Arguments) -> Answer:
 
 @command()
 def _primitive(shell: Shell, args: Arguments) -> Answer:
-    """Run until the next primitive has been carried out."""
+    """Run until a primitive has ended."""
     history, heard = shell.history, shell.history.serial
 
     def answered() -> str | None:
@@ -91,41 +92,42 @@ def _primitive(shell: Shell, args: Arguments) -> Answer:
 
 @command("CYCLE | at TIME", ":to 264", ":to at 240")
 def _to(shell: Shell, args: Arguments) -> Answer:
-    """Run to the end of a cycle, or as far as a time."""
+    """Run to the end of a cycle, or to a time."""
     history = shell.history
     if args.takes("at"):
-        time = args.time("a time")
+        time = args.time("time")
         if time < history.now:
-            raise ArgumentError("that has been; `:goto` goes back")
+            past = readable(time)
+            raise ArgumentError(f"time {past} is in the past; use `:goto at {past}`")
         return _went(shell, lambda: history.goto_time(time, heed=True))
-    cycle = args.count("a cycle")
+    cycle = args.count("cycle")
     if cycle < history.cycle:
-        raise ArgumentError("that has been; `:goto` goes back")
+        raise ArgumentError(f"cycle {cycle} is in the past; use `:goto {cycle}`")
     return _went(shell, lambda: history.goto(cycle, heed=True))
 
 
 @command()
 def _run(shell: Shell, args: Arguments) -> Answer:
-    """Run until a breakpoint, Ctrl-C or the end stops it."""
+    """Run until a breakpoint, Ctrl-C or the end of the run."""
     return _went(shell, shell.history.go)
 
 
 @command("[all | requests | none]", ":show requests")
 def _show(shell: Shell, args: Arguments) -> Answer:
-    """Say what is shown of the events after a step."""
+    """Choose the events that are shown after each step."""
     ways = ("all", "requests", "none")
     if args:
-        way = args.word("what to show")
+        way = args.word("events to show")
         if way not in ways:
-            raise ArgumentError(f"`:show` takes {', '.join(ways)}; not `{way}`")
+            raise ArgumentError(f"expected {', '.join(ways)}, not `{way}`")
         shell.shows = way
-    return say(f"after a step is shown: {shell.shows}")
+    return say(f"shown after each step: {shell.shows}")
 
 
 @command("[N]", ":trace", ":trace 20")
 def _trace(shell: Shell, args: Arguments) -> Answer:
-    """Show what has happened in the last cycles once more."""
-    cycles = args.count("how many cycles", 5)
+    """Show the trace of the last N cycles (default: 5)."""
+    cycles = args.count("number of cycles", 5)
     history = shell.history
     first = max(history.cycle - cycles + 1, 1)
     told = history.scan(first=first)

@@ -14,10 +14,10 @@ from rapc.repl.shell import Shell
     "[NAME | QUERY]", ":memory", ":memory location", ":memory (location ?item depot)"
 )
 def _memory(shell: Shell, args: Arguments) -> Answer:
-    """Show facts with their ages, or the answers to a query."""
+    """Show facts with their ages, or the solutions of a query."""
     if not args:
         return names_with_facts(shell.history)
-    text = args.word("a query")
+    text = args.word("query")
     if not text.startswith("("):
         return beliefs(shell.history, text.lower())
     formula = parse_formula(text)
@@ -31,5 +31,5 @@ def _memory(shell: Shell, args: Arguments) -> Answer:
 
 @command()
 def _more(shell: Shell, args: Arguments) -> Answer:
-    """Show further answers to the query that was asked last."""
+    """Show more solutions of the last query."""
     return shell.more()

@@ -35,36 +35,37 @@ _KINDS = f"Kinds: {'; '.join(f'`{kind}`: {said}' for kind, said in KINDS.items()
     more=_KINDS,
 )
 def _break(shell: Shell, args: Arguments) -> Answer:
-    """Set a breakpoint, or list them.
+    """Set a breakpoint, or list all breakpoints.
 
-    A cycle is one piece: the run stops after the cycle in which it happened, or with
-    `before` at the end of the one before. `if` asks memory then, `after N` lets it
-    happen N times first, `log` takes note and goes on.
+    The run stops at the end of the cycle in which the event happened; with `before`, at
+    the end of the cycle before. With `if`, the run stops only if the query holds then.
+    With `after N`, the first N events do not stop the run. With `log`, the event is
+    listed and the run continues.
     """
     if not args:
         return _listed(shell)
-    kind = args.word("what to stop at")
+    kind = args.word("kind of breakpoint")
     if kind == "save":
-        return _save(shell, Path(args.word("a file")))
+        return _save(shell, Path(args.word("file")))
     if kind == "load":
-        return _load(shell, Path(args.word("a file")))
+        return _load(shell, Path(args.word("file")))
     point = Breakpoint(kind)
     if args and args.peek() not in _OPTIONS:
-        point.what = args.word("what to stop at")
+        point.what = args.word("kind of breakpoint")
     if kind == "method" and args.takes("of"):
         point.what += f" of {args.word('a RAP')}"
     while args:
-        option = args.word("an option")
+        option = args.word("option")
         if option == "if":
-            point.condition = args.word("a condition")
+            point.condition = args.word("condition")
         elif option == "after":
-            point.passes = args.count("how many times")
+            point.passes = args.count("number of events")
         elif option == "log":
             point.logs = True
         elif option == "before":
             point.before = True
         else:
-            raise TextError(f"`{option}` is none of if, after, log, before")
+            raise TextError(f"expected if, after, log or before, not `{option}`")
     number = shell.breakpoints.add(point)
     return say(f"breakpoint {number}: {point}", *_several(shell, point))
 
@@ -75,7 +76,7 @@ def _several(shell: Shell, point: Breakpoint) -> list[str]:
     if point.kind != "method" or len(raps) < 2:
         return []
     listed = ", ".join(f"`{rap}`" for rap in raps)
-    one = f"`:break method {point.what} of {raps[0]}` stops at that of one RAP"
+    one = f"`:break method {point.what} of {raps[0]}` stops at one RAP only"
     return [f"`{point.what}` is a method of {listed}; {one}"]
 
 
@@ -87,9 +88,9 @@ def _listed(shell: Shell) -> Answer:
         (number, str(point), point.met)
         for number, point in shell.breakpoints.all.items()
     ]
-    columns = ("number", "stops at", "met")
+    columns = ("number", "stops at", "hits")
     logged = shell.breakpoints.logged[-20:]
-    return table(columns, rows, none="there are no breakpoints", notes=logged)
+    return table(columns, rows, none="no breakpoints", notes=logged)
 
 
 def _save(shell: Shell, path: Path) -> Answer:
@@ -102,7 +103,7 @@ def _save(shell: Shell, path: Path) -> Answer:
         path.write_bytes(msgspec.json.format(msgspec.json.encode(points)) + b"\n")
     except OSError as error:
         raise ArgumentError(f"cannot write `{path}`: {error.strerror}") from error
-    return say(f"{plural(len(points), 'breakpoint')} in {path}")
+    return say(f"{plural(len(points), 'breakpoint')} written to {path}")
 
 
 def _load(shell: Shell, path: Path) -> Answer:
@@ -111,7 +112,9 @@ def _load(shell: Shell, path: Path) -> Answer:
     except OSError as error:
         raise ArgumentError(f"cannot read `{path}`: {error.strerror}") from error
     except UNREADABLE as error:
-        raise ArgumentError(f"`{path}` holds no breakpoints: {error}") from error
+        raise ArgumentError(
+            f"`{path}` is not a list of breakpoints: {error}"
+        ) from error
     for point in points:
         shell.breakpoints.add(point)
     return _listed(shell)
@@ -119,32 +122,32 @@ def _load(shell: Shell, path: Path) -> Answer:
 
 @command("NUMBER | all", ":unbreak 2", ":unbreak all")
 def _unbreak(shell: Shell, args: Arguments) -> Answer:
-    """Remove a breakpoint, or all."""
+    """Remove a breakpoint, or all breakpoints."""
     if args.takes("all"):
         for number in list(shell.breakpoints.all):
             shell.breakpoints.remove(number)
     else:
-        shell.breakpoints.remove(args.count("a breakpoint"))
+        shell.breakpoints.remove(args.count("breakpoint"))
     return _listed(shell)
 
 
 @command("[QUERY]", ":watch (truck-location ?where)")
 def _watch(shell: Shell, args: Arguments) -> Answer:
-    """Show the answers to a query after every stop, and mark what has changed."""
+    """Show the solutions of a query after each stop; mark changes."""
     if args:
-        shell.watch(args.word("a query"))
+        shell.watch(args.word("query"))
     lines = shell.watched()
-    return say(*(lines or ["nothing is watched"]))
+    return say(*(lines or ["no watches"]))
 
 
 @command("NUMBER | all", ":unwatch 1")
 def _unwatch(shell: Shell, args: Arguments) -> Answer:
-    """Watch a query no more."""
+    """Remove a watch, or all watches."""
     if args.takes("all"):
         shell.watches.clear()
     else:
-        number = args.count("a watch")
+        number = args.count("watch")
         if not 0 < number <= len(shell.watches):
-            raise ArgumentError(f"there is no watch {number}")
+            raise ArgumentError(f"unknown watch {number}")
         del shell.watches[number - 1]
-    return say(*(shell.watched() or ["nothing is watched"]))
+    return say(*(shell.watched() or ["no watches"]))

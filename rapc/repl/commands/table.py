@@ -30,14 +30,14 @@ from rapc.repl.commands import (
 )
 
 _GROUPS: Mapping[str, Sequence[ModuleType]] = {
-    "going on": (moving,),
+    "moving": (moving,),
     "stopping": (stopping,),
     "time": (travelling, differences),
     "looking": (tasks, querying, state),
-    "asking": (why, why_not, commitments),
-    "what has been": (facts, times, exporting),
+    "explaining": (why, why_not, commitments),
+    "past": (facts, times, exporting),
     "acting": (acting, what_if),
-    "this and that": (helping,),
+    "session": (helping,),
 }
 
 

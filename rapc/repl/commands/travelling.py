@@ -26,39 +26,39 @@ def _moved(shell: Shell, move: Callable[[History], Stop]) -> Answer:
 
 @command("[N]", ":back", ":back 100")
 def _back(shell: Shell, args: Arguments) -> Answer:
-    """Go back a cycle, or N of them.
+    """Go back one cycle, or N cycles.
 
-    The run is then as it was, and goes on as it did. Changing it there begins a new
-    branch.
+    The state of the run at that moment is restored. An act there (for example
+    `:assert`) begins a new branch; the old branch is kept.
     """
-    cycles = args.count("how many cycles", 1)
+    cycles = args.count("number of cycles", 1)
     cycles -= shell.history.over  # the end of the run counts as a step
     return _moved(shell, lambda history: history.goto(history.cycle - cycles))
 
 
 @command("CYCLE | at TIME | end", ":goto 264", ":goto at 240", ":goto end")
 def _goto(shell: Shell, args: Arguments) -> Answer:
-    """Go to the end of a cycle, or to a time, back or forth."""
+    """Go to the end of a cycle, or to a time, in the past or future."""
     if args.takes("at"):
-        time = args.time("a time")
+        time = args.time("time")
         return _moved(shell, lambda history: history.goto_time(time))
     if args.takes("end"):
         return _moved(shell, lambda one: one.goto(one.seen + one.seen_over))
-    cycle = args.count("a cycle")
+    cycle = args.count("cycle")
     return _moved(shell, lambda history: history.goto(cycle))
 
 
 @command("[NAME]", ":branch", ":branch main", ":branch with-fuel")
 def _branch(shell: Shell, args: Arguments) -> Answer:
-    """Go on in another branch, or begin a new one here."""
+    """Switch to a branch, or begin a new branch at this moment."""
     history = shell.history
-    name = args.peek() and args.word("a name")
+    name = args.peek() and args.word("name")
     if any(branch.name == name for branch in history.branches):
         history.switch(name)
         shell.forget_trace()
     else:
         history.branch_off(name)
-    return say(f"on {history.branch.name}", history.stand())
+    return say(f"now on {history.branch.name}", history.stand())
 
 
 @command()
@@ -76,7 +76,7 @@ def _branches(shell: Shell, args: Arguments) -> Answer:
         )
         for branch in history.branches
     ]
-    return table(("", "branch", "from", "seen to", "acts"), rows)
+    return table(("", "branch", "from", "last cycle", "acts"), rows)
 
 
 @command(
@@ -87,36 +87,38 @@ def _branches(shell: Shell, args: Arguments) -> Answer:
     ":find primitive-ended result=arm-dropped",
 )
 def _find(shell: Shell, args: Arguments) -> Answer:
-    """Go to the next event of a kind, or back to the last one.
+    """Go to the next event of a kind, or back to the last event.
 
-    Kinds and keys are those of a trace. Other words must occur in the event. The
-    session then stands at the end of the cycle in which it happened.
+    Kinds and keys are those of the trace. TEXT must occur in the event. The session
+    moves to the end of the cycle of the event.
     """
     back = args.takes("back")
-    kind = args.word("a kind of event")
+    kind = args.word("kind of event")
     history, words = shell.history, args.rest()
     found = find_event(history, kind, words, back=back)
     shell.forget_trace()
     if found is not None:
         return say(*shell.trace([found]), f"in cycle {found.cycle}", history.stand())
     said = " ".join([kind, *words])
-    lines = [f"no {said} is found {'before' if back else 'after'} this cycle"]
+    lines = [f"no event {said} {'before' if back else 'after'} this cycle"]
     if not (back or history.no_way_back):
         count = count_before(history, kind, words)
         if count:
-            lines.append(f"{plural(count, 'event')} before it: `:find back {said}`")
+            lines.append(
+                f"{plural(count, 'event')} before this cycle: use `:find back {said}`"
+            )
     return say(*lines, history.stand())
 
 
 @command("FILE", ":record run.jsonl")
 def _record(shell: Shell, args: Arguments) -> Answer:
-    """Write the trace of the run up to now, in the form jsonl.
+    """Write the trace of the run so far to FILE, as JSON lines.
 
-    `rapc repl run.jsonl` opens it again.
+    `rapc repl FILE` opens the recorded run.
     """
-    path = Path(args.word("a file"))
+    path = Path(args.word("file"))
     shell.refuse_output(path, TRACE)
     count = write_trace(shell.history, path)
     done = len(shell.history.branch.acts)
-    notes = ["what was done by hand is not in it"] if done else []
-    return say(f"{plural(count, 'event')} in {path}", *notes)
+    notes = ["acts of the user are not recorded"] if done else []
+    return say(f"{plural(count, 'event')} written to {path}", *notes)

@@ -137,7 +137,7 @@ class Catalogue(Periphery):
         """Return the fault of a request by itself, or None."""
         entry = self.entries.get(request.skill)
         if entry is None:
-            return f"there is no skill `{request.skill}`"
+            return f"unknown skill `{request.skill}`"
         wanted, given = len(entry.parameters), len(request.arguments)
         if wanted != given:
             return f"`{request.skill}` takes {wanted} arguments, not {given}"

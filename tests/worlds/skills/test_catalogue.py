@@ -195,7 +195,7 @@ def test_parts_of_a_compound_write_a_channel_each_or_have_an_arbiter() -> None:
 @pytest.mark.parametrize(
     ("request_", "fault"),
     [
-        (SkillRequest("drain"), "there is no skill `drain`"),
+        (SkillRequest("drain"), "unknown skill `drain`"),
         (SkillRequest("aim"), "`aim` takes 1 arguments, not 0"),
         (SkillRequest("aim", ("high",)), "`aim`: `height` must be a number"),
         (SkillRequest("aim", (Text("high"),)), "`aim`: `height` must be a number"),
