@@ -42,7 +42,7 @@ def test_every_command_answers_on_a_terminal(
 ) -> None:
     columns, typed = case
     terminal = Terminal(columns, tmp_path, *RUN)
-    terminal.see("Ctrl-D leaves")
+    terminal.see("Ctrl-D quits")
     terminal.ask(":show none", "shown after each step: none")
     terminal.ask(":to 60", "cycle 60")
     for command in typed:

@@ -17,7 +17,7 @@ TASK = ("--task", "(rock-order red 1)", "--seed", "7")
 @pytest.mark.parametrize("columns", first(1, [40, 80, 200]))
 def test_a_session_on_a_terminal(columns: int, tmp_path: Path) -> None:
     terminal = Terminal(columns, tmp_path, *TASK)
-    terminal.see("Ctrl-D leaves")
+    terminal.see("Ctrl-D quits")
     terminal.ask(":show none", "shown after each step: none")
     terminal.ask(":step 3", "cycle 3, time 0")
     terminal.ask(":back", "cycle 2, time 0")
@@ -42,7 +42,7 @@ def test_tab_completes_and_the_toolbar_says_where_it_stands(tmp_path: Path) -> N
 
 def test_ctrl_c_clears_the_line_and_twice_leaves(tmp_path: Path) -> None:
     terminal = Terminal(80, tmp_path, *TASK)
-    terminal.see("Ctrl-D leaves")
+    terminal.see("Ctrl-D quits")
     terminal.press("(and (place")
     terminal.see("(and (place")
     terminal.press("\x03")
@@ -65,7 +65,7 @@ def test_error_before_the_prompt_breaks_no_name(tmp_path: Path) -> None:
 @pytest.mark.parametrize("erased", ["", "\x7f" * 6])
 def test_ctrl_c_does_not_leave_after_typing(erased: str, tmp_path: Path) -> None:
     terminal = Terminal(80, tmp_path, *TASK)
-    terminal.see("Ctrl-D leaves")
+    terminal.see("Ctrl-D quits")
     terminal.press("\x03")
     for _ in range(2):
         terminal.see("press Ctrl-C again to quit")
@@ -82,7 +82,7 @@ def test_ctrl_c_pauses_a_run(tmp_path: Path) -> None:
     """The run takes some 40,000 cycles: Ctrl-C is not too late on a busy machine."""
     orders = [word for _ in range(60) for word in ("--task", "(rock-order red 4)")]
     terminal = Terminal(100, tmp_path, *orders, "--set", "truck.fuel-use=0")
-    terminal.see("Ctrl-D leaves")
+    terminal.see("Ctrl-D quits")
     terminal.ask(":show none", "shown after each step: none")
     terminal.clear()
     terminal.press(":run\r")
@@ -94,12 +94,12 @@ def test_ctrl_c_pauses_a_run(tmp_path: Path) -> None:
 
 def test_inputs_are_kept_from_one_session_to_the_next(tmp_path: Path) -> None:
     terminal = Terminal(80, tmp_path, *TASK)
-    terminal.see("Ctrl-D leaves")
+    terminal.see("Ctrl-D quits")
     terminal.ask(":to 7", "cycle 7, time 0")
     terminal.leave()
     assert ":to 7" in (tmp_path / ".local/state/rapc/history").read_text()
     again = Terminal(80, tmp_path, *TASK)
-    again.see("Ctrl-D leaves")
+    again.see("Ctrl-D quits")
     again.see("cycle 0")
     again.press("\x1b[A")
     again.see("rapc> :to 7")
