@@ -60,7 +60,7 @@ NETWORK = Style(
         'node [fontname="Helvetica,Arial,sans-serif", margin="0.2,0.06"]',
         'edge [fontname="Helvetica,Arial,sans-serif", fontsize=11]',
     ),
-    "no skill is on",
+    "no active skills",
 )
 """Networks of skills, see `rapc.worlds.skills.network`."""
 

@@ -141,7 +141,7 @@ def test_a_library_named_beside_its_tests_is_checked_once(tmp_path: Path) -> Non
 
 LACKING = [
     ("(options (fuel-capacity 3))", "options of a world require a world"),
-    ("(script ((look) okay :data ((seen))))", "unknown handler for the datum"),
+    ("(script ((look) okay :data ((seen))))", "datum `seen` has no handler"),
     ("(answers ((near) 3))", "unknown function `far`"),
 ]
 

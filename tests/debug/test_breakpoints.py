@@ -170,7 +170,7 @@ def test_what_is_no_breakpoint_is_said() -> None:
     ):
         with pytest.raises((ArgumentError, TextError, ValueError), match=said_of):
             points.add(point)
-    with pytest.raises(ArgumentError, match="no breakpoint 4"):
+    with pytest.raises(ArgumentError, match="unknown breakpoint 4"):
         points.remove(4)
     assert not points.all
     assert not session.checks

@@ -66,5 +66,5 @@ def test_ways_that_were_found_are_text_that_drives_without_a_planner() -> None:
 def test_a_rap_without_a_planner_is_written_as_it_was() -> None:
     run, _ = begin(2)
     assert rapc.rap_text(run, "nothing") == "(define-rap (nothing) (succeed true))"
-    with pytest.raises(rapc.RefusedError, match="no RAP `no-such-rap`"):
+    with pytest.raises(rapc.RefusedError, match="unknown RAP `no-such-rap`"):
         rapc.rap_text(run, "no-such-rap")

@@ -63,7 +63,7 @@ def test_run_of_a_world_that_breaks_in_save_can_be_stepped() -> None:
     session = History.open(rapc.loads(LIBRARY), world, tasks="(compare)")
     session.step(3)
     assert session.cycle == 3
-    with pytest.raises(rapc.StateError, match="no way back: the world `bad` failed"):
+    with pytest.raises(rapc.StateError, match="cannot go back: the world `bad` failed"):
         session.goto(0)
 
 

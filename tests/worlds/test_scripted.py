@@ -185,7 +185,7 @@ def test_a_time_that_has_come_with_a_primitive_under_way_is_a_message() -> None:
         (Row(("grasp", "?", "b"), asserts=(("foe", "?"),)), r"`\?` is not bound"),
         (Row(("wait",), signals=((":bang",),)), "unknown event `:bang`"),
         (Row(("wait",), data=(("seen", "box"),)), "`seen` takes 2 arguments, not 1"),
-        (Row(("wait",), data=(("seen", "box", 3),)), "unknown handler for the datum"),
+        (Row(("wait",), data=(("seen", "box", 3),)), "datum `seen` has no handler"),
     ],
 )
 def test_a_script_that_the_library_does_not_know_is_refused(
