@@ -117,7 +117,7 @@ SECTIONS: Mapping[str, str] = {
     "Reference": "index cli rules repl tests trace python-api worlds-api settings "
     "formats limits truck hallway courier glossary",
     "Libraries": "index truck truck-beyond hallway",
-    "Research": "index",
+    "Research": "index chapter6 rounds hallway fidelity",
     "Developers": "index architecture performance slips",
 }
 """The sections of the site, each with the pages that come first; others follow."""
