@@ -321,6 +321,7 @@ def test_a_saved_run_of_another_option_of_the_world_is_refused() -> None:
         ('"missed":[]', '"missed":[[5,[4]]]'),
         ('"changed":[]', '"changed":[6]'),
         ('"time":4,"cycle"', '"time":5,"cycle"'),
+        ('"timer":null', '"timer":7'),
     ],
 )
 def test_records_that_no_run_leaves_are_refused(old: str, new: str) -> None:

@@ -268,6 +268,9 @@ def _check_waiting(restored: RestoredRun) -> None:
         wait = task.wait
         if wait is not None and wait.keys is not None:
             need(task.plan.monitored, f"task {number} has no monitor")
+        if wait is not None and wait.timer is not None:
+            may_wait = task.state is WAITING or task.plan.monitored
+            need(may_wait, f"task {number} waits for no time")
         if wait is not None and wait.awaits_signal:
             waits = () if task.step is None else task.step.waits
             proceeds = any(wait.mode == "proceed" for wait in waits)
