@@ -26,6 +26,7 @@ from rapc.cli.options import HELP, USAGE, show_traceback, with_common_options
 from rapc.errors import Error, RefusedError, reason
 
 COMMANDS = {
+    "new": "Create a project with a world, a library and a test.",
     "check": "Check RAP libraries.",
     "fmt": "Format RAP files.",
     "compile": "Compile a RAP library to one file.",
