@@ -33,7 +33,7 @@ Examples:
 
 
 @command(EXAMPLES)
-@click.argument("path")
+@click.argument("path", type=click.Path())
 @click.option(
     "-o", "--output", metavar="FILE", help="Write the compiled library to FILE."
 )

@@ -38,7 +38,7 @@ _MOST_FAULTS = 10
 
 
 @command(EXAMPLES)
-@click.argument("name", metavar="NAME|FILE.toml")
+@click.argument("name", metavar="NAME|FILE.toml", type=click.Path())
 @click.option(
     "--part",
     "parts",

@@ -28,7 +28,7 @@ Examples:
 
 
 @command(EXAMPLES)
-@click.argument("paths", metavar="PATH...", nargs=-1, required=True)
+@click.argument("paths", metavar="PATH...", type=click.Path(), nargs=-1, required=True)
 @click.option(
     "--check", is_flag=True, help="Write no file; exit with 1 if one would change."
 )

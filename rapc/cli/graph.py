@@ -35,7 +35,7 @@ Examples:
 
 
 @command(EXAMPLES)
-@click.argument("path", metavar="PATH")
+@click.argument("path", metavar="PATH", type=click.Path())
 @click.option("--rap", metavar="RAP", help="Show the task-nets of RAP.")
 @click.option("--effects", metavar="RAP", help="Show all possible effects of RAP.")
 @click.option(

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import click
 
-from rapc.cli.options import command, fail, say
+from rapc.cli.options import command, fail
 
 EXAMPLES = """\b
 Examples:
@@ -51,7 +51,7 @@ def new(name: str) -> None:
         _create(folder)
     except OSError as error:
         fail(f"cannot create `{name}`: {error.strerror}")
-    say(f"created {name}; next: cd {name} && rapc test .")
+    click.echo(f"created {name}: continue with `cd {name}` and `rapc test .`")
 
 
 def _create(folder: Path) -> None:

@@ -43,7 +43,7 @@ Examples:
 
 
 @command(EXAMPLES)
-@click.argument("path", required=False)
+@click.argument("path", required=False, type=click.Path())
 @click.option("--world", "world_name", help="World to run against.")
 @run_options
 @click.option(

@@ -44,7 +44,7 @@ _MOST_FRAMES = 1_000_000
 
 
 @command(EXAMPLES)
-@click.argument("path")
+@click.argument("path", type=click.Path())
 @click.option("--world", "world_name", required=True, help="World to run against.")
 @run_options
 @click.option("--until", type=float, metavar="TIME", help="Stop the run at TIME.")

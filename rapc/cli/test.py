@@ -42,7 +42,7 @@ _MOST_SEEDS = 100_000
 
 
 @command(EXAMPLES)
-@click.argument("paths", nargs=-1, metavar="PATH...")
+@click.argument("paths", nargs=-1, metavar="PATH...", type=click.Path())
 @click.option("--seed", type=int, default=0, show_default=True, help="First seed.")
 @click.option(
     "--seeds",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import os
 import re
 import signal
 import subprocess
@@ -14,6 +15,7 @@ from pathlib import Path
 import pytest
 
 from rapc.cli import main
+from tests.docs.pages import page
 
 from .command import COMMAND, rapc
 
@@ -269,3 +271,30 @@ def test_interrupt_while_python_takes_itself_down_ends_without_a_word() -> None:
     done = _begun(code, "--version")
     assert (done.returncode, done.stderr) == (-signal.SIGINT, "")
     assert done.stdout.startswith("rapc 0.")
+
+
+def test_shell_completion_of_the_manual_works_in_bash(tmp_path: Path) -> None:
+    (tmp_path / "robot.rap").write_text("")
+    (line,) = re.findall(r"^\| bash .*`(eval .*)` \|$", page("reference/cli"), re.M)
+    script = f"""
+        {line}
+        COMP_WORDS=(rapc "$1" "$2") COMP_CWORD=$3 COMPREPLY=()
+        compopt() {{ echo files; }}
+        _rapc_completion rapc
+        printf '%s\\n' "${{COMPREPLY[@]}}"
+    """
+    path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
+    for one, two, at, expected in (
+        ("ch", "", "1", "check\n"),
+        ("check", "--sel", "2", "--select\n"),
+        ("check", "rob", "2", "files\n\n"),
+    ):
+        done = subprocess.run(
+            ["bash", "-c", script, "bash", one, two, at],
+            cwd=tmp_path,
+            env={**os.environ, "PATH": path},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert (done.stdout, done.stderr) == (expected, "")
