@@ -48,6 +48,12 @@ Examples:
   rapc check my-library/
   rapc run my-library/ --world truck --task '(deliver rock-1 factory-1)'
   rapc rule unbound-variable
+
+\b
+The manual is in the folder docs:
+  tutorials/first-robot   to begin
+  how-to/index            guides by task
+  reference/cli           all commands and options
 """
 
 

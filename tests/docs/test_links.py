@@ -31,3 +31,16 @@ def test_links_lead_somewhere(page: Path) -> None:
         assert there.exists(), link
         if anchor:
             assert anchor in anchors(there), link
+
+
+def test_pages_named_by_the_program_exist() -> None:
+    sections = "|".join(path.name for path in (CHECKOUT / "docs").iterdir())
+    named = re.compile(rf"\b(?:{sections})/[a-z0-9-]+(?![\w/.-])")
+    found = {
+        name
+        for path in (CHECKOUT / "rapc").rglob("*")
+        if path.suffix in (".py", ".lark", ".md", ".txt")
+        for name in named.findall(path.read_text(encoding="utf-8"))
+    }
+    assert {"tutorials/first-robot", "how-to/ci", "reference/cli"} <= found
+    assert [n for n in sorted(found) if not (CHECKOUT / f"docs/{n}.md").exists()] == []
