@@ -27,7 +27,13 @@ def _help(shell: Shell, args: Arguments) -> Answer:
             group = one.group
             rows.append((group.upper(), ""))
         rows.append((f":{one.name} {one.takes}".rstrip(), one.doc))
-    notes = ("", *_TYPED, "", "`:help COMMAND` describes a command, with examples.")
+    notes = (
+        "",
+        *_TYPED,
+        "",
+        "`:help COMMAND` describes a command, with examples.",
+        "Pages of the manual: tutorials/debugger, reference/repl.",
+    )
     return table(("command", "description"), rows, notes=notes)
 
 
