@@ -67,7 +67,9 @@ class Figures(msgspec.Struct, frozen=True):
 
 
 class HallwayWorld(SkillWorld):
-    """A robot in a building, driven by networks of skills [S].
+    """A robot in a building, driven by networks of skills.
+
+    The world follows [S].
 
     Raises:
         ValueError: for an option out of range, or a map that makes no sense.

@@ -35,7 +35,7 @@ def _now(unit: str, doc: str, most: Number = 1_000_000) -> Meta:
 class TruckSettings(msgspec.Struct, frozen=True, rename="kebab"):
     """Values of the options: numbers from 0 to the maximum of their row."""
 
-    map: Annotated[str, _row("", "another map than that of T 6.1, as JSON")] = ""
+    map: Annotated[str, _row("", "map as JSON in place of the default map")] = ""
     orders: Annotated[
         str, _row("", "orders to count, as JSON: [[time, colour, rocks, factory]]")
     ] = ""

@@ -48,7 +48,9 @@ class Saved(msgspec.Struct, frozen=True):
 
 
 class TruckWorld(World):
-    """A delivery truck among quarries and factories (T 6.1, appendix B).
+    """A delivery truck among quarries and factories.
+
+    The world follows [T 6.1, appendix B].
 
     Raises:
         ValueError: for an option out of range, or a map or orders that make no sense.

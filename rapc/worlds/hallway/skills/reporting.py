@@ -8,7 +8,10 @@ from rapc.worlds.skills.declarations import Event, Parameter, Ports, Skill
 
 
 class Position(Event):
-    """Where the robot is by dead reckoning, every second [S 4.2.1]."""
+    """Position of the robot by dead reckoning, every second.
+
+    The event follows [S 4.2.1].
+    """
 
     name = "position"
     inputs = (POSE,)
