@@ -50,6 +50,7 @@ MOVED: Mapping[str, str] = {
     "tutorial/repl": "tutorials/debugger",
     "tutorial/skill-world": "tutorials/skills",
     "tutorial/skills": "tutorials/skills",
+    "tutorials/skill-world": "tutorials/skills",
     "worlds": "how-to/write-a-world",
 }
 """The former addresses of pages with their new addresses."""

@@ -48,7 +48,6 @@ WIDE = frozenset(
         "research/hallway",
         "research/rounds",
         "tutorials/debugger",
-        "tutorials/skill-world",
         "tutorials/standard-library",
     }
 )
