@@ -83,9 +83,9 @@ _MOST_SHOWN = 60
 class HeldWorld(Wrapper):
     """A wrapper that checks a world against its offer and one library's declarations.
 
-    For speed, each turn also makes three calls to the world directly. The results of
-    `clock`, `receive` and `ask` then go through `time`, `listed` and `answer`, except
-    an unchanged time, no messages, or `okay` without data.
+    For speed, each pass of the loop also makes three calls to the world directly. The
+    results of `clock`, `receive` and `ask` then go through `time`, `listed` and
+    `answer`, except an unchanged time, no messages, or `okay` without data.
 
     Args:
         world: the world.
@@ -297,7 +297,7 @@ class HeldWorld(Wrapper):
     def check_message(self, message: object) -> None:
         """Check a datum or a signal, just before its handling.
 
-        The preceding messages of the same turn have been handled by then. Ends of
+        The preceding messages of the same pass have been handled by then. Ends of
         requests are for `check_end`.
 
         Raises:

@@ -59,7 +59,7 @@ from rapc.runtime.task_request import (
     refuse_tasks,
 )
 from rapc.runtime.tasks.finish import end_method, fail
-from rapc.runtime.tasks.loop import turn, why_over
+from rapc.runtime.tasks.loop import run_loop, why_over
 from rapc.runtime.tasks.remove import cancel_matching, remove
 from rapc.runtime.tasks.rename_items import rename
 from rapc.runtime.tasks.signals import signal
@@ -410,7 +410,7 @@ class Interpreter(Run):
             try:
                 if until is not None and most != 0:
                     self.set_clock(self.now)  # the clock may not move on
-                reason = turn(self, most, wait=True) or why_over(self)
+                reason = run_loop(self, most, wait=True) or why_over(self)
             except BaseException as error:
                 self._break(error)
             self.end(reason or "cycles")
@@ -439,7 +439,7 @@ class Interpreter(Run):
         self.start()
         if self.state.reason is None:
             try:
-                reason = turn(self, 1, wait=True, choose=False)
+                reason = run_loop(self, 1, wait=True, choose=False)
             except BaseException as error:
                 self._break(error)
             if reason is not None:
@@ -453,7 +453,7 @@ class Interpreter(Run):
         before = recorder.cycle
         if state.reason is None:
             try:
-                reason = turn(self, most, wait)
+                reason = run_loop(self, most, wait)
             except BaseException as error:
                 self._break(error)
             if reason is not None:
@@ -466,7 +466,7 @@ class Interpreter(Run):
         Raises:
             PortError: see `HeldWorld.blame`.
         """
-        self.turning, self.broken = False, True
+        self.broken = True
         try:
             self.port.blame(error)
         except PortError as told:
@@ -596,7 +596,7 @@ class Interpreter(Run):
         if reason == "runaway" and self.recorder.on:
             because = snapshot.looping(self) or None
         if reason == "stuck" and self.waited_in_vain():
-            because = f"no cycle in {state.waits} waits (`rapc.idle-waits`)"
+            because = f"no cycle in {state.idle_waits} waits (`rapc.idle-waits`)"
         waiting = snapshot.deadlocks_in_words(self)
         if reason != "done":
             waiting += self.waiting()

@@ -62,7 +62,8 @@ class Run:
         #: The eligible tasks.
         self.eligible = Agenda(self.rng)
         self.things = Things()
-        self.held, self.waits = self.things.held, self.things.waits  # parts of `things`
+        #: Two parts of `things`.
+        self.held, self.thing_waits = self.things.held, self.things.waits
         self.monitors = Monitors(
             self.context, self.recorder, self.eligible, self.things
         )
@@ -72,8 +73,8 @@ class Run:
         #: The host's actions at the end of the run, and at each wait.
         self.at_end: list[Callable[[], None]] = []
         self.when_waiting: list[Callable[[], None]] = []
-        #: Whether the loop is running, and whether it was aborted by an error.
-        self.turning = self.broken = False
+        #: Whether the loop is running, and whether an error has aborted it.
+        self.in_loop = self.broken = False
         #: Receives each evaluated context, for coverage.
         self.context_asked: ContextListener | None = None
         #: Whether any RAP can recur below itself: a solver may add the recursion.
@@ -82,16 +83,6 @@ class Run:
         self.handlers = port.kit.handlers
         self.result_handlers: dict[Atom, ResultHandler] = {}
         self.result_handlers.update(self.handlers.results)
-        #: The objects that the loop reads in each turn, constant for the run's life.
-        self.looked_at = (
-            self.recorder,
-            self.eligible,
-            self.monitors,
-            self.monitors.to_test,
-            self.host_timers,
-            self.recognizer.unsettled,
-            self.things.changed,
-        )
 
     def new_context(self, quiet: bool = False) -> QueryContext:
         """Return a context for queries over memory; `quiet`: see `QueryContext`."""
@@ -121,7 +112,7 @@ class Run:
 
     def waited_in_vain(self) -> bool:
         """Return whether the run has reached the limit of waits without a cycle."""
-        return self.state.waits >= self.settings.idle_waits
+        return self.state.idle_waits >= self.settings.idle_waits
 
     def run_host_timers(self) -> None:
         """Call the host's actions that are due, in the order of their times."""

@@ -61,14 +61,14 @@ class Sleepers:
             self.tasks.append(task)
             self.monitors.first_test(task)
 
-    def test_changed(self) -> None:
+    def test_marked(self) -> None:
         """What a turn does before its choice."""
         monitors, look = self.monitors, self.monitors.next_look
         due = look is not None and self.both.recorder.time >= look
         if monitors.to_test or due:
             if due:
                 assert monitors.due() == []
-            monitors.test_changed()
+            monitors.test_marked()
 
     def compare(self, after: object) -> None:
         """Each task stands where its formula, asked anew, says it has to."""
@@ -98,7 +98,7 @@ def test_who_waits_stands_where_its_formula_says(
 ) -> None:
     both = memories(thrown.changes(size))
     sleepers = Sleepers(thrown, both, leaves)
-    sleepers.test_changed()
+    sleepers.test_marked()
     sleepers.compare("the beginning")
     for _ in range(CHANGES):
         if thrown.odds(0.2):
@@ -107,5 +107,5 @@ def test_who_waits_stands_where_its_formula_says(
         else:
             change = thrown.change()
             apply(both, change)
-        sleepers.test_changed()
+        sleepers.test_marked()
         sleepers.compare(change)

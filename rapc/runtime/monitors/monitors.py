@@ -57,14 +57,15 @@ class Monitors:
     ) -> None:
         self._context = context
         self._things = things
-        self._waits, self._ways = things.waits, things.changed
+        self._thing_waits, self._things_to_test = things.waits, things.to_test
         self._recorder = recorder
         self._agenda = agenda
         self._timers = Times(timer_of)
         self._deadlines = Times(deadline_of)
         #: Missed deadlines without an event so far, by task number.
         self.missed: dict[int, list[float]] = {}
-        #: The tasks to be tested, by number. Always the same object: loops refer to it.
+        #: The marked tasks: their monitors are to be tested; by number. The table is
+        #: never replaced: the loop refers to it.
         self.to_test: dict[int, Task] = {}
         #: The tasks by the changes that they listen to; an observer of all changes.
         self.listeners = Listeners(self.to_test)
@@ -203,20 +204,20 @@ class Monitors:
         task.state = UNTESTED
         self.to_test[task.number] = task
 
-    def test_changed(self) -> None:
-        """Test all changed tasks, by task number; report missed deadlines."""
+    def test_marked(self) -> None:
+        """Test all marked tasks, by task number; report missed deadlines."""
         missed = self.next_look is not None and self._look_at_times()
         if self.aging:
             self.tested_at = self._recorder.time
-        if missed or self._ways:
-            self._test_with_others()
+        if missed or self._things_to_test:
+            self._test_with_things()
         elif len(self.to_test) == 1:
             self._test(self.to_test.popitem()[1])
         elif self.to_test:
-            dirty = dict(self.to_test)
+            marked = dict(self.to_test)
             self.to_test.clear()
-            for tasknumber in sorted(dirty):
-                self._test(dirty[tasknumber])
+            for task_number in sorted(marked):
+                self._test(marked[task_number])
         if self.next_look is not None:
             self._look_ahead()
 
@@ -238,18 +239,19 @@ class Monitors:
         self.missed.setdefault(task.number, []).append(stated)
         return True
 
-    def _test_with_others(self) -> None:
-        """Test monitors and obstacles of tasks, and report missed deadlines."""
-        dirty, changed = dict(self.to_test), dict(self._ways)
+    def _test_with_things(self) -> None:
+        """Test things and monitors, and report missed deadlines, by task number."""
+        marked, blocked = dict(self.to_test), dict(self._things_to_test)
         self.to_test.clear()
-        self._ways.clear()
+        self._things_to_test.clear()
         missed, self.missed = self.missed, {}
-        for tasknumber in sorted(dirty.keys() | missed.keys() | changed.keys()):
-            woken = tasknumber in changed and self._test_way(changed[tasknumber])
-            if tasknumber in dirty and not woken:
-                self._test(dirty[tasknumber])
-            for deadline in missed.get(tasknumber, ()):
-                self._tell_missed(tasknumber, deadline)
+        for task_number in sorted(marked.keys() | missed.keys() | blocked.keys()):
+            task = blocked.get(task_number)
+            woken = task is not None and self._test_thing_wait(task)
+            if task_number in marked and not woken:
+                self._test(marked[task_number])
+            for deadline in missed.get(task_number, ()):
+                self._emit_missed(task_number, deadline)
 
     def _look_ahead(self) -> None:
         """Compute the next time at which something may fall due."""
@@ -258,10 +260,10 @@ class Monitors:
             if times.heap:
                 self.look_by(times.heap[0][0])
 
-    def _tell_missed(self, tasknumber: int, deadline: float) -> None:
+    def _emit_missed(self, task_number: int, deadline: float) -> None:
         if self._recorder.on:
             self._recorder.emit(
-                DeadlineMissed, task=tasknumber, deadline=number(deadline)
+                DeadlineMissed, task=task_number, deadline=number(deadline)
             )
 
     def _test(self, task: Task) -> None:
@@ -271,7 +273,7 @@ class Monitors:
             wait is None
             or wait.after_method
             or not (state is BLOCKED or state is UNTESTED or state is ELIGIBLE)
-            or (self._waits and state is BLOCKED and task.number in self._waits)
+            or (state is BLOCKED and task.number in self._thing_waits)
         ):
             return
         if self.holds(task, wait):
@@ -285,12 +287,12 @@ class Monitors:
             self._agenda.discard(task)
             self.block(task)
 
-    def _test_way(self, task: Task) -> bool:
+    def _test_thing_wait(self, task: Task) -> bool:
         """Wake a task with free things; block a woken task without free things.
 
         Return whether the task was woken: then its monitors have been tested too.
         """
-        wait = self._waits.get(task.number)
+        wait = self._thing_waits.get(task.number)
         if wait is None:
             return False
         obstacle = self._things.obstacle_of(wait)
@@ -308,7 +310,7 @@ class Monitors:
                 self.tell_blocked(wait)
         elif obstacle is None:
             wait.woken = True
-            self._tell_way(TaskWoken, wait)
+            self._emit_thing_wait(TaskWoken, wait)
             monitors = task.wait if task.plan.monitored else None
             if monitors is not None and not self.holds(task, monitors):
                 self.block(task)
@@ -320,7 +322,7 @@ class Monitors:
 
     def tell_blocked(self, wait: ThingWait) -> None:
         """Report that a thing blocks a task, and the deadlock that the block closes."""
-        self._tell_way(TaskBlocked, wait)
+        self._emit_thing_wait(TaskBlocked, wait)
         if self._recorder.on:
             self.tell_deadlock(deadlock_of(self._things, wait))
 
@@ -330,7 +332,7 @@ class Monitors:
             tasks = tuple([wait.task.number for wait, _ in found])
             self._recorder.emit(Deadlock, tasks=tasks, waiting=in_words(found))
 
-    def _tell_way(self, kind: type[Event], wait: ThingWait) -> None:
+    def _emit_thing_wait(self, kind: type[Event], wait: ThingWait) -> None:
         if self._recorder.on:
             self._recorder.emit(
                 kind, task=wait.task.number, on=wait.on, holder=wait.holder
@@ -374,7 +376,7 @@ class Monitors:
     def block(self, task: Task) -> None:
         """Block a task until its monitors hold; reset its futile-loop detector."""
         task.state = BLOCKED
-        if self._waits:
+        if self._thing_waits:
             self._things.stop_waiting(task)
         task.forget_choices()
         if self._recorder.on and task.wait is not None:

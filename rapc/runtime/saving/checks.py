@@ -218,7 +218,7 @@ def _check_things(restored: RestoredRun) -> None:
     for number, wait in things.waits.items():
         need(wait.task.number == number, f"task {number} waits for nothing")
         _check_thing_wait(wait)
-    for number in things.changed:
+    for number in things.to_test:
         need(number in things.waits, f"task {number} waits for no thing")
     for number, task in restored.live.items():
         monitored = task.plan.monitored and task.wait is not None

@@ -31,7 +31,7 @@ def save(run: Run, seed: int) -> bytes:
         StateError: in the middle of a cycle, with timers of the host, or if the world
             cannot be saved.
     """
-    if run.turning:
+    if run.in_loop:
         raise StateError("a run cannot be saved in the middle of a cycle")
     if run.broken:
         raise StateError("the run broke off in the middle of a cycle")
@@ -48,7 +48,7 @@ def restore(run: Run, saved: bytes) -> int:
             aborted run.
         PortError: if the world breaks while it is restored.
     """
-    if run.turning:
+    if run.in_loop:
         raise StateError("a run cannot be replaced in the middle of a cycle")
     _look_for_callbacks(run, "replaced")
     world = _savable(run.port)

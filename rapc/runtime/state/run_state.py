@@ -39,7 +39,7 @@ class RunState:
         "tickets": Natural,
         "succeeded": Natural,
         "moved_at": int,
-        "waits": Natural,
+        "idle_waits": Natural,
         "until": Time | None,
         "past_until": bool,
         "started": bool,
@@ -78,11 +78,11 @@ class RunState:
         self.tickets = 0
         #: How many tasks of all levels have succeeded.
         self.succeeded = 0
-        #: The cycle in which the clock last moved; each later wait without a move
-        #: counts as a cycle, and subtracts 1.
+        #: The cycle in which the clock last moved, minus the number of later waits
+        #: without a move: such a wait counts like an idle cycle.
         self.moved_at = 0
-        #: How often the run has waited for a time since the last cycle.
-        self.waits = 0
+        #: The number of waits since the last cycle.
+        self.idle_waits = 0
         #: The time limit of the run, if there is one.
         self.until: Time | None = None
         #: Whether the world's clock has passed `until`.

@@ -95,7 +95,7 @@ class Things:
     FIELDS: ClassVar[Fields] = {
         "held": dict[int, tuple[Hold, ...]],
         "waits": dict[int, ThingWait],
-        "changed": dict[int, Task],
+        "to_test": dict[int, Task],
         "resumable": LEFT_OUT,
         "conflicts": Natural,
         "_holders": LEFT_OUT,
@@ -109,8 +109,8 @@ class Things:
         self.held: dict[int, tuple[Hold, ...]] = {}
         #: The waits of blocked and woken tasks, by number.
         self.waits: dict[int, ThingWait] = {}
-        #: The tasks whose obstacles may have changed since the last test.
-        self.changed: dict[int, Task] = {}
+        #: The waiting tasks whose obstacles have changed since the last test.
+        self.to_test: dict[int, Task] = {}
         #: The running tasks whose skills may start again, by number.
         self.resumable: dict[int, Task] = {}
         #: How often a world has refused a request because of a conflict.
@@ -254,7 +254,7 @@ class Things:
             self._changed(thing)
 
     def _changed(self, thing: Thing) -> None:
-        self.changed.update(self._waiters.get(thing, ()))
+        self.to_test.update(self._waiters.get(thing, ()))
 
     # --- waiting ------------------------------------------------------------------
 
@@ -271,7 +271,7 @@ class Things:
         wait = self.waits.pop(task.number, None)
         if wait is None:
             return
-        self.changed.pop(task.number, None)
+        self.to_test.pop(task.number, None)
         self.resumable.pop(task.number, None)
         for ask in (ask for asks in wait.alternatives for ask in asks):
             waiters = self._waiters.get(ask.thing, {})
@@ -291,7 +291,7 @@ class Things:
             for number, holds in sorted(other.held.items())
         ]
         self._load(held, list(other.waits.values()))
-        self.changed.update(other.changed)
+        self.to_test.update(other.to_test)
         self.conflicts = other.conflicts
 
     def _load(
@@ -303,7 +303,7 @@ class Things:
         self._holders, self._waiters = {}, {}
         self.held.clear()
         self.waits.clear()
-        self.changed.clear()
+        self.to_test.clear()
         self.resumable.clear()
         for method_run, holds in held:
             for ask, said in holds:
@@ -325,7 +325,7 @@ class Things:
             ]
             wait.alternatives = tuple([tuple([a for a, _ in way]) for way in ways])
         self._load(held, waits)
-        self.changed.update((wait.task.number, wait.task) for wait in waits)
+        self.to_test.update((wait.task.number, wait.task) for wait in waits)
 
     def conflict(self) -> Thing:
         """Return a new thing for requests that a world reports to be in conflict."""

@@ -31,7 +31,7 @@ from rapc.world import OKAY
 def run_cycle(run: Run, task: Task) -> None:
     """Process the selected task."""
     plan, wait = task.plan, task.wait
-    if run.waits:
+    if run.thing_waits:
         run.things.stop_waiting(task)
     if task.identity is None or (
         wait is not None and (wait.setup_failed or not wait.first_selected)

@@ -313,7 +313,7 @@ def _switch_off(run: Run, method_run: MethodRun) -> None:
     """Switch off the skills of an ended method; unregister waiting skills."""
     if method_run.ticket is not None:
         deactivate(run, method_run.ticket)
-    if run.waits:
+    if run.thing_waits:
         run.things.stop_waiting(method_run.task)
 
 

@@ -18,59 +18,86 @@ from rapc.runtime.tasks.start import create_top, release
 from rapc.world import NOT_KNOWN, Time
 
 
-def turn(run: Run, most: int | None, wait: bool, choose: bool = True) -> str | None:
+def run_loop(run: Run, most: int | None, wait: bool, choose: bool = True) -> str | None:
     """Run the loop until the run is over; return the reason.
 
-    The loop also stops after `most` cycles, without `wait` if no task can go on
-    now, and without `choose` before the choice of a task. Then the method returns
-    None.
+    The loop may stop before the run is over; then the result is None.
+
+    Args:
+        run: a run that has started.
+        most: the number of cycles after which the loop stops; None: no limit.
+        wait: whether the loop may wait; if not, the loop stops when no task is
+            eligible.
+        choose: whether the loop may choose a task; if not, the loop stops before the
+            choice.
+
+    Returns:
+        `until`, `world`, `done` or `runaway` (see `why_over`), `stuck` if the run
+        waits for nothing known or has waited in vain (see `_wait`), or None.
+
+    Raises:
+        PortError: if the world breaks.
     """
     state, port, cost = run.state, run.port, run.settings.cycle_cost
-    recorder, eligible, monitors, to_test, timers, unsettled, changed = run.looked_at
-    gone, cycle = state.activations.off, recorder.cycle
+    recorder, eligible, monitors = run.recorder, run.eligible, run.monitors
+    to_test, things_to_test = monitors.to_test, run.things.to_test
+    timers, unsettled = run.host_timers, run.recognizer.unsettled
+    off, cycle = state.activations.off, recorder.cycle
     clock, receive = port.clock, port.receive
-    patience = run.settings.idle_cycles
-    # In each turn, the loop queries a world that may end the run by itself.
+    # In each pass, the loop queries a world that may end the run by itself.
     ended, may_end = port.ended, port.may_end
     last = -1 if most is None else cycle + most
-    # The last cycle that the clock may stand still, as far as the loop knows.
-    limit = state.moved_at + patience
+    # The last cycle in which the run is not yet idle for too long, as far as the loop
+    # knows: `why_over` looks at the present state.
+    idle_limit = state.moved_at + run.settings.idle_cycles
     reason: str | None = None
-    run.turning = True
-    while cycle != last and not state.over:
-        now = clock()
-        if now != recorder.time and run.set_clock(now):
-            reason = "until"
-            break
-        if timers or unsettled:
-            run.run_host_timers()
-            run.access.recognise()
-        messages = receive()
-        if messages or gone or messages is None:
-            take_in(run, port.listed(messages))
-        look = monitors.next_look
-        if to_test or changed or (look is not None and recorder.time >= look):
-            _wake(run)
-        if cycle > limit or not state.foreground or (may_end and ended() is not None):
-            reason = why_over(run)
-            if reason is not None:
+    run.in_loop = True
+    try:
+        while cycle != last and not state.over:
+            now = clock()
+            if now != recorder.time and run.set_clock(now):
+                reason = "until"
                 break
-            limit = state.moved_at + patience
-        task = eligible.choose() if choose else None
-        if task is None:
-            if not wait or len(eligible):
-                break
-            reason = _wait(run)
-            limit = state.moved_at + patience
-            if reason is not None:
-                break
-            continue
-        recorder.cycle = cycle = cycle + 1
-        state.waits = 0
-        run_cycle(run, task)
-        if cost:
-            _spend(run, cost)
-    run.turning = run.broken = False
+            if timers or unsettled:
+                run.run_host_timers()
+                run.access.recognise()
+            messages = receive()
+            # None, an error of the world, is refused by `listed` like other types.
+            if messages or off or messages is None:
+                take_in(run, port.listed(messages))
+            look = monitors.next_look
+            if (
+                to_test
+                or things_to_test
+                or (look is not None and recorder.time >= look)
+            ):
+                _wake(run)
+            if (
+                cycle > idle_limit
+                or not state.foreground
+                or (may_end and ended() is not None)
+            ):
+                reason = why_over(run)
+                if reason is not None:
+                    break
+                idle_limit = state.moved_at + run.settings.idle_cycles
+            task = eligible.choose() if choose else None
+            if task is None:
+                if not wait or len(eligible):
+                    break
+                reason = _wait(run)
+                idle_limit = state.moved_at + run.settings.idle_cycles
+                if reason is not None:
+                    break
+                continue
+            recorder.cycle = cycle = cycle + 1
+            state.idle_waits = 0
+            run_cycle(run, task)
+            if cost:
+                _spend(run, cost)
+    finally:
+        run.in_loop = False
+    run.broken = False
     return reason
 
 
@@ -88,15 +115,15 @@ def why_over(run: Run) -> str | None:
 
 
 def _wake(run: Run) -> None:
-    """Start all work that is due, and test the changed monitors."""
+    """Start all work that is due, and test the marked monitors."""
     monitors, things = run.monitors, run.things
     look = monitors.next_look
     if look is not None and run.recorder.time >= look:
         _start_due(run)
-    monitors.test_changed()
+    monitors.test_marked()
     while things.resumable:
         resume_skills(run)
-        monitors.test_changed()
+        monitors.test_marked()
     if run.state.scheduled:
         monitors.look_by(run.state.scheduled[0][0])
 
@@ -122,7 +149,9 @@ def _spend(run: Run, cost: Time) -> None:
 def _wait(run: Run) -> str | None:
     """Advance to the next known time; return the reason if the run is over.
 
-    A wait in which the clock does not move counts like a cycle.
+    If the world cannot state its next time, the wait ends after `Settings.patience`.
+    A wait in which the clock does not move counts like a cycle for
+    `Settings.idle_cycles`.
     """
     until = run.state.until
     now = run.recorder.time
@@ -139,11 +168,11 @@ def _wait(run: Run) -> str | None:
         target = until
     for action in run.when_waiting:
         action()
-    run.state.waits += 1
+    run.state.idle_waits += 1
     run.port.advance(target)
     moved = run.port.now() != now
     if not moved:
-        run.state.moved_at -= 1
+        run.state.moved_at -= 1  # the wait counts as one more idle cycle
     if target == end:
         return _wait_is_over(run, end)
     if not moved:

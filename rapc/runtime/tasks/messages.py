@@ -1,6 +1,6 @@
 """Intake: unrequested messages of the world, late ends of primitives [T 3.3, S 4].
 
-The loop passes the messages of a turn; data go to their handlers, signals to the steps
+Each pass of the loop takes in messages: data go to their handlers, signals to the steps
 that wait for them.
 """
 

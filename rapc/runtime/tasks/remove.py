@@ -89,7 +89,7 @@ def unregister(run: Run, task: Task) -> None:
     Only these tasks are registered: top-level tasks, tasks with a `WaitState`, and
     tasks that wait for a thing.
     """
-    if run.waits:
+    if run.thing_waits:
         run.things.stop_waiting(task)
     if task.step is None:
         given = run.state.live_top.pop(task.number)
