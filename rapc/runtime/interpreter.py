@@ -221,7 +221,7 @@ class Interpreter(Run):
     def watch_contexts(self, listener: ContextListener) -> None:
         """Call `listener` with each evaluated context of a method, and the result."""
         need_call(listener, "a listener")
-        self.context_asked = listener
+        self.context_listener = listener
 
     def assert_fact(self, *fact: Atom) -> None:
         """Assert a fact on behalf of the user.
@@ -562,8 +562,8 @@ class Interpreter(Run):
         """
         other = self._made_with(library, settings, self.port.behind)
         other.recorder.take_over(self.recorder)
-        if self.context_asked is not None:
-            other.watch_contexts(self.context_asked)
+        if self.context_listener is not None:
+            other.watch_contexts(self.context_listener)
         return other
 
     def _made_with(

@@ -28,7 +28,7 @@ from rapc.runtime.state.things import Things
 from rapc.world import ResultHandler, Time
 
 ContextListener = Callable[[str, str, bool], None]
-"""A listener to evaluated contexts: the RAP, its method, and the result."""
+"""A listener to evaluated contexts of methods: the RAP, the method, the result."""
 
 
 class Run:
@@ -56,9 +56,10 @@ class Run:
         #: The memory for handlers; the two fields below are parts of it.
         self.access = empty_gate(self)
         self.beliefs, self.recognizer = self.access.memory, self.access.recognizer
+        #: Evaluates the queries of tasks.
         self.context = self.new_context()
-        #: Evaluates explanations of failures, without changing the run.
-        self.noting = self.new_context(quiet=True)
+        #: Evaluates queries that explain a failure, without changing the run.
+        self.explaining_context = self.new_context(quiet=True)
         #: The eligible tasks.
         self.eligible = Agenda(self.rng)
         self.things = Things()
@@ -75,8 +76,8 @@ class Run:
         self.when_waiting: list[Callable[[], None]] = []
         #: Whether the loop is running, and whether an error has aborted it.
         self.in_loop = self.broken = False
-        #: Receives each evaluated context, for coverage.
-        self.context_asked: ContextListener | None = None
+        #: Receives each evaluated context of a method, for coverage.
+        self.context_listener: ContextListener | None = None
         #: Whether any RAP can recur below itself: a solver may add the recursion.
         #: Without solvers only RAPs with `recursive` plans can.
         self.all_may_recur = bool(self.solvers)

@@ -238,8 +238,8 @@ def method_supports(run: Run, task: Task, method: MethodPlan | None) -> Supports
 def _supports_of(run: Run, task: Task, query: Query | None) -> Supports:
     if query is None:
         return {}
-    run.noting.begin(task)
-    found = query.first(run.noting, task.env) or {}
+    run.explaining_context.begin(task)
+    found = query.first(run.explaining_context, task.env) or {}
     return supports(run, query.formula, {**task.env, **found})
 
 

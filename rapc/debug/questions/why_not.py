@@ -369,7 +369,7 @@ def ask(
         parts=parts,
         count=count,
         bindings={n: v for n, v in known[0].items() if n in Query.names(last.part)},
-        note=run.noting.noted,
+        note=run.explaining_context.noted,
         missing=missing,
         unwanted=unwanted,
         near=near,

@@ -407,7 +407,7 @@ def _of_query(
                 clause=clause,
                 place=row(part.span) or row(query.formula.span),
                 part=text,
-                note=given_up or run.noting.noted,
+                note=given_up or run.explaining_context.noted,
                 bindings=_as_text(bound, Query.names(part)),
             )
         bound = {**env, **found[0]}
@@ -432,7 +432,7 @@ def ask_in_parts(
 ) -> Iterator[PartAsked]:
     """Evaluate a query conjunct by conjunct, to the first without a solution.
 
-    The evaluation does not change the run. `run.noting.noted` explains the failure
+    The evaluation does not change the run. `run.explaining_context.noted` explains the failure
     of a conjunct, if there is an explanation.
 
     Args:
@@ -457,6 +457,6 @@ def ask_in_parts(
 
 def context_of(run: Run, asker: Task | None) -> QueryContext:
     """Return a context that evaluates queries for a task, without listeners."""
-    context = run.noting
+    context = run.explaining_context
     context.begin(asker)
     return context

@@ -45,10 +45,11 @@ def choose(run: Run, task: Task, asked: bool = False) -> Choice | None:
     """
     context, sole = run.context, task.plan.sole
     context.task = task
-    if sole is not None and run.context_asked is None and not run.solvers:
+    if sole is not None and run.context_listener is None and not run.solvers:
         found = context.bound[sole.choice].first(task.env)
         return None if found is None else (sole, found, ())
-    plan, env, bound, told = task.plan, task.env, context.bound, run.context_asked
+    plan, env, bound = task.plan, task.env, context.bound
+    listener = run.context_listener
     repeat = plan.repeat_while
     if repeat is not None and not (asked or bound[repeat].holds(env)):
         return None
@@ -58,8 +59,8 @@ def choose(run: Run, task: Task, asked: bool = False) -> Choice | None:
         found = None if ruled_out else bound[method.choice].first(env)
         if found is not None:
             holding.append((method, found))
-        if told is not None and method.node.context is not None:
-            told(plan.name, method.name, found is not None)
+        if listener is not None and method.node.context is not None:
+            listener(plan.name, method.name, found is not None)
     if len(holding) > 1:
         return _draw(run, task, holding)
     if holding:
