@@ -171,7 +171,7 @@ class MethodPlan:
         #: The things that the method requests before it starts.
         self.things: tuple[ThingPlan, ...] = things_of(compiler, node)
         #: Whether the end of the method releases anything except things: notations,
-        #: skills, the identity of a task for the test of recursion.
+        #: skills, the goal key of a task for the test of recursion.
         self.gives_back = (
             bool(self.notations)
             or self.activation is not None
@@ -187,7 +187,7 @@ class MethodPlan:
         self.goals: tuple[tuple[StepPlan, RapPlan], ...] = ()
         #: Whether inputs of steps create values, once the RAPs are known.
         self.makes = False
-        #: Whether the identity of each step's task is constant, as above.
+        #: Whether the goal key of each step's task is constant, as above.
         self.static_goals = False
         #: Whether steps may add to the environment of the method.
         self.binds = any(s.outputs or s.conditions or s.waits for s in self.steps)
@@ -220,8 +220,8 @@ class RapPlan:
         #: Whether any input or output has a declared kind.
         self.kinds = bool(node.kinds)
         self.outputs = tuple(v.name for v in node.outputs)
-        #: The identity of a task without inputs.
-        self.identity = (node.name,)
+        #: The goal key of a task without inputs: see `Task.goal_key`.
+        self.goal_key = (node.name,)
         #: The clauses of the RAP, by keyword.
         self.clauses = {
             clause.word: compiler.query(formula, clause.word, node.span)
@@ -269,8 +269,8 @@ class RapPlan:
         self.needs_wait_state = self.monitored or self.needs_setup
         #: Whether the RAP can occur among its own subtasks.
         self.recursive = compiler.recursion.covers(node.name)
-        #: The identity, if it is constant and needs no test.
-        self.static_identity = None if self.inputs or self.recursive else self.identity
+        #: The goal key, if it is constant and needs no test.
+        self.static_goal_key = None if self.inputs or self.recursive else self.goal_key
         self.methods = tuple(
             MethodPlan(compiler, node, method, index)
             for index, method in enumerate(node.methods)

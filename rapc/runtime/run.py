@@ -121,13 +121,13 @@ class Run:
         while due and due[0][0] <= self.recorder.time:
             heapq.heappop(due)[2]()
 
-    def recount_identities(self) -> None:
-        """Count the active identities again after a renaming of items."""
+    def recount_running_goals(self) -> None:
+        """Count the running goals again after a renaming of items."""
         at_work = [task for task in self.state.live_tasks() if task.run is not None]
         counted = [
             task for task in at_work if task.plan.recursive or self.all_may_recur
         ]
-        self.state.active_identities = dict(Counter(task.identity for task in counted))
+        self.state.running_goals = dict(Counter(task.goal_key for task in counted))
 
 
 def empty_gate(run: Run) -> Gate:

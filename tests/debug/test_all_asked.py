@@ -35,7 +35,7 @@ ACTS: Mapping[str, str] = {
     "Interpreter.prepared": "makes a run",
     "Interpreter.record": "listens from then on",
     "Interpreter.remade": "makes another run, and only one of the two may go on",
-    "Interpreter.recount_identities": "counts tasks, after names have changed",
+    "Interpreter.recount_running_goals": "counts tasks, after names have changed",
     "Interpreter.restore": "takes up another state",
     "Interpreter.retry_task": "ends a method",
     "Interpreter.run": "runs on",

@@ -72,8 +72,8 @@ def _check_task(task: Task) -> None:
         (task.state is RUNNING) == (method_run is not None),
         f"task {number} is not at work",
     )
-    if task.identity is not None:
-        need(task.identity[:1] == task.plan.identity, f"task {number} is another")
+    if task.goal_key is not None:
+        need(task.goal_key[:1] == task.plan.goal_key, f"task {number} is another")
         need(task.bound, f"task {number} has no inputs")
     need(task.choice is None or _is_choice(task.choice), "a choice without a method")
     _check_variables(task)

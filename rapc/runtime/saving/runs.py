@@ -186,7 +186,7 @@ class RestoredRun:
         run.access.take_up(self.gate)
         run.rng.setstate(self._random.getstate())
         run.state = self.state
-        run.recount_identities()
+        run.recount_running_goals()
         run.recorder.jump(record.time, record.cycle, record.serial)
         run.eligible.take_up(self.agenda)
         run.things.take_up(self.things, self.runs)

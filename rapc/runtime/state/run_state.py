@@ -33,7 +33,7 @@ class RunState:
         "pending": dict[int, tuple[Task | None, Fact]],
         "activations": Activations,
         "listening": LEFT_OUT,
-        "active_identities": LEFT_OUT,
+        "running_goals": LEFT_OUT,
         "added_methods": LEFT_OUT,
         "numbers": Natural,
         "tickets": Natural,
@@ -68,8 +68,8 @@ class RunState:
         self.activations = Activations()
         #: The steps that wait for a signal, by the signal's name and task number.
         self.listening: dict[str, dict[int, Task]] = {}
-        #: How many tasks of each identity have a method under way.
-        self.active_identities: dict[object, int] = {}
+        #: How many tasks of each goal key have a method under way.
+        self.running_goals: dict[object, int] = {}
         #: The methods that solvers have added, by RAP.
         self.added_methods: dict[str, list[MethodPlan]] = {}
         #: How many tasks have been numbered, from 1.

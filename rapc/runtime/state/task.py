@@ -138,7 +138,7 @@ class Task:
         "waiting": LEFT_OUT,
         "goal_args": tuple[Value | None, ...],
         "env": Env,
-        "identity": tuple[object, ...] | None,
+        "goal_key": tuple[object, ...] | None,
         "state": State,
         "run": MethodRun | None,
         "method": MethodPlan | None,
@@ -184,7 +184,7 @@ class Task:
         self.env: Env = {}
         #: The RAP, with its inputs if a recursion test needs them; None until all
         #: inputs are known.
-        self.identity: tuple[object, ...] | None = plan.static_identity
+        self.goal_key: tuple[object, ...] | None = plan.static_goal_key
         self.state: State = WAITING
         #: The method under way.
         self.run: MethodRun | None = None

@@ -201,7 +201,7 @@ def of_recursion(run: Run, step: Task) -> Cause | None:
     if step.step is None:
         return None
     above = step.parent
-    while above is not None and above.identity != step.identity:
+    while above is not None and above.goal_key != step.goal_key:
         above = above.parent
     node = step.step.node
     who = "a task above it" if above is None else f"{above.goal()} [{above.number}]"
@@ -432,8 +432,8 @@ def ask_in_parts(
 ) -> Iterator[PartAsked]:
     """Evaluate a query conjunct by conjunct, to the first without a solution.
 
-    The evaluation does not change the run. `run.explaining_context.noted` explains the failure
-    of a conjunct, if there is an explanation.
+    The evaluation does not change the run. `run.explaining_context.noted` explains the
+    failure of a conjunct, if there is an explanation.
 
     Args:
         run: the run.

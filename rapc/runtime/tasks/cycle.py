@@ -33,7 +33,7 @@ def run_cycle(run: Run, task: Task) -> None:
     plan, wait = task.plan, task.wait
     if run.thing_waits:
         run.things.stop_waiting(task)
-    if task.identity is None or (
+    if task.goal_key is None or (
         wait is not None and (wait.setup_failed or not wait.first_selected)
     ):
         _first_of_all(run, task)
@@ -82,7 +82,7 @@ def _first_of_all(run: Run, task: Task) -> None:
     run.eligible.last_family = task.family
     if wait is not None and not (wait.first_selected or task.plan.monitored):
         _begin(run, task, wait)
-    if (unbound or task.identity is None) and _misses_inputs(run, task):
+    if (unbound or task.goal_key is None) and _misses_inputs(run, task):
         return
     if wait is not None:
         if wait.setup_failed:

@@ -24,7 +24,14 @@ from rapc.runtime.state.task import Env, MethodRun, Task, as_told
 from rapc.runtime.tasks import causes
 from rapc.runtime.tasks.activations import deactivate
 from rapc.runtime.tasks.effects import Change, carry_out, changes_of
-from rapc.runtime.tasks.remove import discount, drop, free, remove, stop, unregister
+from rapc.runtime.tasks.remove import (
+    drop,
+    free,
+    remove,
+    stop,
+    uncount_goal,
+    unregister,
+)
 from rapc.runtime.tasks.rules import run_finish_rules
 from rapc.runtime.tasks.start import (
     read_inputs,
@@ -207,11 +214,11 @@ def recheck_bound_steps(
         if not task.live:
             continue
         read_windows(run, task)
-        if task.bound and task.identity is not None:
+        if task.bound and task.goal_key is not None:
             continue
         if not task.bound:
             read_inputs(run, task)
-        if task.bound and task.identity is None and repeats_ancestor(run, task):
+        if task.bound and task.goal_key is None and repeats_ancestor(run, task):
             because = causes.of_recursion(run, task)
             end_method(run, method_run, FUTILE_LOOP, because, "parent-failed")
             run.eligible.discard(method_run.task)
@@ -300,10 +307,10 @@ def end_method(
 
 
 def _give_back(run: Run, method_run: MethodRun) -> None:
-    """Release a method's identity, skills, things and notations."""
+    """Release a method's goal key, skills, things and notations."""
     task = method_run.task
     if task.plan.recursive or run.all_may_recur:
-        discount(run, task)
+        uncount_goal(run, task)
     if method_run.plan.activation is not None:
         _switch_off(run, method_run)
     free(run, method_run)

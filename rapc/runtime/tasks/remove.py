@@ -1,6 +1,6 @@
 """Remove a task with its descendants, or mark it ended [L 3, 6].
 
-The removal releases all that the task or its method has: its identity, its request or
+The removal releases all that the task or its method has: its goal key, its request or
 skills, things, notations, and its registrations as a listener. Not here: whether a task
 has succeeded, and the consequences (`rapc.runtime.tasks.finish`). Removal of whole
 subtrees is iterative: the depth of tasks has no limit.
@@ -55,17 +55,17 @@ def stop(run: Run, task: Task) -> MethodRun | None:
     """Stop the method of a task and return the method."""
     method_run, task.run = task.run, None
     if method_run is not None and (task.plan.recursive or run.all_may_recur):
-        discount(run, task)
+        uncount_goal(run, task)
     return method_run
 
 
-def discount(run: Run, task: Task) -> None:
-    """Subtract a task's identity from the active identities."""
-    others = run.state.active_identities[task.identity] - 1
+def uncount_goal(run: Run, task: Task) -> None:
+    """Subtract a task from the running goals."""
+    others = run.state.running_goals[task.goal_key] - 1
     if others:
-        run.state.active_identities[task.identity] = others
+        run.state.running_goals[task.goal_key] = others
     else:
-        del run.state.active_identities[task.identity]
+        del run.state.running_goals[task.goal_key]
 
 
 def drop(run: Run, method_run: MethodRun) -> None:

@@ -31,7 +31,7 @@ def rename(run: Run, lost: str, kept: str) -> None:
         if _in_task(task, environments, lost, kept):
             run.monitors.rebind(task)
     _in_things(run, lost, kept)
-    run.recount_identities()
+    run.recount_running_goals()
     for resource in sets.values():
         if lost in resource.members:
             _in_set(resource, lost, kept)
@@ -58,7 +58,7 @@ def _in_task(task: Task, environments: list[Env], lost: str, kept: str) -> bool:
     if task.goal_args:
         if lost in task.goal_args:
             task.goal_args = tuple([kept if a == lost else a for a in task.goal_args])
-        task.identity = _in_value(task.identity, lost, kept)
+        task.goal_key = _in_value(task.goal_key, lost, kept)
     task.choice = _in_value(task.choice, lost, kept)
     if task.history is not None:
         counts: dict[tuple[object, ...], int] = {}

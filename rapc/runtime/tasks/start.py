@@ -124,21 +124,21 @@ def bind_inputs(task: Task) -> None:
 def repeats_ancestor(run: Run, task: Task) -> bool:
     """Return whether a task has the goal of an ancestor (T 3.2.5).
 
-    Called once, when the inputs are first all bound: they fix the identity of the task.
+    Called once, when the inputs are first all bound: they fix the goal key of the task.
     """
-    identity: tuple[object, ...] = task.plan.identity
+    goal_key: tuple[object, ...] = task.plan.goal_key
     if not (task.plan.recursive or run.all_may_recur):
-        task.identity = identity
+        task.goal_key = goal_key
         return False
     if task.goal_args:
-        identity = (*identity, *frozen(task.goal_args))  # type: ignore[arg-type]  # bound
-    task.identity = identity
+        goal_key = (*goal_key, *frozen(task.goal_args))  # type: ignore[arg-type]  # bound
+    task.goal_key = goal_key
     above = task.parent
-    if above is not None and above.identity == identity:
+    if above is not None and above.goal_key == goal_key:
         return True
-    if identity not in run.state.active_identities:
+    if goal_key not in run.state.running_goals:
         return False
-    while above is not None and above.identity != identity:
+    while above is not None and above.goal_key != goal_key:
         above = above.parent
     return above is not None
 

@@ -90,7 +90,7 @@ def _spawn(run: Run, method_run: MethodRun) -> Task | None:
         if task.plan.inputs:
             read_inputs(run, task)
         if (
-            (task.identity is None or run.all_may_recur)
+            (task.goal_key is None or run.all_may_recur)
             and task.bound
             and repeats_ancestor(run, task)
         ):
@@ -103,7 +103,7 @@ def _look_up(run: Run, method: MethodPlan) -> None:
     raps = [run.library.known_rap(step.node.goal.name) for step in method.steps]
     method.goals = tuple(zip(method.steps, raps, strict=True))
     method.makes = method.computes or any(rap.needs_setup for rap in raps)
-    method.static_goals = all(rap.static_identity is not None for rap in raps)
+    method.static_goals = all(rap.static_goal_key is not None for rap in raps)
 
 
 def start_method(run: Run, method_run: MethodRun, unfilled: bool = False) -> None:
@@ -114,8 +114,8 @@ def start_method(run: Run, method_run: MethodRun, unfilled: bool = False) -> Non
     task, method = method_run.task, method_run.plan
     task.run = method_run
     if task.plan.recursive or run.all_may_recur:
-        active_identities = run.state.active_identities
-        active_identities[task.identity] = active_identities.get(task.identity, 0) + 1
+        running_goals = run.state.running_goals
+        running_goals[task.goal_key] = running_goals.get(task.goal_key, 0) + 1
     task.state = RUNNING
     if task.wait is not None:
         task.wait.timer = None
