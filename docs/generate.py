@@ -26,6 +26,7 @@ from pathlib import Path
 from generator.command_line import command, common_options
 from generator.cycle import cycle
 from generator.figures import FIGURES, drawn, stale_figures
+from generator.libraries import effects, library_files, memory
 from generator.limits import formats, limits, settings
 from generator.markdown import block, table
 from generator.measurements import profiles, slips, targets
@@ -150,10 +151,13 @@ PARTS: Mapping[str, Callable[..., str]] = {
     "command": command,
     "common-options": common_options,
     "debugger-commands": debugger_commands,
+    "effects": effects,
     "events": events_of,
     "formats": formats,
     "grammar": grammar,
+    "library-files": library_files,
     "limits": limits,
+    "memory": memory,
     "profiles": profiles,
     "rules": rule_index,
     "settings": settings,
