@@ -42,7 +42,6 @@ WIDE = frozenset(
         "libraries/truck-beyond",
         "reference/cli",
         "reference/hallway",
-        "reference/truck",
         "research/chapter6",
         "research/fidelity",
         "research/hallway",
