@@ -172,6 +172,13 @@ class Compare(Node, frozen=True, eq=False):
     right: Used
 
 
+class Is(Node, frozen=True, eq=False):
+    """`(is ?x term)`: binds the variable to the value of the term, or compares them."""
+
+    variable: Matched
+    value: Used
+
+
 class Believe(Node, frozen=True, eq=False):
     """`(believe p n)`: p is believed with an age below n, or n becomes its age."""
 
@@ -220,6 +227,7 @@ Formula = (
     | Or
     | Not
     | Compare
+    | Is
     | Believe
     | SetTest
     | HistoryTest

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rapc.analysis.driver import check_library
+from rapc.base.diagnostics import Applicability
 from rapc.library.loader import load_text
 
 WORDS = """
@@ -96,3 +97,26 @@ def test_unbound_variable_states_cause_and_remedy(
     assert found.rule == "unbound-variable"
     assert [one.message for one in found.labels] == [label]
     assert found.help == advice
+
+
+@pytest.mark.parametrize(
+    ("written", "mended"),
+    [
+        ("(= ?next (+ ?size 1))", "(is ?next (+ ?size 1))"),
+        ("(= (+ ?size 1) ?next)", "(is ?next (+ ?size 1))"),
+    ],
+)
+def test_equal_sign_with_unbound_side_becomes_is(written: str, mended: str) -> None:
+    body = f"(context (and (size box ?size) {written})) (task-net (t1 (tell ?next)))"
+    text = f"{WORDS}(define-rap (all) (method {body}))"
+    [found] = [one.diagnostic for one in check_library(load_text(text)).findings]
+    assert (
+        found.help
+        == "`=` binds nothing; `(is ?next ...)` binds the variable to the value"
+    )
+    assert found.fix is not None
+    assert found.fix.applicability is Applicability.UNSAFE
+    for edit in sorted(found.fix.edits, key=lambda e: -e.span.start):
+        text = text[: edit.span.start] + edit.content + text[edit.span.end :]
+    assert mended in text
+    assert not check_library(load_text(text)).findings

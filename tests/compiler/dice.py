@@ -134,6 +134,7 @@ class Dice:
         options: Sequence[nodes.Formula] = (
             nodes.Compare(self.one(ops), one, two),
             nodes.Compare(self.one(ops), one, two),
+            nodes.Is(one, two),
             nodes.SetTest("member", (in_set, one)),
             nodes.SetTest("empty", (in_set,)),
             nodes.HistoryTest("method-tried", (nodes.Const(method),)),

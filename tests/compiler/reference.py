@@ -94,6 +94,8 @@ def _tests(mind: Mind, env: Env, formula: nodes.Formula) -> Iterator[Env]:
         case nodes.Compare(op, left, right):
             if _compare(op, value(mind, env, left), value(mind, env, right)):
                 yield env
+        case nodes.Is(variable, term):
+            yield from matched(mind, env, variable, value(mind, env, term))
         case nodes.SetTest(test, args):
             of, *thing = [value(mind, env, arg) for arg in args]
             if not isinstance(of, SetResource):

@@ -155,7 +155,7 @@ HEAD, PAYLOAD = GOOD.split(b"\n", 1)
         (HEAD + b"\n", "is damaged: its content does not match its checksum"),
         (GOOD.replace(b"push", b"pull", 1), "is damaged: its content does not match"),
         (seal(PAYLOAD, version="9.9"), "was compiled by rapc 9.9, format "),
-        (seal(PAYLOAD, form=7), f"was compiled by rapc {VERSION}, format 7; this is"),
+        (seal(PAYLOAD, form=99), f"was compiled by rapc {VERSION}, format 99; this is"),
         (seal(b""), "is invalid: "),
         (seal(b"[]"), "is invalid: Expected `array` of "),
         (seal(b"[" * 100_000), "is invalid: "),
@@ -232,13 +232,13 @@ def test_suites_of_one_library_read_it_once(monkeypatch: pytest.MonkeyPatch) -> 
     assert len(linked) == 1
 
 
-SHAPE = "0a22c66bc80c4a3d"
-"""The checksum of all kinds of nodes in format 6: another one, another format."""
+SHAPE = "b3ff3a3058b66fd6"
+"""The checksum of all kinds of nodes in format 7: another one, another format."""
 
 
 def test_another_shape_of_nodes_is_another_format() -> None:
     shape = hashlib.sha256(_shape().encode()).hexdigest()[:16]
-    assert (saved_module.FORMAT, shape) == (6, SHAPE)
+    assert (saved_module.FORMAT, shape) == (7, SHAPE)
 
 
 def _shape() -> str:

@@ -46,6 +46,7 @@ LEAVES = st.one_of(
     st.booleans().map(nodes.Truth),
     st.just(nodes.Otherwise()),
     st.builds(nodes.Compare, OPS, TERMS, TERMS),
+    st.builds(nodes.Is, TERMS, TERMS),
     st.builds(nodes.Believe, PATTERNS, TERMS),
     st.builds(nodes.SetTest, st.just("member"), st.tuples(TERMS, TERMS).map(tuple)),
     st.builds(nodes.SetTest, st.just("empty"), st.tuples(TERMS).map(tuple)),

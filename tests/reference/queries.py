@@ -144,6 +144,14 @@ class Asker(Terms):
                 yield from self.pattern(formula, env)
             case nodes.Believe(pattern, age):
                 yield from self.believe(pattern, age, env)
+            case nodes.Is(variable, term):
+                known = self.has_value(variable, env)
+                slot = Known(self.term(variable, env)) if known else variable
+                assert isinstance(slot, Known | nodes.Var)
+                value = self.term(term, env)
+                found = self.unify([slot], (value,), env)
+                if found is not None:
+                    yield found
             case nodes.HistoryTest():
                 yield from self.past(formula, env)
             case nodes.SensorName(item, value):

@@ -14,15 +14,24 @@ import msgspec
 from rapc.analysis.check import Pass, check
 from rapc.analysis.facts.bindings import SIGNALS, Site, sites, sites_by_name
 from rapc.analysis.facts.effects import NeverDone
-from rapc.analysis.facts.index import INDEX, Form, VariableAt
+from rapc.analysis.facts.index import INDEX, Form, Index, VariableAt
 from rapc.analysis.facts.logic import is_never
 from rapc.analysis.facts.names import renaming
 from rapc.analysis.facts.statistics import THRESHOLDS
 from rapc.analysis.facts.task_nets import TASK_NETS, Net
 from rapc.analysis.facts.variables import BINDINGS, Missing
-from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity, Subject
+from rapc.base.diagnostics import (
+    Applicability,
+    Diagnostic,
+    Edit,
+    Fix,
+    Label,
+    Rule,
+    Severity,
+    Subject,
+)
 from rapc.base.names import Close, Suggestions, nearest
-from rapc.base.source import Span
+from rapc.base.source import SourceFile, Span
 from rapc.ir import clauses, nodes
 from rapc.ir.walk import formulas, steps
 from rapc.library.library import Library
@@ -66,6 +75,7 @@ def unbound_variable(run: Pass) -> Iterator[Diagnostic]:
     """Find variables without a value where a value is needed."""
     missing = run.result(BINDINGS).missing
     nets = run.result(TASK_NETS)
+    index = run.result(INDEX)
     for form in (*run.library.forms, *run.library.tests):
         lacking = missing.get(id(form), ())
         if lacking:
@@ -73,7 +83,7 @@ def unbound_variable(run: Pass) -> Iterator[Diagnostic]:
             for first, *further in _by_cause(lacking, places, run.unsure(form.span)):
                 net = None if first.method is None else nets.get(id(first.method.body))
                 if net is None or not net.is_broken or not _by_steps(first, places):
-                    found = _explain(first, further, places, net)
+                    found = _explain(first, further, places, net, index)
                     yield _with_fix(run, found, first, further, places)
 
 
@@ -130,7 +140,11 @@ def _by_steps(missing: Missing, places: _Places) -> bool:
 
 
 def _explain(
-    first: Missing, further: Sequence[Missing], places: _Places, net: Net | None
+    first: Missing,
+    further: Sequence[Missing],
+    places: _Places,
+    net: Net | None,
+    index: Index,
 ) -> Diagnostic:
     name = first.variable.name
     used = {m.variable.span for m in (first, *further)}
@@ -145,6 +159,8 @@ def _explain(
     labels += [
         Label(m.variable.span, "not bound here, either") for m in further[:_SHOWN]
     ]
+    if not elsewhere and near is None and _equal_to(first, index) is not None:
+        help_ = f"`=` binds nothing; `(is {name} ...)` binds the variable to the value"
     lack = () if places.binds(first) else (Subject(first.variable.span),)
     return UNBOUND_VARIABLE.at(
         first.variable.span,
@@ -155,6 +171,17 @@ def _explain(
     )
 
 
+def _equal_to(missing: Missing, index: Index) -> nodes.Compare | None:
+    """Return the `=` of which a variable is one side, and a computed term the other."""
+    span = missing.variable.span
+    here = index.at(span.file, span.start)
+    test = here.parent if here is not None else None
+    if not isinstance(test, nodes.Compare) or test.op != "=":
+        return None
+    other = test.right if test.left is missing.variable else test.left
+    return test if isinstance(other, nodes.Call) else None
+
+
 def _with_fix(
     run: Pass,
     found: Diagnostic,
@@ -162,13 +189,29 @@ def _with_fix(
     further: Sequence[Missing],
     places: _Places,
 ) -> Diagnostic:
-    """Return a finding with the fix that writes the similar variable."""
+    """Return a finding with the fix that writes the similar variable, or `is`."""
     name = first.variable.name
     if name in places.by_name:
         return found
     spans = [missing.variable.span for missing in (first, *further)]
-    fix = renaming(run.library.files, name, places.names.near(name), spans)
+    near = places.names.near(name)
+    test = None if near else _equal_to(first, run.result(INDEX))
+    if test is None:
+        fix = renaming(run.library.files, name, near, spans)
+    else:
+        fix = _bind_with_is(test, first, run.library.files[test.span.file])
     return msgspec.structs.replace(found, fix=fix)
+
+
+def _bind_with_is(test: nodes.Compare, missing: Missing, source: SourceFile) -> Fix:
+    """Return the fix that makes a test with `=` bind the variable with `is`."""
+    word = source.text.index("=", test.span.start)
+    edits = [Edit(Span(test.span.file, word, word + 1), "is")]
+    if test.right is missing.variable:
+        left, right = test.left.span, test.right.span
+        edits.append(Edit(left, missing.variable.name))
+        edits.append(Edit(right, source.text[left.start : left.end]))
+    return Fix(Applicability.UNSAFE, "write `is`", tuple(edits))
 
 
 def _close_name(site: Site) -> str:

@@ -247,6 +247,13 @@ def _compare(fn: FunctionWriter, formula: nodes.Compare) -> None:
         fn.skip_unless(" and ".join([*numbers, f"{left} {formula.op} {right}"]))
 
 
+def _is(fn: FunctionWriter, formula: nodes.Is) -> None:
+    fn.code.note(formula, AccessPath.TEST)
+    args = argument_code(fn, (formula.value,))
+    if args is not None:
+        match(fn, formula.variable, args[0])
+
+
 def _set_test(fn: FunctionWriter, formula: nodes.SetTest) -> None:
     fn.code.note(formula, AccessPath.TEST)
     args = argument_code(fn, formula.args)
@@ -317,6 +324,7 @@ _KINDS: Mapping[type, _Kind] = {
     nodes.Or: _Kind(_or),
     nodes.Not: _Kind(_not),
     nodes.Compare: _Kind(_compare),
+    nodes.Is: _Kind(_is),
     nodes.SetTest: _Kind(_set_test, lambda test, _: of_resources(test.args[:1])),
     nodes.HistoryTest: _Kind(_history),
     nodes.SensorName: _Kind(_sensor_name, lambda *_: [Watch(("know-sensor-name",))]),
