@@ -24,7 +24,7 @@ from rapc.library import loader
 from rapc.library.library import Library
 from rapc.library.signatures import Signatures
 from rapc.runtime.events.recorder import Recorder
-from rapc.runtime.memory.gate import Gate
+from rapc.runtime.memory.access import MemoryAccess
 from rapc.worlds.maps import shipped_map
 from rapc.worlds.registry import build_world
 from rapc.worlds.truck import TruckWorld
@@ -108,29 +108,29 @@ class Drive:
         self._recorder = Recorder()
         library = _library(recognising)
         words = Signatures.of(library)
-        self._gate = Gate(library, words, self._recorder, {})
+        self._access = MemoryAccess(library, words, self._recorder, {})
         for fact in self.world.facts():
-            self._gate.assert_fact(*fact)
+            self._access.assert_fact(*fact)
 
     def descriptions(self) -> int:
         """How many items memory holds."""
-        return len(self._gate.memory.items.known)
+        return len(self._access.memory.items.known)
 
     def go(self) -> None:
         """One trip, a look about at its end, and a close look at two things."""
-        access = self._gate
+        access = self._access
         roads = access.query("road", None, access.place, None, None)
         direction = self._rng.choice(roads)[3]
         self._do("truck-turn", direction)
         self._do("truck-move")
         self._do("eye-scan", "external")
         near = access.query("location", None, access.place or "")
-        reached = [f[1] for f in near if self._gate.memory.items.is_accessible(f[1])]
+        reached = [f[1] for f in near if self._access.memory.items.is_accessible(f[1])]
         for item in self._rng.sample(reached, min(2, len(reached))):
             self._do("eye-examine", "external", item)
 
     def _do(self, *request: Atom) -> None:
-        memory, access = self._gate.memory, self._gate
+        memory, access = self._access.memory, self._access
         known = memory.canonical(request)
         sent = [request[0]]
         for part in known[1:]:
@@ -151,7 +151,7 @@ class Drive:
             self._digest(message.content)  # type: ignore[union-attr]
 
     def _digest(self, datum: Fact) -> None:
-        access, items = self._gate, self._gate.memory.items
+        access, items = self._access, self._access.memory.items
         named = (datum[0], *[items.name_of(str(part)) for part in datum[1:]])
         values = [
             n if isinstance(d, str) else d for n, d in zip(named, datum, strict=True)

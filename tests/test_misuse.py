@@ -20,7 +20,7 @@ import pytest
 
 import rapc
 import rapc.world
-from rapc.runtime.memory.gate import MemoryView
+from rapc.runtime.memory.access import MemoryView
 from rapc.worlds.scripted import ScriptedWorld
 
 PACKAGE = str(Path(rapc.__file__).parent)

@@ -45,7 +45,7 @@ from rapc.runtime.authors import code_of_authors
 from rapc.runtime.events.recorder import Listener, Recording
 from rapc.runtime.held_world import HeldWorld
 from rapc.runtime.host_query import HandlerQuestions, HostQuery
-from rapc.runtime.memory.gate import MemoryView
+from rapc.runtime.memory.access import MemoryView
 from rapc.runtime.run import ContextListener, Run
 from rapc.runtime.saving.save import restore, save
 from rapc.runtime.settings import Settings, read_settings

@@ -10,7 +10,7 @@ from rapc.compiler.query.query import BoundQueries
 from rapc.compiler.query.term_value import TermValue
 from rapc.events import QueryFaulted
 from rapc.runtime.events.recorder import Recorder
-from rapc.runtime.memory.gate import MemoryView
+from rapc.runtime.memory.access import MemoryView
 from rapc.runtime.memory.memory import EXTERNAL, Memory
 from rapc.runtime.settings import Settings
 from rapc.runtime.state.task import Env, Task

@@ -2,8 +2,12 @@
 
 A run makes no decisions: the functions in `tasks` and `monitors` act on it. Not here:
 the loop (`rapc.runtime.tasks.loop`) and the interface for a host
-(`rapc.runtime.interpreter`). The progress of a run is separate, in `RunState`, so that
-it can be saved, restored and copied.
+(`rapc.runtime.interpreter`).
+
+The progress of a run stands in several parts: `state` (`RunState`), `eligible`,
+`things`, `monitors`, `access`, `recorder` and `rng`. A saved run contains these parts
+(`rapc.runtime.saving.runs`). All other parts come from the library, the world, the
+settings and the host.
 """
 
 from __future__ import annotations
@@ -18,7 +22,7 @@ from rapc.base.values import Atom, number
 from rapc.compiler.program import Program
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.held_world import HeldWorld
-from rapc.runtime.memory.gate import Gate
+from rapc.runtime.memory.access import MemoryAccess
 from rapc.runtime.monitors.monitors import Monitors
 from rapc.runtime.query_context import QueryContext
 from rapc.runtime.settings import Settings
@@ -53,8 +57,9 @@ class Run:
         self.state = RunState()  # `restore` replaces it
         self.recorder = Recorder()
         self.recorder.time = number(port.now())
-        #: The memory for handlers; the two fields below are parts of it.
-        self.access = empty_gate(self)
+        #: The memory as handlers and hosts change it, and two parts of it: the facts
+        #: with their rules, and the recogniser of items.
+        self.access = empty_memory(self)
         self.beliefs, self.recognizer = self.access.memory, self.access.recognizer
         #: Evaluates the queries of tasks.
         self.context = self.new_context()
@@ -130,11 +135,11 @@ class Run:
         self.state.running_goals = dict(Counter(task.goal_key for task in counted))
 
 
-def empty_gate(run: Run) -> Gate:
+def empty_memory(run: Run) -> MemoryAccess:
     """Return an empty memory for the library of a run."""
     library = run.library
     comparators: Mapping[str, Callable[..., Any]] = run.port.code["the comparator"]
-    return Gate(
+    return MemoryAccess(
         library.library,
         library.signatures,
         run.recorder,

@@ -22,7 +22,7 @@ from rapc.base.code_places import place_of
 from rapc.base.values import Atom, Fact, format_list, match_pattern
 from rapc.errors import PortError
 from rapc.ir import nodes
-from rapc.runtime.memory.gate import Gate
+from rapc.runtime.memory.access import MemoryAccess
 from rapc.runtime.run import Run
 from rapc.world import DatumHandler, Handlers, ResultHandler, Time
 
@@ -40,28 +40,28 @@ class _Change(msgspec.Struct, frozen=True):
 class NotingMemory:
     """The memory of a handler in strict mode, which records the handler's changes.
 
-    It implements `rapc.world.HandlerMemory` through a gate.
+    It implements `rapc.world.HandlerMemory` and reads the memory of the run.
     """
 
     def __init__(self, run: Run) -> None:
-        self._gate: Gate = run.access
+        self._access: MemoryAccess = run.access
         self._memory = run.beliefs
         #: The asserted facts, and the erased facts that memory contained, in order.
         self.made: list[_Change] = []
         self.taken: list[_Change] = []
 
     def __getattr__(self, name: str) -> Any:
-        """Return the gate's attribute, for methods that only read memory."""
-        return getattr(self._gate, name)
+        """Return an attribute of `MemoryAccess`, for methods that only read."""
+        return getattr(self._access, name)
 
     @property
     def now(self) -> Time:
         """Return the time of the clock."""
-        return self._gate.now
+        return self._access.now
 
     def assert_fact(self, *fact: Atom) -> None:
         """Assert a fact now, and record the change."""
-        self._gate.assert_fact(*fact)
+        self._access.assert_fact(*fact)
         self._note(self._memory.checked(fact))
 
     def erase(self, *prefix: Atom) -> None:
@@ -71,29 +71,29 @@ class NotingMemory:
         there = []
         if prefix and prefix[0] in known:
             there = self._memory.facts.starting(self._memory.canonical(prefix))
-        self._gate.erase(*prefix)
+        self._access.erase(*prefix)
         self.taken += [_Change(fact, place) for fact in there]
 
     def introduce(self, sensor_name: str, kind: str, place: Atom) -> str:
         """Introduce an item, and record its class and place."""
-        name = self._gate.introduce(sensor_name, kind, place)
+        name = self._access.introduce(sensor_name, kind, place)
         self._note(("class", name, kind, "true"))
         self._note_place(name)
         return name
 
     def move(self, item: str, place: Atom) -> None:
         """Move an item, and record its place."""
-        self._gate.move(item, place)
+        self._access.move(item, place)
         self._note_place(item)
 
     def lose(self, item: str) -> None:
         """Lose an item, and record its place."""
-        self._gate.lose(item)
+        self._access.lose(item)
         self._note_place(item)
 
     def _note_place(self, item: str) -> None:
         name = self._memory.items.canonical(item)
-        place = self._gate.value("location", name)
+        place = self._access.value("location", name)
         if place is not None:
             self._note(("location", name, place), 3)
 

@@ -14,7 +14,7 @@ from rapc.ir import nodes
 from rapc.library.loader import load_text
 from rapc.library.signatures import Signatures
 from rapc.runtime.events.recorder import Recorder
-from rapc.runtime.memory.gate import Gate
+from rapc.runtime.memory.access import MemoryAccess
 from rapc.runtime.memory.memory import Memory
 from rapc.runtime.query_context import QueryContext
 from rapc.runtime.state.task import Task
@@ -67,7 +67,7 @@ class Memories:
     """One and the same memory, as it is in a run and as the reference has it."""
 
     memory: Memory
-    access: Gate
+    access: MemoryAccess
     recorder: Recorder
     context: QueryContext
     mind: Mind
@@ -80,7 +80,7 @@ Change = tuple[str, Any]
 def memories(changes: list[Change]) -> Memories:
     """Both memories after some changes."""
     recorder = Recorder()
-    access = Gate(LIBRARY, SIGNATURES, recorder, {})
+    access = MemoryAccess(LIBRARY, SIGNATURES, recorder, {})
     memory = access.memory
     context = QueryContext(memory, recorder, FUNCTIONS)
     context.task = _task()

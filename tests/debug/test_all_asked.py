@@ -16,7 +16,7 @@ import pytest
 from rapc.debug.history import History
 from rapc.runtime.host_query import HostQuery
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.memory.gate import MemoryView
+from rapc.runtime.memory.access import MemoryView
 from tests.debug import asking
 
 ACTS: Mapping[str, str] = {

@@ -25,8 +25,8 @@ from rapc.events import Event
 from rapc.library.library import Library
 from rapc.library.signatures import Signatures
 from rapc.runtime.events.recorder import Recorder
+from rapc.runtime.memory.access import MemoryAccess, MemoryView
 from rapc.runtime.memory.facts import NEVER
-from rapc.runtime.memory.gate import Gate, MemoryView
 from rapc.runtime.memory.memory import Memory
 from rapc.runtime.memory.recognition.recognizer import MAX_LAYERS
 from rapc.runtime.memory.recognition.scoring import Comparator
@@ -84,18 +84,17 @@ class MemoryBench:
         self.recorder = Recorder()
         if record:
             self.recorder.listen(self.events.append)
-        self.gate = gate = Gate(
+        self.access = access = MemoryAccess(
             library,
             Signatures.of(library),
             self.recorder,
             comparators or {},
             max_layers,
         )
-        gate.observe()
-        self._memory: Memory = gate.memory
-        self._recognizer = gate.recognizer
-        self._access = gate
-        self.memory: MemoryView = gate
+        access.observe()
+        self._memory: Memory = access.memory
+        self._recognizer = access.recognizer
+        self.memory: MemoryView = access
 
     @property
     def time(self) -> Time:
@@ -110,49 +109,49 @@ class MemoryBench:
     @contextmanager
     def batch(self) -> Iterator[None]:
         """What belongs together; in a batch, another is a part of it."""
-        with self._access.batch():
+        with self.access.batch():
             yield
 
     def introduce(self, sensor: str, kind: str, place: Atom) -> str:
         """An item is seen: returns its memory name."""
         with self.batch():
-            name = self._access.introduce(sensor, kind, place)
+            name = self.access.introduce(sensor, kind, place)
         return self.name(name)
 
     def move(self, item: str, place: Atom) -> None:
         """An item now is at a place."""
         with self.batch():
-            self._access.move(item, place)
+            self.access.move(item, place)
 
     def lose(self, item: str) -> None:
         """An item is not where it was."""
         with self.batch():
-            self._access.lose(item)
+            self.access.lose(item)
 
     def fix_cardinality(self, place: Atom) -> None:
         """All accessible items at a place have been introduced."""
         with self.batch():
-            self._access.fix_cardinality(place)
+            self.access.fix_cardinality(place)
 
     def expire(self) -> None:
         """All sensor names go."""
         with self.batch():
-            self._access.expire()
+            self.access.expire()
 
     def arrive(self, place: Atom) -> None:
         """The robot is at a place."""
         with self.batch():
-            self._access.arrive(place)
+            self.access.arrive(place)
 
     def assert_fact(self, *fact: Atom) -> None:
         """Assert a fact now."""
         with self.batch():
-            self._access.assert_fact(*fact)
+            self.access.assert_fact(*fact)
 
     def erase(self, *prefix: Atom) -> None:
         """Erase every fact that starts so."""
         with self.batch():
-            self._access.erase(*prefix)
+            self.access.erase(*prefix)
 
     def name(self, name: str) -> str:
         """The name that now stands for a name."""

@@ -9,8 +9,8 @@ import pytest
 
 from rapc.compiler.program import Program
 from rapc.events import Event
+from rapc.runtime.memory.access import MemoryAccess
 from rapc.runtime.memory.facts import NEVER
-from rapc.runtime.memory.gate import Gate
 from rapc.runtime.saving.codecs import Reader, Writer, fields_of
 from rapc.runtime.saving.memory_checks import check_memory
 from tests.effort import first
@@ -21,15 +21,16 @@ from .walking import Step, Walk
 
 
 def _bytes(memory: MemoryBench) -> bytes:
-    return msgspec.json.encode(fields_of(Gate).write(Writer(memory.gate), memory.gate))
+    access = memory.access
+    return msgspec.json.encode(fields_of(MemoryAccess).write(Writer(access), access))
 
 
 def _restore(memory: MemoryBench, saved: bytes) -> None:
-    record = msgspec.json.decode(saved, type=fields_of(Gate).saved)
-    gate = MemoryBench(memory.library).gate
-    fields_of(Gate).read(Reader(Program(memory.library), gate), record)
-    check_memory(gate)
-    memory.gate.take_up(gate)
+    record = msgspec.json.decode(saved, type=fields_of(MemoryAccess).saved)
+    access = MemoryBench(memory.library).access
+    fields_of(MemoryAccess).read(Reader(Program(memory.library), access), record)
+    check_memory(access)
+    memory.access.take_up(access)
 
 
 def _steps(seed: int, count: int) -> list[Step]:
@@ -48,7 +49,7 @@ def _go(walk: Walk, steps: list[Step]) -> tuple[list[Event], object, object]:
         walk.step(step)
     facts = [
         (name, list(table.stamps.items()))
-        for name, table in sorted(walk.memory.gate.memory.facts.tables.items())
+        for name, table in sorted(walk.memory.access.memory.facts.tables.items())
         if table.stamps
     ]
     return (list(walk.memory.events), walk.memory.sets(), facts)
@@ -89,12 +90,12 @@ def test_what_became_unknown_is_still_older_than_anything() -> None:
     leave(memory)
     [name] = see(memory, "box", "bay", {})
     memory.lose(name)
-    facts = memory.gate.memory.facts
+    facts = memory.access.memory.facts
     before = {fact: facts.stamp(fact) for fact in facts}
     assert NEVER in before.values()
     other = bench(BOXES)
     _restore(other, _bytes(memory))
-    restored = other.gate.memory.facts
+    restored = other.access.memory.facts
     assert {fact: restored.stamp(fact) for fact in restored} == before
 
 
@@ -116,7 +117,7 @@ def test_exclusion_by_a_fact_that_has_gone_outlives_a_restore() -> None:
 def test_queries_keep_their_tables() -> None:
     memory = bench(DRUMS)
     memory.assert_fact("near", "a", "b")
-    table = memory.gate.memory.facts.table("near")
+    table = memory.access.memory.facts.table("near")
     stamps, index = table.stamps, table.index(1)
     saved = _bytes(memory)
     memory.erase("near")

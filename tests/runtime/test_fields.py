@@ -13,7 +13,7 @@ import pytest
 
 from rapc.runtime import memory, state
 from rapc.runtime.fields import LEFT_OUT
-from rapc.runtime.memory.gate import Gate
+from rapc.runtime.memory.access import MemoryAccess
 from rapc.runtime.saving.codecs import codec
 from rapc.runtime.state.agenda import Agenda
 from tests.runtime.helpers import Play
@@ -55,7 +55,7 @@ def _fields(kind: Any) -> set[str]:
     """Return the names of the attributes of a class's objects."""
     if kind is Agenda:
         return set(vars(Agenda(random.Random())))
-    if kind is Gate:
+    if kind is MemoryAccess:
         run = Play("(define-rap (go) (method (primitive (slow a))))").interpreter
         return set(vars(run.access))
     return {name for one in kind.__mro__ for name in getattr(one, "__slots__", ())}

@@ -6,7 +6,7 @@ from rapc.base.values import Atom, Fact
 from rapc.compiler.program import Program
 from rapc.library.loader import load_text
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.memory.gate import MemoryView
+from rapc.runtime.memory.access import MemoryView
 from rapc.runtime.task_request import TaskRequest
 from rapc.worlds.scripted import ScriptedWorld
 

@@ -15,7 +15,7 @@ import rapc
 from rapc import events
 from rapc.base.values import Fact
 from rapc.runtime.events.trace import JsonTrace
-from rapc.runtime.memory import gate
+from rapc.runtime.memory import access
 from rapc.runtime.memory.recognition import item_events
 from rapc.runtime.tasks import activations
 
@@ -23,7 +23,7 @@ PACKAGE = Path(rapc.__file__).parent
 COMMON = len(events.Event.__struct_fields__)
 
 OF_SEVERAL: dict[tuple[str, str], list[type[events.Event]]] = {
-    (gate.__name__, "kind"): [events.ItemMoved, events.ItemLost],
+    (access.__name__, "kind"): [events.ItemMoved, events.ItemLost],
     (item_events.__name__, "kind"): [events.ItemIntroduced, events.ItemMerged],
     (activations.__name__, "kind"): [events.SkillEnabled, events.SkillDisabled],
     ("rapc.runtime.monitors.monitors", "kind"): [events.TaskBlocked, events.TaskWoken],

@@ -12,7 +12,7 @@ from rapc.library.library import Library
 from rapc.library.loader import load
 from rapc.library.signatures import Signatures
 from rapc.runtime.events.recorder import Recorder
-from rapc.runtime.memory.gate import Gate
+from rapc.runtime.memory.access import MemoryAccess
 from rapc.world import Datum, Reply, World
 
 TRUCK_WORDS = Path(__file__).parents[2] / "stdlib" / "truck" / "world.rap"
@@ -33,7 +33,7 @@ class Robot:
         self.handlers = world.kit.handlers
         self.recorder = Recorder()
         plain = msgspec.structs.replace(library, indistinct={})
-        self.access = Gate(plain, Signatures.of(plain), self.recorder, {})
+        self.access = MemoryAccess(plain, Signatures.of(plain), self.recorder, {})
         self.memory = self.access.memory
         for fact in world.facts():
             self.access.assert_fact(*fact)

@@ -10,7 +10,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 
 from rapc.base.values import Atom, format_atom
-from rapc.runtime.memory.gate import MemoryView
+from rapc.runtime.memory.access import MemoryView
 from rapc.world import Picture, Thing
 
 Contents = Counter[tuple[str, str]]

@@ -23,7 +23,7 @@ from rapc.console.show.beliefs import (
 )
 from rapc.console.show.canvas import Canvas, fit, folded
 from rapc.console.show.plan import draw_plan, legend
-from rapc.runtime.memory.gate import MemoryView
+from rapc.runtime.memory.access import MemoryView
 from rapc.world import Gauge, Picture, Spot, Time
 
 _ARROWS = dict(zip(DIRECTIONS, "↑↗→↘↓↙←↖", strict=True))

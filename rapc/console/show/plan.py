@@ -16,7 +16,7 @@ from rapc.base.pictures import Area, Door, Mark, Plan, Point, Pose, Reckoning
 from rapc.base.values import Atom, Fact
 from rapc.console.show.canvas import DOTS, Canvas, Dots
 from rapc.console.show.labels import Inside, Taken, label, numbered
-from rapc.runtime.memory.gate import MemoryView
+from rapc.runtime.memory.access import MemoryView
 
 _COARSEST = 0.9
 """The largest size of a dot, in metres: a doorway is one metre wide."""

@@ -1,11 +1,11 @@
 """The rules of memory: the normal form of a fact, its stamp, and its consequences.
 
 Inside the runtime memory has two verbs, `store` and `remove`. The callers validate a
-fact before: `rapc.runtime.memory.gate` for handlers and hosts, `Memory.checked` for
+fact before: `rapc.runtime.memory.access` for handlers and hosts, `Memory.checked` for
 notations. Facts carry the time of their assertion [T 2.2, A.3].
 
 Not here: queries (`rapc.compiler.query`), which facts exclude each other
-(`exclusions`), who may change which facts (`gate`), items (`items`, `recognition`).
+(`exclusions`), who may change which facts (`access`), items (`items`, `recognition`).
 """
 
 from __future__ import annotations

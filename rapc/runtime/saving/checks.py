@@ -42,7 +42,7 @@ def check(restored: RestoredRun) -> None:
         _check_things(restored)
         _check_waiting(restored)
         _check_scheduled(restored)
-        check_memory(restored.gate)
+        check_memory(restored.access)
     except (LookupError, TypeError, ValueError, RefusedError) as error:
         raise WrongRecordError(str(error)) from error
 

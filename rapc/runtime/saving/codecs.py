@@ -27,9 +27,9 @@ from rapc.compiler.program import Program
 from rapc.compiler.rap_plan import MethodPlan, RapPlan
 from rapc.compiler.watches import WatchKey
 from rapc.runtime.fields import LEFT_OUT, Limit, Natural, Stamp
+from rapc.runtime.memory.access import MemoryAccess
 from rapc.runtime.memory.exclusions import Excluded, Exclusions, Past
 from rapc.runtime.memory.facts import NEVER, FactStore, FactTable, Mentions, Tables
-from rapc.runtime.memory.gate import Gate
 from rapc.runtime.memory.items import Item, Items, ItemsByName
 from rapc.runtime.memory.memory import Memory
 from rapc.runtime.memory.notations import Notation
@@ -75,11 +75,11 @@ class Writer:
     """The shared values of a saved run, collected while its records are written.
 
     Args:
-        gate: the memory of the run, for records of memory and of methods.
+        access: the memory of the run, for records of memory and of methods.
     """
 
-    def __init__(self, gate: Gate | None = None) -> None:
-        self.gate: Any = gate
+    def __init__(self, access: MemoryAccess | None = None) -> None:
+        self.access: Any = access
         #: Counters as numbers, sets as their members in the order of arrival.
         self.resources: list[Number | tuple[Atom, ...]] = []
         self.environments: list[dict[str, Saved]] = []
@@ -114,7 +114,7 @@ class Reader:
 
     Args:
         library: the library that names the plans.
-        gate: a new memory of the library, to be filled.
+        access: a new memory of the library, to be filled.
         resources: the shared sets and counters, as in `Writer`.
         environments: the shared environments.
     """
@@ -122,12 +122,12 @@ class Reader:
     def __init__(
         self,
         library: Program,
-        gate: Gate,
+        access: MemoryAccess,
         resources: tuple[Number | tuple[Atom, ...], ...] = (),
         environments: tuple[dict[str, Saved], ...] = (),
     ) -> None:
         self.library = library
-        self.gate = gate
+        self.access = access
         #: The items by memory name, and the descriptions by number.
         self.items: dict[str, Item] = {}
         self.descriptions: dict[int, Description] = {}
@@ -225,11 +225,11 @@ def _same(_: object, value: Any) -> Any:
 
 
 def _in_force(writer: Writer, notations: tuple[Notation, ...]) -> tuple[Fact, ...]:
-    return tuple(writer.gate.memory.notations.facts(notations)) if notations else ()
+    return tuple(writer.access.memory.notations.facts(notations)) if notations else ()
 
 
 def _noted(reader: Reader, facts: tuple[Fact, ...]) -> tuple[Notation, ...]:
-    return reader.gate.memory.notations.note(facts) if facts else ()
+    return reader.access.memory.notations.note(facts) if facts else ()
 
 
 def _stamps(_: Reader, saved: tuple[tuple[Fact, Any], ...]) -> dict[Fact, float]:
@@ -240,7 +240,7 @@ def _stamps(_: Reader, saved: tuple[tuple[Fact, Any], ...]) -> dict[Fact, float]
 
 def _past(reader: Reader, saved: tuple[Past, ...]) -> dict[Excluded, Past]:
     """Return the last assertions of facts, by all that these exclude."""
-    exclusions = reader.gate.memory.exclusions
+    exclusions = reader.access.memory.exclusions
     assert exclusions is not None
     found = {exclusions.excluded(fact): (fact, time) for fact, time in saved}
     need(len(found) == len(saved), "two last assertions")
@@ -261,7 +261,7 @@ def _set(reader: Reader, saved: Any) -> ExpectationSet:
 
 def _sets(reader: Reader, saved: Any) -> dict[tuple[str, Atom], ExpectationSet]:
     """Return the table of sets of the new memory, filled."""
-    sets, record = reader.gate.recognizer.sets, fields_of(ExpectationSet)
+    sets, record = reader.access.recognizer.sets, fields_of(ExpectationSet)
     for one in saved:
         sets[one.kind, one.place] = record.read(reader, one)
     need(len(sets) == len(saved), "a set twice")
@@ -270,7 +270,7 @@ def _sets(reader: Reader, saved: Any) -> dict[tuple[str, Atom], ExpectationSet]:
 
 def _tables(reader: Reader, saved: Any) -> Tables:
     """Return the table of facts of the new memory, filled."""
-    tables, record = reader.gate.memory.facts.tables, fields_of(FactTable)
+    tables, record = reader.access.memory.facts.tables, fields_of(FactTable)
     for name, one in saved:
         tables[name] = record.read(reader, one)
     need(len(tables) == len(saved), "a table twice")
@@ -279,7 +279,7 @@ def _tables(reader: Reader, saved: Any) -> Tables:
 
 def _part_of(reader: Reader, name: str) -> Any:
     """Return a part that only memories of some libraries have."""
-    found = getattr(reader.gate.memory, name)
+    found = getattr(reader.access.memory, name)
     need(found is not None, f"{name} of a library without any")
     return found
 
@@ -354,7 +354,7 @@ CODECS: dict[Any, Codec] = {
             [
                 (key, item.name)
                 for key, item in it.items()
-                if item.name in w.gate.memory.items.known
+                if item.name in w.access.memory.items.known
             ]
         ),
         lambda r, it: {key: r.items[name] for key, name in it},
@@ -366,10 +366,10 @@ CODECS: dict[Any, Codec] = {
             [
                 key
                 for one in it
-                if w.gate.recognizer.sets.get(key := (one.kind, one.place)) is one
+                if w.access.recognizer.sets.get(key := (one.kind, one.place)) is one
             ]
         ),
-        lambda r, it: {r.gate.recognizer.sets[key]: None for key in it},
+        lambda r, it: {r.access.recognizer.sets[key]: None for key in it},
     ),
 }
 """The codecs of types that are more than data; those of memory with parts are below."""
@@ -481,16 +481,16 @@ def _of_keys(key: Codec) -> Codec:
 
 
 _MADE: dict[Any, Callable[[Reader, Any], Any]] = {
-    Gate: lambda r, _: r.gate,
-    Memory: lambda r, _: r.gate.memory,
-    FactStore: lambda r, _: r.gate.memory.facts,
+    MemoryAccess: lambda r, _: r.access,
+    Memory: lambda r, _: r.access.memory,
+    FactStore: lambda r, _: r.access.memory.facts,
     FactTable: lambda _r, _: FactTable(None),
-    Items: lambda r, _: r.gate.memory.items,
+    Items: lambda r, _: r.access.memory.items,
     Item: lambda _, it: Item(it.name, it.sensor, it.kind),
     Description: lambda _, it: Description(it.number, it.name, it.sensor, it.kind),
     Mentions: lambda r, _: _part_of(r, "mentions"),
     Exclusions: lambda r, _: _part_of(r, "exclusions"),
-    Recognizer: lambda r, _: r.gate.recognizer,
+    Recognizer: lambda r, _: r.access.recognizer,
     ExpectationSet: _set,
     View: lambda _, it: View(0, it.serial),
     Agenda: lambda _r, _: Agenda(random.Random()),

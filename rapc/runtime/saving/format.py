@@ -18,7 +18,7 @@ from rapc.base.values import Atom, Number
 from rapc.errors import StateError
 from rapc.ir.nodes import Method
 from rapc.runtime.fields import Natural
-from rapc.runtime.memory.gate import Gate
+from rapc.runtime.memory.access import MemoryAccess
 from rapc.runtime.saving.codecs import Saved, fields_of
 from rapc.runtime.settings import Settings
 from rapc.runtime.state import agenda, run_state, task, things
@@ -42,7 +42,7 @@ else:
     StateRecord = fields_of(run_state.RunState).saved
     AgendaRecord = fields_of(agenda.Agenda).saved
     ThingsRecord = fields_of(things.Things).saved
-    MemoryRecord = fields_of(Gate).saved
+    MemoryRecord = fields_of(MemoryAccess).saved
 
 
 class RunRecord(msgspec.Struct, frozen=True):

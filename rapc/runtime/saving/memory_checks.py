@@ -11,9 +11,9 @@ from itertools import chain
 
 from rapc.base.values import Atom, Fact, format_list
 from rapc.language.atoms import is_atom
+from rapc.runtime.memory.access import MemoryAccess
 from rapc.runtime.memory.exclusions import items_of
 from rapc.runtime.memory.facts import PREFIX, FactTable
-from rapc.runtime.memory.gate import Gate
 from rapc.runtime.memory.items import Items
 from rapc.runtime.memory.memory import in_one_form
 from rapc.runtime.memory.recognition.recognizer import Recognizer
@@ -27,36 +27,37 @@ def once(values: Iterable[object]) -> bool:
     return len(set(listed)) == len(listed)
 
 
-def check_memory(gate: Gate) -> None:
+def check_memory(access: MemoryAccess) -> None:
     """Validate a memory made from a record.
 
     Raises:
         WrongRecordError: for a memory that no run can have left. Also ValueError and
             LookupError.
     """
-    memory = gate.memory
+    memory = access.memory
     tables = memory.facts.tables
     for name, table in tables.items():
-        _check_table(gate, name, table)
+        _check_table(access, name, table)
     stored = set(chain(*[table.stamps for table in tables.values()]))
     for part in set(chain(*stored)):
         need(in_one_form(part) == part, "a number in another form")
     need(memory.place is None or is_atom(memory.place), "an unknown place")
     need(memory.notations.by_fact.keys() <= stored, "a notation that is no fact")
-    _check_mentions(gate, stored)
-    _check_past(gate)
+    _check_mentions(access, stored)
+    _check_past(access)
     _check_items(memory.items)
     described = [d for d in memory.items.known.values() if isinstance(d, Description)]
-    _check_sets(gate.recognizer, described)
-    _check_values(gate, stored, described)
+    _check_sets(access.recognizer, described)
+    _check_values(access, stored, described)
 
 
 # --- facts --------------------------------------------------------------------------
 
 
-def _check_table(gate: Gate, name: Atom, table: FactTable) -> None:
+def _check_table(access: MemoryAccess, name: Atom, table: FactTable) -> None:
     """Validate the facts of a name by its declaration. Raises ValueError, too."""
-    relation, noted = gate.memory.signatures.relations[str(name)], gate.memory.notations
+    memory = access.memory
+    relation, noted = memory.signatures.relations[str(name)], memory.notations
     need(name == relation.name, f"a table of `{name}`")
     for fact in table.stamps:
         count = len(fact) - 1
@@ -65,14 +66,14 @@ def _check_table(gate: Gate, name: Atom, table: FactTable) -> None:
             need(fits, f"{format_list(fact)} has another number of arguments")
         need(fact[0] == name, f"the table of `{name}`")
         if fact not in noted.by_fact:
-            gate.check_kinds(fact)
+            access.check_kinds(fact)
     if relation.is_property:
         need(once(fact[:-1] for fact in table.stamps), f"two values of `{name}`")
 
 
-def _check_mentions(gate: Gate, stored: set[Fact]) -> None:
+def _check_mentions(access: MemoryAccess, stored: set[Fact]) -> None:
     """Check that the facts that mention an item are known by its name."""
-    mentions = gate.memory.mentions
+    mentions = access.memory.mentions
     if mentions is None:
         return
     expected: dict[Atom, set[Fact]] = {}
@@ -84,14 +85,14 @@ def _check_mentions(gate: Gate, stored: set[Fact]) -> None:
     need(found == expected, "facts that mention an item")
 
 
-def _check_past(gate: Gate) -> None:
+def _check_past(access: MemoryAccess) -> None:
     """Check that past assertions exclude facts of the item."""
-    exclusions = gate.memory.exclusions
+    exclusions = access.memory.exclusions
     for item, past in () if exclusions is None else exclusions.by_item.items():
         for excluded, (fact, _) in past.items():
-            full = gate.memory.full_form(fact) == fact
+            full = access.memory.full_form(fact) == fact
             need(full, f"{format_list(fact)} is incomplete")
-            gate.check_kinds(fact)
+            access.check_kinds(fact)
             need(item in items_of(excluded), f"`{item}` is not excluded")
 
 
@@ -127,10 +128,10 @@ def _check_aliases(aliases: Mapping[str, str]) -> None:
 
 
 def _check_values(
-    gate: Gate, stored: set[Fact], described: Iterable[Description]
+    access: MemoryAccess, stored: set[Fact], described: Iterable[Description]
 ) -> None:
     """Check that a description has the values of the facts about its item."""
-    relations = gate.memory.signatures.relations
+    relations = access.memory.signatures.relations
     by_name = {item.name: item for item in described}
     expected: dict[str, dict[Fact, Atom]] = {name: {} for name in by_name}
     for fact in stored if by_name else ():

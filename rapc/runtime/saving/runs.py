@@ -14,8 +14,8 @@ from msgspec.json import encode
 from rapc.base.chance import stream_in, stream_state
 from rapc.library.library import digest
 from rapc.library.saved_check import UnsoundError
-from rapc.runtime.memory.gate import Gate
-from rapc.runtime.run import Run, empty_gate
+from rapc.runtime.memory.access import MemoryAccess
+from rapc.runtime.run import Run, empty_memory
 from rapc.runtime.saving.codecs import (
     Reader,
     Writer,
@@ -68,7 +68,7 @@ def capture(run: Run, seed: int, world: bytes) -> RunRecord:
         ),
         missed=tuple((n, tuple(times)) for n, times in sorted(monitors.missed.items())),
         tested_at=monitors.tested_at,
-        memory=fields_of(Gate).write(writer, run.access),
+        memory=fields_of(MemoryAccess).write(writer, run.access),
         world=world,
         resources=tuple(writer.resources),
         environments=tuple(writer.environments),
@@ -110,10 +110,10 @@ class RestoredRun:
         self.run, self.record = run, record
         try:
             self._random = stream_in(record.random)
-            #: The memory, in a gate of its own.
-            self.gate = empty_gate(run)
+            #: The restored memory, separate from that of the run.
+            self.access = empty_memory(run)
             reader = Reader(
-                run.library, self.gate, record.resources, record.environments
+                run.library, self.access, record.resources, record.environments
             )
             self.state, self.live = reader.state, reader.live
             self._add_methods()
@@ -128,7 +128,7 @@ class RestoredRun:
             self.to_test = {number: self.live[number] for number in record.to_test}
             #: The methods under way by the numbers of their tasks.
             self.runs = {n: t.run for n, t in self.live.items() if t.run is not None}
-            fields_of(Gate).read(reader, record.memory)
+            fields_of(MemoryAccess).read(reader, record.memory)
         except (LookupError, TypeError, ValueError, OverflowError) as error:
             raise WrongRecordError(f"{type(error).__name__}: {error}") from error
 
@@ -183,7 +183,7 @@ class RestoredRun:
     def install(self) -> None:
         """Replace the contents of the run by these contents."""
         run, record = self.run, self.record
-        run.access.take_up(self.gate)
+        run.access.take_up(self.access)
         run.rng.setstate(self._random.getstate())
         run.state = self.state
         run.recount_running_goals()

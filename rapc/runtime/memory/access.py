@@ -121,11 +121,11 @@ class MemoryView:
 
 
 class MemoryBatch:
-    """A group of changes of memory; made by `Gate.batch`."""
+    """A group of changes of memory; made by `MemoryAccess.batch`."""
 
     __slots__ = ("_access", "_depth")
 
-    def __init__(self, access: Gate) -> None:
+    def __init__(self, access: MemoryAccess) -> None:
         self._access = access
         self._depth = 0
 
@@ -138,10 +138,11 @@ class MemoryBatch:
             self._access.end_batch()
 
 
-class Gate(MemoryView):
+class MemoryAccess(MemoryView):
     """Write access to memory, for handlers: the `HandlerMemory` of `rapc.world`.
 
-    A new gate has no observers of memory.
+    Handlers receive this object, a host and the interpreter use it; `memory` is the
+    memory behind it. A new object has no observers of memory.
 
     Args:
         library: the linked library.
@@ -196,7 +197,7 @@ class Gate(MemoryView):
         """Register all observers of memory: the recogniser, then `others`.
 
         Only this method registers observers of memory. Without indistinct classes the
-        gate registers no recogniser.
+        method registers no recogniser.
         """
         first = () if self.memory.mentions is None else (self.recognizer,)
         self.memory.observe(*first, *others)
@@ -216,9 +217,9 @@ class Gate(MemoryView):
     def batch(self) -> MemoryBatch:
         """Return a batch of changes (as the data of one result) for a `with` statement.
 
-        At the end of the batch the gate recognises items, then removes surplus items
-        from the places where all accessible items are known. An inner batch is a part
-        of the outer one.
+        The end of the batch recognises items, then removes surplus items from the
+        places where all accessible items are known. An inner batch is a part of the
+        outer one.
         """
         return self._batch
 
@@ -248,8 +249,8 @@ class Gate(MemoryView):
         handlers[str(content[0])](self, content)
         return content
 
-    def take_up(self, other: Gate) -> None:
-        """Replace the memory by that of another gate of the same library."""
+    def take_up(self, other: MemoryAccess) -> None:
+        """Replace the memory by the memory behind `other`, of the same library."""
         self.drop_batch()
         self.memory.take_up(other.memory)
         self.recognizer.take_up(other.recognizer)
@@ -328,7 +329,7 @@ class Gate(MemoryView):
             memory.remove(fact, by)
 
     def check_owner(self, fact: Fact) -> None:
-        """Refuse a fact, or a prefix of a fact, that only this gate itself may set.
+        """Refuse a fact, or a prefix of a fact, that only this class itself may set.
 
         Raises:
             FactError: for the place or the introducing class of an introduced item,
