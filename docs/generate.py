@@ -37,6 +37,8 @@ from generator.tables import (
     debugger_commands,
     events_of,
     grammar,
+    skill_events,
+    skills,
     vocabulary,
     world_options,
 )
@@ -161,6 +163,8 @@ PARTS: Mapping[str, Callable[..., str]] = {
     "profiles": profiles,
     "rules": rule_index,
     "settings": settings,
+    "skill-events": skill_events,
+    "skills": skills,
     "slips": slips,
     "targets": targets,
     "vocabulary": vocabulary,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+from importlib import import_module
 
 import msgspec
 
@@ -57,6 +58,30 @@ def world_options(name: str) -> str:
         said = f"{typed(option.default) or 'none'} {option.unit}".strip()
         rows.append((f"`{option.name}`", said, option.doc))
     return table(("option", "default", "meaning"), rows)
+
+
+def skills(module: str) -> str:
+    """Return the table of the skills in the catalogue of a module."""
+    known = import_module(module).catalogue()
+    rows = []
+    for skill in map(known.describe, known.entries):
+        units = [f"{p.name} ({p.unit})" if p.unit else p.name for p in skill.parameters]
+        told = ", ".join(f"`{name}`" for name in skill.events)
+        used = ", ".join(skill.uses)
+        rows.append(
+            (f"`{skill.name}`", ", ".join(units), sentence(skill.doc), told, used)
+        )
+    return table(("skill", "arguments", "effect", "events", "uses"), rows)
+
+
+def skill_events(module: str) -> str:
+    """Return the table of the events of these skills."""
+    rows = []
+    for name, event in import_module(module).catalogue().events.items():
+        carried = ", ".join(parameter.name for parameter in event.carries)
+        doc = inspect.cleandoc(event.__doc__ or "").partition("\n\n")[0]
+        rows.append((f"`{name}`", carried, plain(doc)))
+    return table(("event", "arguments", "meaning"), rows)
 
 
 def grammar(group: str) -> str:

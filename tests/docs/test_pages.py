@@ -41,7 +41,6 @@ WIDE = frozenset(
         "libraries/hallway",
         "libraries/truck-beyond",
         "reference/cli",
-        "reference/hallway",
         "research/chapter6",
         "research/fidelity",
         "research/hallway",

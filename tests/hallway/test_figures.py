@@ -1,4 +1,4 @@
-"""The networks of skills in docs/reference/hallway.md are those of the paper."""
+"""The networks of skills in docs/research/hallway.md are those of the paper."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rapc.worlds.hallway.map_text import named_map
 from tests.cli.command import rapc
 
 DOCS = Path(__file__).parents[2] / "docs"
-PAGE = (DOCS / "reference" / "hallway.md").read_text(encoding="utf-8")
+PAGE = (DOCS / "research" / "hallway.md").read_text(encoding="utf-8")
 SVG = "{http://www.w3.org/2000/svg}"
 
 NETWORKS = {

@@ -29,7 +29,7 @@ MOVE_IN_DIRECTION = Compound(
     "move-in-direction",
     (DetectObstacles, SteerInDirection, FollowTrajectory),
     SteerInDirection.parameters,
-    "Move so far in a direction, around obstacles",
+    "Move a distance in a direction, around obstacles",
 )
 
 MOVE_TO_LANDMARK = Compound(

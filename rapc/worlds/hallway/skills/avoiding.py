@@ -96,7 +96,7 @@ class Echoes(msgspec.Struct):
 
 
 class DetectObstacles(Skill):
-    """Keep a picture of what is near, without echoes that come and go."""
+    """Detect the obstacles around the robot, without transient echoes."""
 
     name = "detect-obstacles"
     inputs = (SONAR,)
@@ -116,7 +116,7 @@ class DetectObstacles(Skill):
 
 
 class Stuck(Event):
-    """The robot cannot go where it is to go."""
+    """The robot cannot move to its goal."""
 
     name = "stuck"
     inputs = (PROGRESS,)
@@ -142,7 +142,7 @@ class Following(msgspec.Struct):
 
 
 class FollowTrajectory(Skill):
-    """Drive along a trajectory, around what is in the way."""
+    """Drive along a trajectory, around obstacles."""
 
     name = "follow-trajectory"
     inputs = (OBSTACLES, TRAJECTORY, POSE, Input(SPEED_LIMIT, optional=True))
@@ -238,7 +238,7 @@ def lane(near: Sequence[Point], bearing: float, half: float) -> float:
 
 
 class LimitSpeed(Skill):
-    """Go no faster than this; of several limits the lowest holds."""
+    """Limit the speed; the lowest of several limits holds."""
 
     name = "limit-speed"
     outputs = (SPEED_LIMIT,)

@@ -73,7 +73,7 @@ class EndOfHall(Event):
 
 
 class HallBlocked(Event):
-    """Something fills the hallway, or seems to."""
+    """An obstacle seems to fill the hallway."""
 
     name = "hall-blocked"
     inputs = (HALL, PROGRESS)
@@ -107,7 +107,7 @@ class Tracking(msgspec.Struct):
 
 
 class TrackHallway(Skill):
-    """Keep an estimate of the hallway's direction and width, and stay in its middle.
+    """Estimate direction and width of the hallway; compute the way along its middle.
 
     The skill follows the direction of the hallway that the robot faces when the skill
     is switched on.

@@ -35,7 +35,7 @@ SPEED = Parameter("speed", "number", "m/s", "at most", low=0.05, high=0.6)
 
 
 class MovementComplete(Event):
-    """The movement has come to its end."""
+    """The movement is complete."""
 
     name = "movement-complete"
     inputs = (TRAVEL,)
@@ -115,7 +115,7 @@ class Backing(Start):
 
 
 class BackOff(Skill):
-    """Go backwards a little, slowly and blindly, away from what was bumped into."""
+    """Move backwards after a bump, slowly and without sensing."""
 
     name = "back-off"
     inputs = (POSE,)

@@ -94,7 +94,7 @@ class Trail(msgspec.Struct):
 
 
 class PassedDoorway(Event):
-    """The robot has come through something like a doorway, wherever it meant to go."""
+    """The robot has passed a gap in a wall, with or without intent."""
 
     name = "passed-doorway"
     inputs = (PASSED,)

@@ -33,7 +33,7 @@ class Since(msgspec.Struct):
 
 
 class Spoken(Event):
-    """The robot has said what it was to say."""
+    """The robot has spoken the words."""
 
     name = "spoken"
     inputs = (DONE,)
@@ -44,7 +44,7 @@ class Spoken(Event):
 
 
 class Speak(Skill):
-    """Say something."""
+    """Speak some words."""
 
     name = "speak"
     outputs = (VOICE, DONE)
@@ -76,7 +76,7 @@ class Charged(Event):
 
 
 class NotDocked(Event):
-    """There is no current: the robot is not where it can charge."""
+    """No current: the robot does not stand at a charger."""
 
     name = "not-docked"
     inputs = (DONE,)
@@ -106,7 +106,7 @@ class Charge(Skill):
 
 
 class LiftHere(Event):
-    """The lift stands open at the floor it was called to."""
+    """The lift stands open at the requested floor."""
 
     name = "lift-here"
     inputs = (LIFT,)
@@ -119,7 +119,7 @@ class LiftHere(Event):
 
 
 class CallLift(Skill):
-    """Call the lift to a floor by radio, and hold it there.
+    """Call the lift to a floor by radio, and hold the lift there.
 
     The robot rides by calling the lift to another floor while it stands inside.
     """

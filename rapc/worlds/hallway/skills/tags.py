@@ -18,7 +18,7 @@ EACH = 1.0
 
 
 class TagsSeen(Event):
-    """A pair of tags has come into view, whichever landmark they belong to."""
+    """A pair of tags has come into view, of any landmark."""
 
     name = "tags-seen"
     inputs = (SEEN, POSE)
@@ -52,7 +52,7 @@ class Turns(msgspec.Struct):
 
 
 class SeeTags(Skill):
-    """Look out for landmarks, whichever they are: an even tag and the next one.
+    """Watch for any landmark: an even tag and the next one.
 
     Those in view take turns.
     """
