@@ -77,8 +77,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--sizes", type=int, nargs="+", default=[7, 324])
     command = str(Path(sys.executable).with_name("rapc"))
-    row = "{:>4}  {:8}  {:18}  {:>6}  {:>6}  {:>7}"
-    print(row.format("MB", "run", "first input", "cpu s", "s", "peak MB"))
+    print("| recording | run | first input | processor time in s | peak in MB |")
+    print("|---|---|---|---:|---:|")
     for size in parser.parse_args().sizes:
         with TemporaryDirectory() as folder:
             path = Path(folder) / "run.jsonl"
@@ -87,8 +87,8 @@ def main() -> None:
                 for text in COMMANDS:
                     asked = (command, "repl", str(file), "-c", text)
                     taken = child.take(asked, os.environ)
-                    figures = (taken["cpu"], taken["wall"], taken["peak"])
-                    print(row.format(size, how, text, *(f"{o:.2f}" for o in figures)))
+                    used = f"{taken['cpu']:.2f} | {taken['peak']:.0f}"
+                    print(f"| {size} MB | {how} | `{text}` | {used} |")
 
 
 if __name__ == "__main__":

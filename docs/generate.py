@@ -29,7 +29,7 @@ from generator.figures import FIGURES, drawn, stale_figures
 from generator.libraries import effects, library_files, memory
 from generator.limits import formats, limits, settings
 from generator.markdown import block, table
-from generator.measurements import profiles, slips, targets
+from generator.measurements import means, profiles, runs, slips, stored, targets
 from generator.python import api
 from generator.session import session
 from generator.tables import (
@@ -159,13 +159,16 @@ PARTS: Mapping[str, Callable[..., str]] = {
     "grammar": grammar,
     "library-files": library_files,
     "limits": limits,
+    "means": means,
     "memory": memory,
     "profiles": profiles,
     "rules": rule_index,
+    "runs": runs,
     "settings": settings,
     "skill-events": skill_events,
     "skills": skills,
     "slips": slips,
+    "stored": stored,
     "targets": targets,
     "vocabulary": vocabulary,
     "world-options": world_options,

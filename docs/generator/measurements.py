@@ -1,7 +1,8 @@
-"""Tables of measurements that the benches have stored."""
+"""Tables of measurements that benches and experiments have stored in docs/figures."""
 
 from __future__ import annotations
 
+import re
 import sys
 from importlib import import_module
 from pathlib import Path
@@ -57,3 +58,68 @@ def slips() -> str:
         f"{single} have a single finding. {counts['idle']} further slips of all kinds "
         "were not found and changed no trace.\n\n" + "\n".join(tables)
     )
+
+
+def stored(name: str) -> str:
+    """Return the output of a bench as it is stored; a block if it is no table."""
+    text = _read(name)
+    return text if text.startswith("| ") else block("text", text)
+
+
+def runs(name: str, parts: str, columns: str) -> str:
+    """Return the points of some parts of an experiment.
+
+    Args:
+        name: the stored `tables.md` of `rapc experiment`.
+        parts: names of parts that vary the same option, with commas. A part with one
+            point has its name in the first column.
+        columns: names of columns, with commas, `-` for a space.
+    """
+    found, wanted = _parts(name), columns.replace("-", " ").split(",")
+    rows = []
+    for part in parts.split(","):
+        _, points = found[part]
+        for point in points:
+            varied, value = next(iter(point.items()))
+            first = part if varied == "point" else value
+            rows.append((first, *[point[column] for column in wanted]))
+    return table((varied, *wanted), rows)
+
+
+def means(name: str, parts: str, columns: str) -> str:
+    """Return the means of some parts of an experiment, with a column for each point.
+
+    The arguments are those of `runs`; `all` are all parts.
+    """
+    found, wanted = _parts(name), columns.replace("-", " ").split(",")
+    rows = []
+    for part in found if parts == "all" else parts.split(","):
+        title, points = found[part]
+        cells = [", ".join(p[column].split()[0] for column in wanted) for p in points]
+        rows.append((title, *cells))
+    varied = next(iter(points[0]))
+    named = [f"{varied} {point[varied]}" for point in points]
+    head = [", ".join(wanted), *(["all runs"] if varied == "point" else named)]
+    return table(head, rows)
+
+
+def _parts(name: str) -> dict[str, tuple[str, list[dict[str, str]]]]:
+    """Return the title of each part, and the cells of its points by their columns."""
+    found = {}
+    for text in _read(name).split("\n### ")[1:]:
+        [(title, part)] = re.findall(r"\A(.*) \(part `(.+)`\)\n", text)
+        tables = [
+            [line[2:-2].split(" | ") for line in lines.splitlines()]
+            for lines in re.findall(r"(?:^\|.*\n)+", text, re.M)
+        ]
+        points = [
+            dict(zip([*main[0], *rest[0]], [*cells, *more], strict=True))
+            for main, rest in [tables]
+            for cells, more in zip(main[2:], rest[2:], strict=True)
+        ]
+        found[part] = (title, points)
+    return found
+
+
+def _read(name: str) -> str:
+    return (DOCS / "figures" / f"{name}.txt").read_text(encoding="utf-8")
