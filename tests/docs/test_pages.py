@@ -45,7 +45,6 @@ WIDE = frozenset(
         "research/fidelity",
         "research/hallway",
         "research/rounds",
-        "tutorials/debugger",
         "tutorials/standard-library",
     }
 )
