@@ -45,7 +45,6 @@ WIDE = frozenset(
         "research/fidelity",
         "research/hallway",
         "research/rounds",
-        "tutorials/standard-library",
     }
 )
 """The pages with wider code, on a terminal of 100 columns."""
