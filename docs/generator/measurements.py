@@ -78,11 +78,10 @@ def runs(name: str, parts: str, columns: str) -> str:
     found, wanted = _parts(name), columns.replace("-", " ").split(",")
     rows = []
     for part in parts.split(","):
-        _, points = found[part]
-        for point in points:
-            varied, value = next(iter(point.items()))
+        _, varied, points = found[part]
+        for value, cells in points:
             first = part if varied == "point" else value
-            rows.append((first, *[point[column] for column in wanted]))
+            rows.append((first, *[cells[column] for column in wanted]))
     return table((varied, *wanted), rows)
 
 
@@ -94,30 +93,32 @@ def means(name: str, parts: str, columns: str) -> str:
     found, wanted = _parts(name), columns.replace("-", " ").split(",")
     rows = []
     for part in found if parts == "all" else parts.split(","):
-        title, points = found[part]
-        cells = [", ".join(p[column].split()[0] for column in wanted) for p in points]
-        rows.append((title, *cells))
-    varied = next(iter(points[0]))
-    named = [f"{varied} {point[varied]}" for point in points]
-    head = [", ".join(wanted), *(["all runs"] if varied == "point" else named)]
-    return table(head, rows)
+        title, varied, points = found[part]
+        means = [[cells[column].split()[0] for column in wanted] for _, cells in points]
+        rows.append((title, *map(", ".join, means)))
+    named = [f"{varied} {value}" for value, _ in points]
+    head = ["all runs"] if varied == "point" else named
+    return table((", ".join(wanted), *head), rows)
 
 
-def _parts(name: str) -> dict[str, tuple[str, list[dict[str, str]]]]:
-    """Return the title of each part, and the cells of its points by their columns."""
-    found = {}
+_Part = tuple[str, str, list[tuple[str, dict[str, str]]]]
+"""A title, the varied option, and the cells of each value by their columns."""
+
+
+def _parts(name: str) -> dict[str, _Part]:
+    """Return the parts of a stored experiment by their names."""
+    found: dict[str, _Part] = {}
     for text in _read(name).split("\n### ")[1:]:
         [(title, part)] = re.findall(r"\A(.*) \(part `(.+)`\)\n", text)
-        tables = [
-            [line[2:-2].split(" | ") for line in lines.splitlines()]
-            for lines in re.findall(r"(?:^\|.*\n)+", text, re.M)
-        ]
-        points = [
-            dict(zip([*main[0], *rest[0]], [*cells, *more], strict=True))
-            for main, rest in [tables]
-            for cells, more in zip(main[2:], rest[2:], strict=True)
-        ]
-        found[part] = (title, points)
+        tables = re.findall(r"(?:^\|.*\n)+", text, re.M)
+        main, rest = (
+            [line[2:-2].split(" | ") for line in lines.splitlines()] for lines in tables
+        )
+        head, _, *rows = (
+            [*one, *other[3:]] for one, other in zip(main, rest, strict=True)
+        )
+        points = [(row[0], dict(zip(head[1:], row[1:], strict=True))) for row in rows]
+        found[part] = (title, head[0], points)
     return found
 
 
