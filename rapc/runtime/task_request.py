@@ -118,6 +118,7 @@ def refuse_tasks(library: Program, goals: Iterable[Fact]) -> None:
         RefusedError: with one line for each goal without a RAP.
     """
     reasons: list[str] = []
+    seen: set[str] = set()
     for goal in goals:
         name, *args = goal
         plan, signatures = library.rap(str(name)), library.signatures
@@ -127,15 +128,18 @@ def refuse_tasks(library: Program, goals: Iterable[Fact]) -> None:
         wrong = signatures.wrong_kind("goal", str(name), args) if plan.kinds else None
         if wrong is not None:
             reasons.append(f"{format_list(goal)}: {wrong}")
-        reasons.extend(_reached(library.library, plan.node))
+        reasons.extend(_reached(library.library, plan.node, seen))
     if reasons:
         raise RefusedError(list(dict.fromkeys(reasons)))
 
 
-def _reached(library: Library, root: nodes.DefineRap) -> Iterator[str]:
-    """Yield the goals without a RAP that a task of a RAP can reach, with places."""
-    seen = {root.name}
-    stack = [root]
+def _reached(library: Library, root: nodes.DefineRap, seen: set[str]) -> Iterator[str]:
+    """Yield the goals without a RAP that a task of a RAP can reach, with places.
+
+    RAPs in `seen` are left out; the RAPs that a task can reach are added.
+    """
+    stack = [] if root.name in seen else [root]
+    seen.add(root.name)
     while stack:
         rap = stack.pop()
         for method in rap.methods:
