@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 from msgspec.structs import replace
 
 from rapc.compiler.compiler import Compiler
 from rapc.compiler.rap_plan import MethodPlan, RapPlan
 from rapc.compiler.rules import event_rules
 from rapc.ir import nodes
-from rapc.library.library import Library
+from rapc.library.library import Library, digest
 from rapc.library.saved_check import Verifier
 
 
@@ -32,6 +34,11 @@ class Program:
         #: Whether any RAP has a rule for signals.
         self.hears_events = any(rule.when == "event" for rule in library.memory_rules)
         self._plans: dict[str, RapPlan] = {}
+
+    @cached_property
+    def digest(self) -> str:
+        """Return the digest of the texts of the library."""
+        return digest(self.library)
 
     def rap(self, name: str) -> RapPlan | None:
         """Return the plan of a RAP, compiled at the first request."""

@@ -20,7 +20,6 @@ from rapc.events import Event, Goal, RunEnded, RunStarted, TaskResult
 from rapc.ir.nodes import Formula, Node
 from rapc.language.atoms import kind, need_atoms, need_fact
 from rapc.language.results import INTERFERENCE
-from rapc.library.library import digest
 from rapc.parser.parse import parse_fact, parse_formula
 from rapc.runtime import snapshot, strict
 from rapc.runtime.admission import (
@@ -488,7 +487,7 @@ class Interpreter(Run):
             told = msgspec.structs.replace(
                 self.spec,
                 library=self.library.name,
-                digest=digest(self.library.library),
+                digest=self.library.digest,
                 world=self.port.name,
                 settings=self.settings.named(),
             )

@@ -12,7 +12,6 @@ from typing import Any
 from msgspec.json import encode
 
 from rapc.base.chance import stream_in, stream_state
-from rapc.library.library import digest
 from rapc.library.saved_check import UnsoundError
 from rapc.runtime.memory.access import MemoryAccess
 from rapc.runtime.run import Run, empty_memory
@@ -42,7 +41,7 @@ def capture(run: Run, seed: int, world: bytes) -> RunRecord:
     tasks = [given.task for given in state.top_level]
     records = tuple([_written(writer, task, tasks) for task in tasks])  # `tasks` grows
     return RunRecord(
-        library=digest(run.library.library),
+        library=run.library.digest,
         world_name=run.port.name,
         options=options_of(run.port),
         settings=run.settings,

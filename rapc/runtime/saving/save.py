@@ -13,7 +13,6 @@ from collections.abc import Callable
 from rapc.base.code_places import place_of
 from rapc.base.values import Atom, format_atom
 from rapc.errors import StateError
-from rapc.library.library import digest
 from rapc.runtime.held_world import OF_THE_BYTES
 from rapc.runtime.run import Run
 from rapc.runtime.saving.checks import check
@@ -74,7 +73,7 @@ def restore(run: Run, saved: bytes) -> int:
 
 def _look_whose(run: Run, record: RunRecord) -> None:
     """Check that a saved run is of this library, world and settings."""
-    if record.library != digest(run.library.library):
+    if record.library != run.library.digest:
         raise StateError("the saved run is one of another library")
     if record.world_name != run.port.name:
         raise StateError(
