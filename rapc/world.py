@@ -315,7 +315,9 @@ class SimpleWorld(World):
         """
         saved = msgspec.json.decode(state, type=_SavedSimple)
         if saved.made_with != dict(self.made_with):
-            raise ValueError(f"the state is that of a `{self.name}` otherwise made")
+            raise ValueError(
+                f"a world `{self.name}` with other options saved the state"
+            )
         mine = msgspec.json.decode(saved.state, type=type(self.state))
         self.rng = stream_in(saved.rng)
         self.time, self.outbox, self.state = saved.time, saved.outbox, mine

@@ -179,7 +179,7 @@ NEXT: Any = "soon"
         (
             lambda lib: lib.start(WORLD).question("(= ?x 3)", "?y"),
             rapc.TextError,
-            "`?y` is not in the question",
+            "`?y` is not in the query",
         ),
     ],
 )

@@ -183,7 +183,9 @@ def lies_in(name: str, path: str) -> bool:
 
 
 def seen_from(root: str, file: str) -> str:
-    """Return a path relative to a folder, with `/`; empty is the working directory.
+    """Return the path of `file` relative to `root`, with `/` as separator.
+
+    An empty `root` means the working directory.
 
     The name of a text without a file, for example `<stdin>`, stays unchanged. The name
     of a file in a standard library stays unchanged, too.

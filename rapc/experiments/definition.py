@@ -228,23 +228,22 @@ def _unknown(data: Mapping[str, Any]) -> Iterator[tuple[str, str, list[str]]]:
 def _contradictions(experiment: Experiment) -> Iterator[str]:
     """Yield the contradictions of an experiment, as text."""
     if experiment.library == "-":
-        yield "`library`: standard input is there only once, a file is wanted"
+        yield "`library`: expected a file, not standard input"
     yield from _about_tasks(experiment)
     names = [part.name for part in experiment.part]
     for part in experiment.part:
         told = f"part `{part.name}`"
         if names.count(part.name) > 1:
-            yield f"there is more than one {told}"
+            yield f"duplicate {told}"
         if (part.vary is None) != (not part.values):
-            yield f"{told} needs both `vary` and `values`, or neither"
+            yield f"{told} requires both `vary` and `values`, or neither"
         if len(set(map(repr, part.values))) < len(part.values):
-            yield f"{told} has a value twice"
+            yield f"{told} has a duplicate value"
         if part.mark is not None and part.vary is None:
-            yield f"{told} has a `mark`, but varies nothing"
+            yield f"`mark` of {told} requires `vary`"
         others = {p.name for p in experiment.part if p.vary == part.vary and p.vary}
         yield from (
-            f"{told} is to be drawn beside `{other}`, which is no part that varies "
-            "the same"
+            f"{told} has `beside` `{other}`, which is not a part with the same `vary`"
             for other in part.beside
             if other not in others - {part.name}
         )
@@ -257,24 +256,26 @@ def _misfits(part: Series, told: str) -> Iterator[str]:
         return
     many = len(part.reference.at) if part.vary is not None else 1
     if part.vary is None and part.reference.at:
-        yield f"{told} varies nothing, so its reference needs no `at`"
+        yield f"`at` in the reference of {told} requires `vary`"
         return
     for value in part.reference.at:
         if value not in part.values:
-            what = f"reference figures at {value}, which is none of its `values`"
+            what = f"reference figures at {value}, which is not in its `values`"
             yield f"{told} has {what}"
     for measure, bounds in part.reference.bounds.items():
         for value, low, high in bounds:
             if value not in part.values:
-                what = f"a bound of `{measure}` at {value}, which is none of its values"
+                what = (
+                    f"a bound of `{measure}` at {value}, which is not in its `values`"
+                )
                 yield f"{told} has {what}"
             if low > high:
-                yield f"{told} has a bound of `{measure}` that ends below its beginning"
+                yield f"{told} has a bound of `{measure}` with `to` less than `from`"
     for measure, figures in part.reference.figures.items():
         if len(figures) != many:
             yield (
                 f"{told} has {len(figures)} reference figures for `{measure}`, "
-                f"but {many} values they could be for"
+                f"expected {many}"
             )
 
 
@@ -283,15 +284,15 @@ def _about_tasks(experiment: Experiment) -> Iterator[str]:
     for part in experiment.part:
         agenda, tasks = experiment.given(part)
         if agenda is None and not tasks:
-            yield f"part `{part.name}` needs an `agenda` or `tasks`"
+            yield f"part `{part.name}` requires `agenda` or `tasks`"
     used = dict.fromkeys(name for text in _texts(experiment) for name in names_in(text))
     for name, draw in experiment.draw.items():
         if name not in used:
             yield f"`draw`, {name}: no task and no option has `{{{name}}}`"
         if isinstance(draw, Between) and draw.low > draw.high:
-            yield f"`draw`, {name}: `from` is more than `to`"
+            yield f"`draw`, {name}: `from` is greater than `to`"
         elif not isinstance(draw, Between) and not draw:
-            yield f"`draw`, {name}: there is nothing to draw from"
+            yield f"`draw`, {name}: the list is empty"
     for part in experiment.part:
         for task in experiment.given(part)[1]:
             for name in names_in(task):

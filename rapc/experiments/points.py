@@ -137,11 +137,11 @@ def _uncounted(config: PointConfig, tasks: Sequence[TaskRequest]) -> None:
     """Validate that there are tasks to count."""
     given = [str(task.goal[0]) for task in tasks if not task.background]
     if not given:
-        message = "all tasks are in the background: there is none to count"
+        message = "all tasks are in the background; at least one must be counted"
         raise ExperimentError(message)
     if not counted_tasks(tasks, config.counted):
         said = " and ".join(f"`{name}`" for name in config.counted)
-        message = f"`counted`: no task in the foreground is one of {said}"
+        message = f"`counted`: no foreground task of the RAP {said}"
         raise ExperimentError(message, did_you_mean(config.counted[0], given))
 
 
@@ -152,7 +152,7 @@ def _unknown(
     known = [*library.library.raps, *library.library.primitives]
     for name, what in experiment.count.items():
         if name in LABELS:
-            yield ExperimentError(f"`count`, {name}: a measure is called so already")
+            yield ExperimentError(f"`count`: `{name}` is the name of a measure")
         if what not in known:
             message = f"`count`, {name}: no RAP or primitive is named `{what}`"
             yield ExperimentError(message, did_you_mean(what, known))
@@ -239,10 +239,10 @@ def _figures(world: World, wanted: Sequence[str]) -> None:
     told = figures_of(world)
     for name in wanted:
         if name in LABELS:
-            raise ExperimentError(f"`figures`: a measure is called `{name}` already")
+            raise ExperimentError(f"`figures`: `{name}` is the name of a measure")
         if name not in told:
-            listed = f"it tells {', '.join(told)}" if told else "it tells none"
-            message = f"`figures`: the world `{world.name}` tells no `{name}`"
+            listed = f"it has {', '.join(told)}" if told else "it has none"
+            message = f"`figures`: the world `{world.name}` has no figure `{name}`"
             raise ExperimentError(message, did_you_mean(name, told, listed))
 
 

@@ -99,7 +99,7 @@ def sole_user(folder: Path) -> Iterator[None]:
 
 
 class Store:
-    """The results in a file, which is created if missing. To be used with `with`.
+    """The results in a file, which is created if missing; a context manager.
 
     Raises:
         StoreError: for a file that is not a store, is damaged, or cannot be written.

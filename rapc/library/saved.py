@@ -202,7 +202,7 @@ class SavedLibrary:
         if not all(0 <= at < len(self._body.units) for at in places):
             raise _WrongError("has no source")
         if len(set(places)) < len(places):
-            raise _WrongError("has the same source twice")
+            raise _WrongError("has a duplicate source")
         units = [self._body.units[at] for at in places]
         linked, found = link([_parsed(unit, _declarations(unit)) for unit in units])
         rows = {name: (unit, at) for unit in units for name, at in unit.raps.items()}

@@ -53,8 +53,8 @@ def refuse_other_world(program: Program, world: World) -> None:
         whole = f"{', '.join(kinds)} and {last}" if kinds else last
         place = _place(library, lacking[0][1].span)
         line = (
-            f"{place}the library is not for the world `{world.name}`, which lacks "
-            f"{len(lacking)} of the {len(declared)} {whole} that it declares: {shown} "
+            f"{place}the library is not for the world `{world.name}`: "
+            f"{len(lacking)} of its {len(declared)} {whole} are missing: {shown} "
             f"and {len(lacking) - _EXAMPLES} more"
         )
         raise RefusedError([line], [one.name for _, one in lacking])
@@ -166,7 +166,7 @@ def _untellable(
         if (fault is None and not short) or name in told:
             continue
         told.add(name)
-        telling = f"the world `{world.name}` tells {format_list(fact)}"
+        telling = f"the world `{world.name}` has the initial fact {format_list(fact)}"
         if known is not None and fault is None:
             said = f"`{known.written}` takes all of its arguments from a world"
             yield f"{_place(library, known.span)}{said}: {telling}"
@@ -177,8 +177,8 @@ def _untellable(
             unknown[f"`{name}`"] = None
     if unknown:
         yield (
-            f"the world `{world.name}` tells of {', '.join(unknown)}, not declared in "
-            "the library; `require` the declarations that come with the world"
+            f"the world `{world.name}` has initial facts of {', '.join(unknown)}, not "
+            "declared in the library; `require` the declarations of the world"
         )
 
 
@@ -207,11 +207,11 @@ def _uncompared(library: Library, comparators: Mapping[str, object]) -> Iterator
 
 
 def _unskilled(library: Library, world: World) -> Iterator[str]:
-    """Yield the reasons why skills cannot be switched on in a world with skills."""
+    """Yield the reasons why a world cannot run the skills of a library."""
     if library.skills and not isinstance(world, Skilled):
         yield (
-            f"the world `{world.name}` cannot switch skills on and off: it lacks "
-            "`activate` or `deactivate`"
+            f"the world `{world.name}` cannot run skills: it has no `activate` or no "
+            "`deactivate` method"
         )
 
 
@@ -222,14 +222,14 @@ def refuse_extension(old: Library, new: Library) -> None:
         RefusedError: with one line for each difference.
     """
     reasons = [
-        f"the RAP `{name}` is not the one that runs"
+        f"the RAP `{name}` differs from the RAP in the run"
         for name, rap in old.raps.items()
         if new.raps.get(name) != rap
     ]
     for field in old.__struct_fields__:
         same = field in ("raps", "forms", "files", "tests")
         if not same and getattr(old, field) != getattr(new, field):
-            reasons.append(f"a run takes up new RAPs, but no other {field}")
+            reasons.append(f"a run accepts new RAPs, but no changed {field}")
     if reasons:
         raise RefusedError(reasons)
 

@@ -170,8 +170,8 @@ class HeldWorld(Wrapper):
         if not is_time(due):
             raise self.wrong_type("next_time", "the next time", due)
         if due < now:
-            said = f"says that it will next send something at {format_atom(due)}"
-            said += f", and it is {format_atom(now)} by now"
+            said = f"announces its next message for time {format_atom(due)}"
+            said += f", but the time is {format_atom(now)}"
             raise self.breach("next_time", said)
         return due
 
@@ -202,9 +202,9 @@ class HeldWorld(Wrapper):
             return
         at = format_atom(target)
         if announced:
-            said = f"said that it would send something at {at}, and sent nothing"
+            said = f"announced a message for time {at}, but sent none"
             raise self.breach("next_time", said)
-        raise self.breach("advance", f"did not move its clock on to {at}")
+        raise self.breach("advance", f"did not move its clock to {at}")
 
     def ended(self) -> str | None:
         """Return why the world has ended the run. Raises PortError for another type."""
@@ -226,7 +226,7 @@ class HeldWorld(Wrapper):
         with self._laid("facts"):
             facts = super().facts()
             if not isinstance(facts, Iterable):
-                raise self.wrong_type("facts", "what the robot knows at first", facts)
+                raise self.wrong_type("facts", "the initial facts", facts)
             for fact in facts:
                 if not is_fact(fact):
                     raise self.wrong_type("facts", "a first fact", fact)
@@ -340,13 +340,13 @@ class HeldWorld(Wrapper):
         known = self._results.get(str(asked[0]))
         if known is not None and reply.result not in known:
             told = self._undeclared(str(asked[0]), reply.result)
-            raise self.breach(call, f"answered {format_list(asked)} with {told}")
+            raise self.breach(call, f"returned {told} for {format_list(asked)}")
         tells = self._tells.get(str(asked[0]))
         for content in reply.data:
             self._check_datum(content, call)
             if tells is not None and content[0] not in tells:
                 told = f"sent {format_list(content)} with {format_list(asked)}"
-                raise self.breach(call, f"{told}, which `:tells` does not say")
+                raise self.breach(call, f"{told}, which `:tells` does not declare")
 
     def _check_datum(self, content: Fact, call: str) -> None:
         """Check that a datum has a handler and declared arguments."""

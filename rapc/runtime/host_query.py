@@ -188,6 +188,6 @@ def _refuse(fault: Fault | None) -> None:
 
 def _check(name: str, known: Sequence[str], given: Sequence[str]) -> None:
     if name not in known:
-        raise TextError(f"`{name}` is not in the question{hint(name, known)}")
+        raise TextError(f"`{name}` is not in the query{hint(name, known)}")
     if given.count(name) > 1:
-        raise TextError(f"`{name}` is given twice")
+        raise TextError(f"duplicate variable `{name}`")

@@ -181,14 +181,14 @@ class _Held:
         names = [arg.variable.name for arg in told.form.args]
         given = dict(zip(names, map(self._named, of[1:]), strict=True))
         patterns = [(effect, self._filled(effect, given)) for effect in effects]
-        behind = f" behind {format_list(of)}" + (f" - {result}" if result else "")
+        after = f" after {format_list(of)}" + (f" - {result}" if result else "")
         for said, place in self._surplus(noting, patterns):
-            raise self._breach(told, f"{told.whose} ({place}){behind} {said}")
+            raise self._breach(told, f"{told.whose} ({place}){after} {said}")
 
         def look() -> None:
             for said in self._missing(patterns, given):
                 whose = f"{told.whose}{place_of(handler)}"
-                raise self._breach(told, f"{whose}{behind} {said}")
+                raise self._breach(told, f"{whose}{after} {said}")
 
         if result:
             self._run.access.closing.append(look)
@@ -220,13 +220,13 @@ class _Held:
                 for effect, pattern in patterns
             ):
                 told = format_list(fact)
-                yield f"asserted {told}, which `:on` does not say", change.place
+                yield f"asserted {told}, which `:on` does not declare", change.place
         for change in noting.taken:
             fact = now_called(change.fact)
             is_property = relations[str(fact[0])].is_property
             if not any(_takes(e, p, fact, is_property) for e, p in patterns):
                 told = format_list(fact)
-                yield f"erased {told}, which `:on` does not say", change.place
+                yield f"erased {told}, which `:on` does not declare", change.place
 
     def _missing(
         self,
@@ -240,9 +240,9 @@ class _Held:
             if effect.negated:
                 left = self._matching(pattern)
                 if left is not None:
-                    yield f"left {format_list(left)}, which is to go by `:on`"
+                    yield f"did not erase {format_list(left)}, as `:on` declares"
             elif not self._holds(effect, given):
-                yield f"has not made {format_list(pattern)} hold, as `:on` says"
+                yield f"did not make {format_list(pattern)} hold, as `:on` declares"
 
     def _named(self, value: Atom) -> Atom:
         """Return the memory name for a sensor name from the handler's arguments."""

@@ -50,20 +50,22 @@ def read_fault(text: str) -> InjectedFault:
         )
     request = parse_pattern(text[:end].replace("(:", "(", 1))
     if any(isinstance(arg, nodes.Call) for arg in request.args):
-        raise TextError(f"a request holds no computed terms: {text[:end].strip()}")
+        raise TextError(
+            f"a request must not contain computed terms: {text[:end].strip()}"
+        )
     result, *options = text[end:].split() or [""]
     if not result or "=" in result:
-        missing = "how it goes astray" if of_signal else "the result"
-        raise TextError(f"{missing} is missing behind {text[:end].strip()}")
+        missing = "kind of signal fault" if of_signal else "result"
+        raise TextError(f"missing {missing} after {text[:end].strip()}")
     given: dict[str, Any] = {}
     for option in options:
         name, equals, value = option.partition("=")
         if name not in _OPTIONS or not equals:
-            known = "known are p, from, until, by"
+            known = "expected p, from, until or by"
             said = did_you_mean(name, _OPTIONS, known, "`{}=`")
-            raise TextError(f"`{option}` is no option of a fault; {said}")
+            raise TextError(f"unknown option `{option}` of a fault; {said}")
         if _OPTIONS[name] in given:
-            raise TextError(f"`{name}` is given twice")
+            raise TextError(f"duplicate option `{name}`")
         given[_OPTIONS[name]] = _number(name, value)
     if given.get("start", 0) > given.get("stop", math.inf):
         raise TextError("`from` is later than `until`")

@@ -145,7 +145,7 @@ def _primitives(node: nodes.Primitives, scene: Evidence) -> Happened | None:
     if same == len(done) == len(wanted):
         return None
     if same == len(wanted):
-        return ("these were too many:", *_listed(done[same:]))
+        return ("unexpected requests:", *_listed(done[same:]))
     missing = _written(flat(wanted[same]))
     if same == len(done):
         return (f"{missing} did not follow; all requests:", *_listed(done))

@@ -21,7 +21,7 @@ _ITEMS = "rapc.console.testing.under_pytest"
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Add a setting that permits worlds of some modules, and options for coverage."""
     group = parser.getgroup("rapc", "tests in RAP")
-    said = "say what the tests in RAP exercise of their libraries; write it as JSON"
+    said = "report the coverage of RAP tests; with FILE.json, also as JSON"
     group.addoption(
         "--rap-coverage", nargs="?", const="", metavar="FILE.json", help=said
     )

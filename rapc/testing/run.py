@@ -196,7 +196,7 @@ class _Run:
     def _fail_if_stopped(self) -> None:
         """Fail a test that a limit has ended, unless the test states the limit."""
         reason, stated = self.interpreter.reason, self.test.until
-        limit, more = "", "say when with `(until time)`"
+        limit, more = "", "give a time with `(until time)`"
         if reason == "cycles" and (stated is None or stated.cycles is None):
             limit = f"after {MOST_CYCLES} cycles"
             if stated is not None:

@@ -42,7 +42,7 @@ class UnansweredQuestion(Error):
     """A call of a memory function that no answer of the test matches."""
 
     def __init__(self, question: Fact) -> None:
-        super().__init__(f"no answer says what {format_list(question)} is")
+        super().__init__(f"no answer of the test matches {format_list(question)}")
 
     def __str__(self) -> str:
         """Return the message, with the clauses that called the function."""

@@ -95,7 +95,7 @@ def problem(
         if any(map(is_variable, fault.request)):
             return f"a spurious signal has no variables: {format_list(fault.request)}"
         if told is not None and name not in told:
-            return f"`{name}` is told for no skills that come on"
+            return f"no skill of a request emits `{name}`"
     return None
 
 

@@ -100,7 +100,7 @@ def test_standard_input_can_be_compiled(tmp_path: Path) -> None:
     done = rapc("compile", "-", "-o", "x", cwd=tmp_path, stdin=text)
     assert done.returncode == 0
     ran = rapc("run", "x", "--world", "truck", "--task", "(nothing)", cwd=tmp_path)
-    assert "tells of `place`" in ran.stderr
+    assert "initial facts of `place`" in ran.stderr
 
 
 def test_errors_are_printed_and_nothing_is_written(tmp_path: Path) -> None:

@@ -108,7 +108,7 @@ def _run(
             ("--set", "rapc.futile-limit=0.5"),
             "--set: `rapc.futile-limit` takes a whole number, 1 or more, not `0.5`",
         ),
-        (("--fault", "(nap) okay p=1 p=0"), "--fault: `p` is given twice"),
+        (("--fault", "(nap) okay p=1 p=0"), "--fault: duplicate option `p`"),
         (("--fault", "(nap) okay from=2 until=1"), "--fault: `from` is later than"),
         (("--fault", "(nap 1) okay"), "--fault: `nap` takes no arguments, not 1"),
     ],
@@ -174,7 +174,7 @@ def test_a_word_of_the_world_declared_otherwise_is_refused(bed: Path) -> None:
     assert done.returncode == 2
     assert done.stderr == (
         "error: doze.rap:2:1: `rested` takes no arguments, not 1: "
-        "the world `bed` tells (rested well)\n"
+        "the world `bed` has the initial fact (rested well)\n"
     )
     assert not (bed / "trace.jsonl").exists()
 
@@ -194,7 +194,7 @@ def test_a_library_run_in_the_wrong_world_is_told_which_is_meant() -> None:
     assert done.returncode == 2
     assert done.stdout == ""
     first, second = done.stderr.splitlines()
-    assert re.search(r"is not for the world `courier`, which lacks \d+ of the", first)
+    assert re.search(r"is not for the world `courier`: \d+ of its", first)
     assert second.strip() == "the world `truck` has them all"
 
 

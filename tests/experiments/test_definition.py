@@ -104,43 +104,42 @@ def test_kinds_of_values(text: str, message: str) -> None:
     [
         (
             changed(f'"{LIBRARY}"', '"-"'),
-            "`library`: standard input is there only once, a file is wanted",
+            "`library`: expected a file, not standard input",
         ),
-        (changed('"slow"', '"drops"'), "there is more than one part `drops`"),
+        (changed('"slow"', '"drops"'), "duplicate part `drops`"),
         (
             changed("values = [2, 4]", ""),
-            "part `slow` needs both `vary` and `values`, or neither",
+            "part `slow` requires both `vary` and `values`, or neither",
         ),
-        (changed("[2, 4]", "[2, 2]"), "part `slow` has a value twice"),
+        (changed("[2, 4]", "[2, 2]"), "part `slow` has a duplicate value"),
         (
             changed("at = [40]", "at = [0, 40]"),
-            "part `drops` has 1 reference figures for `completed`, "
-            "but 2 values they could be for",
+            "part `drops` has 1 reference figures for `completed`, expected 2",
         ),
         (
             changed("at = [40]", "at = [44]"),
-            "part `drops` has reference figures at 44, which is none of its `values`",
+            "part `drops` has reference figures at 44, which is not in its `values`",
         ),
         (
             changed("figures =", "bounds = { time = [[44, 1, 2]] }\nfigures ="),
-            "part `drops` has a bound of `time` at 44, which is none of its values",
+            "part `drops` has a bound of `time` at 44, which is not in its `values`",
         ),
         (
             changed("figures =", "bounds = { time = [[40, 3, 2]] }\nfigures ="),
-            "part `drops` has a bound of `time` that ends below its beginning",
+            "part `drops` has a bound of `time` with `to` less than `from`",
         ),
         (
             changed("values = [2, 4]", 'values = [2, 4]\nbeside = ["drops"]'),
-            "part `slow` is to be drawn beside `drops`, which is no part that varies "
-            "the same",
+            "part `slow` has `beside` `drops`, which is not a part with the same "
+            "`vary`",
         ),
         (
             TRUCK + 'mark = { at = 1, label = "here" }\n',
-            "part `usual` has a `mark`, but varies nothing",
+            "`mark` of part `usual` requires `vary`",
         ),
         (
             TRUCK + '[part.reference]\ntitle = "T"\nat = [1]\nfigures = {}\n',
-            "part `usual` varies nothing, so its reference needs no `at`",
+            "`at` in the reference of part `usual` requires `vary`",
         ),
     ],
 )
@@ -188,12 +187,12 @@ def test_what_contradicts_itself(text: str, message: str) -> None:
         ),
         (
             changed("{ moves =", "{ time ="),
-            "`count`, time: a measure is called so already",
+            "`count`: `time` is the name of a measure",
             None,
         ),
         (
             changed('["fill-order"]', '["fil-order"]'),
-            "`counted`: no task in the foreground is one of `fil-order`",
+            "`counted`: no foreground task of the RAP `fil-order`",
             "did you mean `fill-order`?",
         ),
         (
@@ -223,7 +222,7 @@ def test_tasks_that_cannot_be(task: str, message: str) -> None:
 def test_there_must_be_a_task_to_count() -> None:
     text = changed(" :priority 2", " :background true")
     message, _ = refusal(text)
-    assert message == "all tasks are in the background: there is none to count"
+    assert message == "all tasks are in the background; at least one must be counted"
 
 
 def test_parts_are_found_by_name() -> None:

@@ -101,19 +101,19 @@ def test_a_part_has_an_agenda_or_a_library_of_its_own() -> None:
 
 REFUSED = {
     ('["delivered", ', '["deliverd", '): (
-        "`figures`: the world `truck` tells no `deliverd`",
+        "`figures`: the world `truck` has no figure `deliverd`",
         "did you mean `delivered`?",
     ),
     ('"encounters"]', '"time"]'): (
-        "`figures`: a measure is called `time` already",
+        "`figures`: `time` is the name of a measure",
         None,
     ),
     ("from = 5", "frm = 5"): (
         "unknown key `frm` in `when` of `draw`",
         "did you mean `from`?",
     ),
-    ("to = 9", "to = 3"): ("`draw`, when: `from` is more than `to`", None),
-    ('["red", "blue"]', "[]"): ("`draw`, color: there is nothing to draw from", None),
+    ("to = 9", "to = 3"): ("`draw`, when: `from` is greater than `to`", None),
+    ('["red", "blue"]', "[]"): ("`draw`, color: the list is empty", None),
     ('["red", "blue"]', "3"): (
         "`draw`: expected a list or a table, got a whole number",
         None,
@@ -160,7 +160,7 @@ def test_what_cannot_be_drawn_is_refused(change: tuple[str, str]) -> None:
         (
             'agenda = "nine-orders"\n',
             "",
-            "part `as-given` needs an `agenda` or `tasks`",
+            "part `as-given` requires `agenda` or `tasks`",
         ),
     ],
 )

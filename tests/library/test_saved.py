@@ -164,7 +164,7 @@ HEAD, PAYLOAD = GOOD.split(b"\n", 1)
             "'push all' is not a word of the language",
         ),
         (seal(PAYLOAD.replace(b",[0],", b",[1],", 1)), "has no source"),
-        (seal(PAYLOAD.replace(b",[0],", b",[0,0],", 1)), "has the same source twice"),
+        (seal(PAYLOAD.replace(b",[0],", b",[0,0],", 1)), "has a duplicate source"),
     ],
 )
 def test_what_is_no_library_of_this_rapc_is_refused(data: bytes, said: str) -> None:

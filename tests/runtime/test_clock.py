@@ -217,7 +217,7 @@ def test_a_world_that_stops_for_nothing_is_told_of() -> None:
 
 
 @pytest.mark.parametrize(
-    ("coming", "said"), [(0, "sent nothing"), (7, "did not move its clock on to 7")]
+    ("coming", "said"), [(0, "sent none"), (7, "did not move its clock to 7")]
 )
 def test_a_clock_that_does_not_move_is_laid_at_the_worlds_door(
     coming: Time, said: str

@@ -78,10 +78,10 @@ def test_a_plan_with_a_mistake_is_found_before_it_is_taken_up() -> None:
 def test_a_library_with_more_than_new_raps_is_refused() -> None:
     run = started()
     more = library().extend("(declare-memory-proposition new (?x))").program
-    with pytest.raises(RefusedError, match="no other propositions"):
+    with pytest.raises(RefusedError, match="no changed propositions"):
         run.extend(more)
     other = LIBRARY.replace("(duration 7)", "(duration 8)")
-    with pytest.raises(RefusedError, match="`go` is not the one that runs"):
+    with pytest.raises(RefusedError, match="`go` differs from the RAP in the run"):
         run.extend(Program(load_text(other).library))
 
 

@@ -122,7 +122,7 @@ def test_items_of_the_batch_are_asked_for_by_their_names() -> None:
     [
         ("(nearby ?x)", {}, "no proposition .* called `nearby`|`nearby`"),
         ("(near ?x", {}, "ValueError|TextError"),
-        ("(near ?x ?y)", {"?z": "a"}, "`[?]z` is not in the question"),
+        ("(near ?x ?y)", {"?z": "a"}, "`[?]z` is not in the query"),
     ],
 )
 def test_a_question_that_cannot_be_asked_is_the_handlers_fault(

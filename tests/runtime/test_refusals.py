@@ -100,9 +100,8 @@ def test_a_library_for_another_world_is_refused_in_one_line() -> None:
     known = "(declare-primitive wave (?x) (okay))"
     others = "(declare-sensor-datum seen (?x))"
     assert reasons(text + others) == (
-        "t.rap:11:1: the library is not for the world `scripted`, which lacks 10 of "
-        "the 13 primitives and sensor data that it declares: `do-0`, `do-1`, `do-2` "
-        "and 7 more",
+        "t.rap:11:1: the library is not for the world `scripted`: 10 of its 13 "
+        "primitives and sensor data are missing: `do-0`, `do-1`, `do-2` and 7 more",
     )
     assert len(reasons(text + known)) == 1
     three = "".join(text.splitlines(keepends=True)[:3])
@@ -155,8 +154,8 @@ class Unskilled(ScriptedWorld):
 def test_skills_are_refused_in_a_world_that_cannot_switch_them_on() -> None:
     world = Unskilled([Row((":roll", "?x"), kind="enable")])
     assert (
-        "the world `unskilled` cannot switch skills on and off: it lacks "
-        "`activate` or `deactivate`"
+        "the world `unskilled` cannot run skills: it has no `activate` or no "
+        "`deactivate` method"
     ) in reasons("(declare-skill :roll (?x))", world=world)
 
 

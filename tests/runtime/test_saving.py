@@ -258,8 +258,8 @@ def test_what_is_no_saved_run_is_refused() -> None:
     for _ in range(6):
         play.interpreter.step()
     saved = play.interpreter.save()
-    _refused(play, b"", "this is no saved run")
-    _refused(play, b"rapc-library 1 x", "this is no saved run")
+    _refused(play, b"", "this is not a saved run")
+    _refused(play, b"rapc-library 1 x", "this is not a saved run")
     _refused(play, saved[:-1], "is damaged")
     _refused(play, saved.replace(b"slow", b"fast"), "is damaged")
     head = f"rapc-run {format.FORMAT}".encode()
@@ -272,9 +272,9 @@ def test_a_saved_run_of_something_else_is_refused() -> None:
     saved = play.interpreter.save()
     _refused(Play(ORDER + "; another", "(sort a)"), saved, "another library")
     other = Play(ORDER, settings=Settings(futile_limit=5))
-    _refused(other, saved, "other settings")
+    _refused(other, saved, "different settings")
     named = _forged(saved, lambda t: t.replace('"scripted"', '"truck"'))
-    _refused(play, named, "in the world `truck`, not `scripted`")
+    _refused(play, named, "to the world `truck`, not `scripted`")
 
 
 def test_a_saved_run_of_another_option_of_the_world_is_refused() -> None:

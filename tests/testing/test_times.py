@@ -217,7 +217,7 @@ def test_a_test_without_end_is_stopped(
     clauses = "(script ((say ?) :takes 1)) (task (forever))"
     found = cases(tmp_path, f"{LIBRARY} {FOREVER} (define-test it {clauses})")
     assert happened(run_case(found["it"])) == [
-        "the test was not over after 500 cycles; say when with `(until time)`"
+        "the test was not over after 500 cycles; give a time with `(until time)`"
     ]
 
 
@@ -229,7 +229,7 @@ def test_a_test_without_end_is_stopped_in_the_time_of_its_world_too(
     tests = f"(define-test it {clauses}) (define-test all {clauses} (cycles 9))"
     found = cases(tmp_path, f"{LIBRARY} {FOREVER} {tests}")
     assert happened(run_case(found["it"])) == [
-        "the test was not over at time 60; say when with `(until time)`"
+        "the test was not over at time 60; give a time with `(until time)`"
     ]
     assert happened(run_case(found["all"])) == []
 

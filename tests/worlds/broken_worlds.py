@@ -300,15 +300,15 @@ TYPES: dict[str, tuple[type[World], str]] = {
     "a next time that is no number": (waits(next_time=answers(nan)), "the next time"),
     "a next time that has been": (
         waits(next_time=answers(1), time=2, advance=answers(None)),
-        "will next send something at 1, and it is 2 by now",
+        "announces its next message for time 1, but the time is 2",
     ),
     "a next time at which nothing comes": (
         waits(next_time=answers(0)),
-        "said that it would send something at 0, and sent nothing",
+        "announced a message for time 0, but sent none",
     ),
     "a clock that stands still": (
         waits(next_time=answers(5), advance=answers(None)),
-        "did not move its clock on to 5",
+        "did not move its clock to 5",
     ),
     "a clock that goes back": (with_(perform=back), "clock back, from 0 to -3"),
     "a clock that breaks later": (with_(perform=lame), "the time"),
@@ -348,7 +348,7 @@ TYPES: dict[str, tuple[type[World], str]] = {
         with_(facts=answers([3])),
         "a first fact .* is `3`, not a tuple of a name and its arguments",
     ),
-    "no list of facts": (with_(facts=answers(None)), "knows at first"),
+    "no list of facts": (with_(facts=answers(None)), "initial facts"),
     "a handler that returns no result": (
         handlers(answers("bang"), lambda m, d: None),
         "the handler of `look`.* returned `bang`, which is no result of `look`",

@@ -157,7 +157,7 @@ def test_handler_that_leaves_out_a_value_is_blamed_with_the_declaration() -> Non
         memory.assert_fact("colour", request[1])
 
     said = (
-        f"the handler of `look` failed at test_{HERE}:.*: .colour one. lacks "
+        f"the handler of `look` failed at test_{HERE}:.*: .colour one. has no "
         r"the value of `.colour .thing .colour.`, declared at <text>:\d+:1; a handler"
     )
     with pytest.raises(rapc.PortError, match=said):

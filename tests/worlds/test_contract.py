@@ -353,7 +353,7 @@ def test_handlers_are_held_to_what_is_declared() -> None:
     library = LIBRARY.replace(
         "look (?thing) (okay)", "look (?thing) (okay) :on (okay (not (seen ?thing)))"
     )
-    assert "which `:on` does not say" in " ".join(tried(Good, library))
+    assert "which `:on` does not declare" in " ".join(tried(Good, library))
 
 
 def test_what_is_on_offer_is_declared() -> None:

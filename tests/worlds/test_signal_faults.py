@@ -127,7 +127,7 @@ LIBRARY = rapc.loads(
     [
         ("(:done) spurious", None),
         ("(:seen mug) spurious", None),
-        ("(:bump) spurious", "`:bump` is told for no skills that come on"),
+        ("(:bump) spurious", "no skill of a request emits `:bump`"),
         ("(:bump) lost", None),
     ],
 )

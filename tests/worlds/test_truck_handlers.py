@@ -315,6 +315,6 @@ def test_memory_and_world_agree_after_a_long_journey() -> None:
 
 def test_a_library_without_the_trucks_words_is_refused_beforehand() -> None:
     library = load_text("(define-rap (idle) (succeed t))").library
-    told = "the world `truck` tells of `place`, `produces`"
+    told = "the world `truck` has initial facts of `place`, `produces`"
     with pytest.raises(RefusedError, match=told):
         Interpreter(Program(library, "idle"), Driver().world)

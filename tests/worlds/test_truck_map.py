@@ -134,7 +134,10 @@ def test_opposites_are_half_a_turn_apart() -> None:
         (kinds(mill=mill(uses=3)), "uses up a liquid that it cannot contain"),
         (kinds(mill=mill(needs={"gun": 1})), "a `mill` cannot hold what it needs"),
         (kinds(key={"size": 1, "mends": ["mil"]}), "what a `key` mends is `mil`"),
-        (kinds(key={"size": 1, "mends": ["gun"]}), "mends machines, and a `gun` is"),
+        (
+            kinds(key={"size": 1, "mends": ["gun"]}),
+            "repairs machines, and `gun` is not",
+        ),
         (changed(items=[{**thing("gun"), "broken": True}]), "be broken, not a `gun`"),
         (
             changed(items=[thing("gun-tool", "box-1"), thing("box")], kinds=BOX),

@@ -53,7 +53,7 @@ MISSPELT = Rule(
     name="misspelt-constant",
     severity=Severity.WARNING,
     summary="a constant is used once, and its argument has a similar constant",
-    fix="unsafe: writes the similar constant or the variable",
+    fix="unsafe: writes the similar constant, or the variable of the same name",
     ignore="where the value comes from outside of the library, and a "
     "similar value exists",
     source="T 4.1",

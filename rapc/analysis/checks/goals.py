@@ -66,7 +66,7 @@ EMPTY = Rule(
 
 @check(HOPELESS, ENDLESS, EMPTY, needs_whole="form")
 def hopeless(run: Pass) -> Iterator[Diagnostic]:
-    """Find goals, reactions and declared effects that no action of a RAP affects."""
+    """Find goals, reactions and declared effects that their RAP cannot achieve."""
     effects = run.result(EFFECTS)
     hopeless: dict[str, Diagnostic] = {}
     for rap in run.library.raps.values():

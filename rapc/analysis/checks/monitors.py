@@ -54,8 +54,8 @@ AGE_IN_MONITOR = Rule(
     code="RAP068",
     name="age-in-monitor",
     severity=Severity.WARNING,
-    summary="a monitor binds an age, so no time wakes it",
-    ignore="where the task has a monitor of time too, which wakes the task",
+    summary="a monitor binds the age of a fact, so no time wakes its task",
+    ignore="where a `monitor-time` clause also wakes the task",
     source="T 4.1.1, 4.7.1",
 )
 
@@ -66,7 +66,7 @@ def age_in_monitor(run: Pass) -> Iterator[Diagnostic]:
     for believe in run.result(BINDINGS).ages:
         yield AGE_IN_MONITOR.at(
             believe.age.span,
-            "a monitor binds an age, and no time wakes this monitor",
+            "a monitor binds the age of a fact, so no time wakes its task",
             help="give `believe` a number: `(not (believe p 30))` wakes the task "
             "when p is 30 old",
         )

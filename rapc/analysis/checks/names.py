@@ -46,8 +46,7 @@ UNKNOWN_RAP = Rule(
     severity=Severity.ERROR,
     summary="a step, a rule or a test uses an unknown RAP",
     fix="unsafe: writes the similar name, if there is one",
-    ignore="where a host program or a problem solver adds the RAP and "
-    "declares so in the run",
+    ignore="where a host program or a problem solver adds the RAP in the run",
     source="T 3.1.4",
 )
 

@@ -299,7 +299,7 @@ class Variant:
     ) -> Callable[..., Any]:
         """Return the function that evaluates the query on one memory.
 
-        While `aliases` is not empty, `aliased` is called instead.
+        While `aliases` has merged items, the result calls `aliased` instead.
         """
         return compile_source(self.source)(ctx, self.constants, aliases, aliased)
 

@@ -14,7 +14,7 @@ from rapc.ir import nodes
 
 
 def fault(fn: FunctionWriter, what: str) -> None:
-    """Write the trace of a fault; `what` is an expression or a constant's name."""
+    """Write the code that reports a fault; `what` is an expression for its text."""
     fn.line(f"ctx.fault({fn.where}, {what})")
     fn.line(fn.skip)
 
@@ -73,10 +73,10 @@ def _computed(fn: FunctionWriter, term: nodes.Call) -> str:
 def registered(
     fn: FunctionWriter, name: str, listed: str, form: str = "as_value({})"
 ) -> str:
-    """Return the result of `attempt` for a registered function.
+    """Write the call of a registered function; return the local with its result.
 
-    An exception of the function belongs to the host: it propagates, with the name of
-    the clause.
+    An exception in the function propagates to the host, with a note that names the
+    clause.
     """
     called = f"ctx.functions[{fn.code.constant(name)}](ctx.view, {listed})"
     result = attempt(fn, form.format(called))

@@ -201,8 +201,8 @@ def _row(cells: Sequence[str]) -> str:
 
 _STOPPED = {
     "until": "stopped at the time `until`",
-    "stuck": "stuck, for nothing could go on",
-    "runaway": "called off, for the clock stood still",
+    "stuck": "stuck: no task could continue",
+    "runaway": "stopped: the clock did not move",
 }
 """The texts for runs that ended before their tasks."""
 

@@ -1,10 +1,10 @@
 """The view of a run in progress: a listener that draws frames.
 
-There is a frame for each request that has ended or, in a world with a plan, for each
-second of its time, as soon as the run only waits. On a terminal, frames replace each
-other at a pace that a person can follow, on a separate screen; the last frame stays
-when the run is over. Elsewhere only the last frame is written, or the last frame and
-every n-th frame if requested.
+The view draws a frame after each request. In a world with a plan, the view draws a
+frame for each second of world time, when no task may run. On a terminal, frames replace
+each other on a separate screen, slowly enough to follow; the last frame stays after
+the run. Elsewhere the view writes only the last frame, or every n-th frame as well if
+requested.
 """
 
 from __future__ import annotations

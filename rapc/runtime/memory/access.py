@@ -100,10 +100,10 @@ class MemoryView:
         return None if found is None else found.kind
 
     def spread(self, name: str, *places: int) -> float:
-        """Return how many facts of a name share arguments in positions, on average.
+        """Return the mean number of facts that agree in the arguments at `places`.
 
-        Positions count from 1. Without positions, return the number of facts of that
-        name.
+        Only facts of the predicate `name` count. Argument positions start at 1.
+        Without positions, return the number of these facts.
         """
         need_atoms((name, *places), "the facts")
         facts = self._memory.facts.table(name).stamps
@@ -286,8 +286,10 @@ class MemoryAccess(MemoryView):
         if whole and len(fact) != len(given):
             relation = memory.signatures.relations[str(fact[0])]
             at = source.place(relation.span, self._files)
-            said = f"{format_list(given)} lacks the value of `{relation.written}`"
-            raise FactError(f"{said}, declared at {at}; a handler states all arguments")
+            said = f"{format_list(given)} has no value for `{relation.written}`"
+            raise FactError(
+                f"{said}, declared at {at}; a handler must state all arguments"
+            )
         if fact[0] in self._of_kinds:
             self.check_kinds(fact)
         if fact[0] in _BY_HANDLERS:

@@ -327,12 +327,12 @@ def in_one_form(part: Atom) -> Atom:
     """Return a value in normal form: a whole float as an integer.
 
     Raises:
-        FactError: for a value that is no symbol, number or string of the language.
+        FactError: for a value that is not a symbol, number or string of the language.
     """
     if is_atom(part):
         return number(part) if type(part) is float else part
     if type(part) is str:
-        said = "is not a symbol; a text that is none is a `rapc.world.Text`"
+        said = "is not a symbol; use `rapc.world.Text` for a string"
         raise FactError(f"`{part:.60}` {said}")
     raise FactError(f"`{part}` is not a symbol, number or string")
 

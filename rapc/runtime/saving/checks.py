@@ -214,7 +214,7 @@ def _check_things(restored: RestoredRun) -> None:
     things = restored.things
     for number, holds in things.held.items():
         need(number in restored.runs, f"task {number} holds nothing")
-        need(once(h.ask.thing for h in holds), f"task {number} holds a thing twice")
+        need(once(h.ask.thing for h in holds), f"task {number} has a duplicate thing")
     for number, wait in things.waits.items():
         need(wait.task.number == number, f"task {number} waits for nothing")
         _check_thing_wait(wait)
@@ -240,7 +240,7 @@ def _check_thing_wait(wait: ThingWait) -> None:
     plan = None if task.run is None else task.run.plan.activation
     most = len(plan.skills) if plan is not None and plan.background else 0
     known = once(wait.skills) and all(0 <= at < most for at in wait.skills)
-    need(known, f"task {number} has no such skills")
+    need(known, f"task {number} has unknown skills")
 
 
 def _check_ask(ask: Ask, conflicts: int) -> None:

@@ -159,7 +159,7 @@ class Reader:
             described = isinstance(record, fields_of(Description).saved)
             kind = Description if described else Item
             item = fields_of(kind).read(self, record)
-            need(item.name not in self.items, "an item twice")
+            need(item.name not in self.items, "duplicate item")
             self.items[item.name] = item
             if isinstance(item, Description):
                 need(item.number not in self.descriptions, "two items have one number")
@@ -234,7 +234,7 @@ def _noted(reader: Reader, facts: tuple[Fact, ...]) -> tuple[Notation, ...]:
 
 def _stamps(_: Reader, saved: tuple[tuple[Fact, Any], ...]) -> dict[Fact, float]:
     found = {fact: NEVER if time is None else time for fact, time in saved}
-    need(len(found) == len(saved), "a fact twice")
+    need(len(found) == len(saved), "duplicate fact")
     return found
 
 
@@ -264,7 +264,7 @@ def _sets(reader: Reader, saved: Any) -> dict[tuple[str, Atom], ExpectationSet]:
     sets, record = reader.access.recognizer.sets, fields_of(ExpectationSet)
     for one in saved:
         sets[one.kind, one.place] = record.read(reader, one)
-    need(len(sets) == len(saved), "a set twice")
+    need(len(sets) == len(saved), "duplicate set")
     return sets
 
 
@@ -273,7 +273,7 @@ def _tables(reader: Reader, saved: Any) -> Tables:
     tables, record = reader.access.memory.facts.tables, fields_of(FactTable)
     for name, one in saved:
         tables[name] = record.read(reader, one)
-    need(len(tables) == len(saved), "a table twice")
+    need(len(tables) == len(saved), "duplicate table")
     return tables
 
 
@@ -409,7 +409,7 @@ def _composed(kind: Any, origin: Any, args: tuple[Any, ...]) -> Codec:
         return _of_row(origin, *parts)
     if origin is tuple:
         return _of_tuple(parts)
-    raise TypeError(f"nothing says how {kind} is saved")
+    raise TypeError(f"no codec for {kind}")
 
 
 def _is_data(kind: Any) -> bool:
@@ -456,7 +456,7 @@ def _of_dict(key: Codec, value: Codec) -> Codec:
 
     def read(reader: Reader, pairs: Any) -> Any:
         made = {key.made(reader, k): value.made(reader, v) for k, v in pairs}
-        need(len(made) == len(pairs), "a key twice in a table")
+        need(len(made) == len(pairs), "duplicate key in a table")
         return made
 
     return Codec(_tuple[_tuple[key.saved, value.saved], ...], write, read)
@@ -470,7 +470,7 @@ def _of_keys(key: Codec) -> Codec:
     def made(reader: Reader, keys: Any) -> Any:
         given = keys if read is None else [read(reader, one) for one in keys]
         found = dict.fromkeys(given)
-        need(len(found) == len(keys), "a key twice in a table")
+        need(len(found) == len(keys), "duplicate key in a table")
         return found
 
     return Codec(

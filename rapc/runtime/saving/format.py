@@ -109,11 +109,11 @@ def decode_run(saved: bytes) -> RunRecord:
     """
     head = _HEAD.match(saved)
     if head is None:
-        raise StateError("this is no saved run")
+        raise StateError("this is not a saved run")
     if int(head[1]) != FORMAT:
         raise StateError(
             f"this run was saved in format {int(head[1])}; "
-            f"this version of rapc takes up format {FORMAT}"
+            f"this version of rapc reads format {FORMAT}"
         )
     body = memoryview(saved)[head.end() :]
     if hashlib.sha256(body).hexdigest() != head[2].decode():

@@ -104,7 +104,7 @@ def _check_items(items: Items) -> None:
     known = items.known
     need(all(known), "an item without a name")
     need(known.keys().isdisjoint(items.aliases), "an alias of another name")
-    need(known.keys().isdisjoint(items.gone), "an item that is gone")
+    need(known.keys().isdisjoint(items.gone), "a removed item")
     _check_aliases(items.aliases)
     reached = [name for name, item in known.items() if item.accessible]
     need(sorted(reached) == sorted(items.reach), "other items are in reach")
@@ -152,7 +152,7 @@ def _check_sets(recognizer: Recognizer, described: Iterable[Description]) -> Non
     """Check that each description is in views of a single set or has no known place."""
     sets, lost = recognizer.sets.values(), recognizer.lost
     serials = [layer.serial for home in sets for layer in home.layers]
-    need(once(serials), "a layer twice")
+    need(once(serials), "duplicate layer")
     need(all(0 < n <= recognizer.layers for n in serials), "an unknown layer")
     homes: dict[Description, ExpectationSet] = {}
     for home in sets:

@@ -74,19 +74,19 @@ def restore(run: Run, saved: bytes) -> int:
 def _look_whose(run: Run, record: RunRecord) -> None:
     """Check that a saved run is of this library, world and settings."""
     if record.library != run.library.digest:
-        raise StateError("the saved run is one of another library")
+        raise StateError("the saved run belongs to another library")
     if record.world_name != run.port.name:
         raise StateError(
-            f"the saved run is one in the world `{record.world_name}`, "
+            f"the saved run belongs to the world `{record.world_name}`, "
             f"not `{run.port.name}`"
         )
     if record.settings != run.settings:
-        raise StateError("the saved run is one with other settings")
+        raise StateError("the saved run has different settings")
     mine, its = options_of(run.port), record.options
     for name in sorted({*mine, *its}):
         if mine.get(name) != its.get(name):
             raise StateError(
-                f"the saved run is one with another value of the option "
+                f"the saved run has a different value of the option "
                 f"`{run.port.name}.{name}`: {_option(its.get(name))}, "
                 f"not {_option(mine.get(name))}"
             )

@@ -126,7 +126,7 @@ class Hospital(World):
         with reading_state("a courier's world"):
             read = msgspec.json.decode(state, type=_Saved)
         if read.options != self._options:
-            raise ValueError("the state is that of a courier's world otherwise made")
+            raise ValueError("a courier's world with other options saved the state")
         with reading_state("a courier's world"):
             rng = stream_in(read.rng)
             nurses = [*read.state.nurses, read.state.nurse]

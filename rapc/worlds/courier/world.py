@@ -28,7 +28,7 @@ from rapc.worlds.courier.hospital import Hospital
 from rapc.worlds.courier.robot import FULL
 
 _OPTIONS = (
-    Option("battery", "integer", 70, "of 100", "what the battery holds at first"),
+    Option("battery", "integer", 70, "of 100", "initial charge of the battery"),
     Option("tray", "integer", 3, "parcels", "what the tray holds"),
     Option("blocked", "integer", 15, "%", "drives that end before a blocked door"),
     Option("sold-out", "integer", 10, "%", "stores that have nothing left just then"),

@@ -72,7 +72,7 @@ class HallwayWorld(SkillWorld):
     The world follows [S].
 
     Raises:
-        ValueError: for an option out of range, or a map that makes no sense.
+        ValueError: for an option out of range, or an invalid map.
     """
 
     name = "hallway"

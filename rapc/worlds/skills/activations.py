@@ -83,7 +83,7 @@ def refusal(
         may.update(catalogue.describe(request.skill).events)
     for event in new.events:
         if event not in may:
-            return Refused(reason=f"none of these skills tells `{event}`")
+            return Refused(reason=f"no skill of the request emits `{event}`")
     for on in ([new], [*under_way, new]):
         members = members_of(catalogue, on, {})
         try:

@@ -106,8 +106,7 @@ class Catalogue(Periphery):
                 known = self.events.setdefault(event.name, event)
                 if known.carries != event.carries:
                     raise CatalogueError(
-                        f"the event `{event.name}` is declared twice and carries "
-                        "different things"
+                        f"duplicate event `{event.name}` with different values"
                     )
         self._check_channels()
         for entry in self.entries.values():
@@ -151,11 +150,11 @@ class Catalogue(Periphery):
         for parameter in parameters:
             if parameter.kind not in KINDS:
                 raise CatalogueError(
-                    f"{name}: the kind `{parameter.kind}` of `{parameter.name}` "
-                    "is none of " + ", ".join(KINDS)
+                    f"{name}: unknown kind `{parameter.kind}` of `{parameter.name}`; "
+                    "expected one of " + ", ".join(KINDS)
                 )
         if len({parameter.name for parameter in parameters}) < len(parameters):
-            raise CatalogueError(f"{name} has two parameters of one name")
+            raise CatalogueError(f"{name} has duplicate parameters")
 
     def _check_channels(self) -> None:
         """Check that each input has a possible writer and each name one channel."""

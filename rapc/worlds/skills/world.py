@@ -167,7 +167,7 @@ class SkillWorld(World):
         for one in told:
             if not isinstance(one, EventTold):
                 raise PortError(
-                    f"`tick` of the world `{self.name}` returns what is told, "
+                    f"`tick` of the world `{self.name}` must return events, "
                     f"not {one!a:.60}{place_of(self.tick)}"
                 )
         return told

@@ -78,7 +78,7 @@ def _bad_kind(name: str, kind: Kind, kinds: Mapping[str, Kind]) -> Iterator[str]
     for one in kind.mends:
         yield from _unknown(one, kinds, f"what a `{name}` mends")
         if one in kinds and kinds[one].machine is None:
-            yield f"a `{name}` mends machines, and a `{one}` is none"
+            yield f"a `{name}` repairs machines, and `{one}` is not a machine"
     if kind.machine is not None:
         yield from _bad_machine(name, kind, kind.machine, kinds)
 

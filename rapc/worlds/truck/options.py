@@ -144,7 +144,7 @@ def adjustable(settings: TruckSettings) -> dict[str, Atom | bool]:
 
 
 def as_made(settings: TruckSettings, given: TruckSettings) -> TruckSettings:
-    """Return `settings` with those values of `given` that may change in a run."""
+    """Return `settings`, with the options that may change in a run from `given`."""
     changes = [row.field for row in _rows() if row.changes]
     return replace(settings, **{name: getattr(given, name) for name in changes})
 

@@ -53,7 +53,7 @@ class TruckWorld(World):
     The world follows [T 6.1, appendix B].
 
     Raises:
-        ValueError: for an option out of range, or a map or orders that make no sense.
+        ValueError: for an option out of range, or an invalid map or order.
     """
 
     name = "truck"

@@ -91,7 +91,7 @@ def test_an_event_carries_the_same_wherever_it_is_told() -> None:
         events = (Reached,)
         step = Smooth.step
 
-    with pytest.raises(CatalogueError, match="`reached` is declared twice"):
+    with pytest.raises(CatalogueError, match="duplicate event `reached`"):
         Catalogue([Smooth, Aim, Other], [LEVEL])
 
 

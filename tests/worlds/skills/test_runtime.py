@@ -63,7 +63,7 @@ def test_an_input_without_a_writer_of_the_same_activation_is_refused() -> None:
 
 def test_an_event_that_no_skill_of_the_activation_tells_is_refused() -> None:
     refused = Tank().runtime.activate(1, [SkillRequest("smooth")], ["reached"])
-    assert refused == Refused(reason="none of these skills tells `reached`")
+    assert refused == Refused(reason="no skill of the request emits `reached`")
 
 
 def test_a_conflict_names_what_is_under_way() -> None:

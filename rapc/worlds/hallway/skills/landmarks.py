@@ -269,7 +269,7 @@ class AtLandmark(Event):
 
 
 class ApproachLandmark(Skill):
-    """Lead to a place straight in front of the landmark, and face it there."""
+    """Drive to a point straight in front of a landmark, and turn to the landmark."""
 
     name = "approach-landmark"
     inputs = (FIX, POSE)
