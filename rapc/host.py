@@ -337,8 +337,9 @@ def rap_text(run: Interpreter, name: str) -> str:
     rap = run.library.library.raps.get(name)
     if rap is None:
         raise RefusedError([f"unknown RAP `{name}`"])
-    added = tuple(m.node for m in run.state.added_methods.get(name, ()))
-    return format_node(msgspec.structs.replace(rap, methods=rap.methods + added))
+    plans = run.methods(run.library.known_rap(name))
+    nodes = tuple([plan.node for plan in plans])
+    return format_node(msgspec.structs.replace(rap, methods=nodes))
 
 
 def methods(text: str) -> tuple[Method, ...]:

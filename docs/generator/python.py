@@ -65,7 +65,7 @@ def _assigned(statement: ast.stmt) -> str | None:
 _REFERENCE = re.compile(r" ?\[[TSL] [^\]]*\]")
 """A reference to a source: `[T 3.3]`."""
 
-_PART = re.compile(r"^(Args|Returns|Yields|Raises):$", re.M)
+_PART = re.compile(r"^(Args|Attributes|Returns|Yields|Raises):$", re.M)
 
 
 def api(module: str, *names: str) -> str:

@@ -201,14 +201,12 @@ class History:
     @property
     def cycle(self) -> int:
         """The number of the last cycle."""
-        run = self._run
-        return run.cycle if isinstance(run, Playback) else run.recorder.cycle
+        return self._run.cycle
 
     @property
     def serial(self) -> int:
         """The serial number of the next event."""
-        run = self._run
-        return run.serial if isinstance(run, Playback) else run.recorder.serial
+        return self._run.serial
 
     @property
     def now(self) -> Time:

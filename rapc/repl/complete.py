@@ -190,8 +190,7 @@ def _of_methods(library: Library, before: list[str]) -> Named:
 
 
 def _items(shell: Shell) -> Named:
-    known = shell.history.run.beliefs.items.known
-    return [(item.name, item.kind) for item in known.values()]
+    return [(item.name, item.kind) for item in shell.history.run.memory.items()]
 
 
 def _tasks(shell: Shell) -> Named:
@@ -283,9 +282,5 @@ def _values(shell: Shell, text: str) -> Iterator[Candidate]:
     name, prefix, at = words[0].lower(), words[-1], len([w for w in words[:-1] if w])
     if name not in run.library.signatures.relations:
         return
-    seen = {
-        format_atom(fact[at])
-        for fact in run.beliefs.facts.table(name).stamps
-        if at < len(fact)
-    }
+    seen = {format_atom(fact[at]) for fact in run.memory.facts(name) if at < len(fact)}
     yield from _matching(((value, "") for value in seen), prefix)

@@ -235,7 +235,7 @@ class Shell:
         request = read_task_request(text)
         self.history.act(SubmitTask(request))
         later = request.at is not None and request.at > self.history.now
-        number = self.history.run.state.numbers
+        number = self.history.run.created
         return say(
             f"submitted for a later time: {text}" if later else f"[{number}] {text}"
         )

@@ -7,14 +7,17 @@ from __future__ import annotations
 
 import copy
 import heapq
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import Any, NoReturn
 
 import msgspec
 
+from rapc.base.resources import Value
 from rapc.base.values import Atom, Fact, format_list
 from rapc.compiler.program import Program
+from rapc.compiler.query.query import Query
+from rapc.compiler.rap_plan import MethodPlan, RapPlan
 from rapc.errors import ArgumentError, PortError, RefusedError
 from rapc.events import Event, Goal, RunEnded, RunStarted, TaskResult
 from rapc.ir.nodes import Formula, Node
@@ -48,8 +51,9 @@ from rapc.runtime.memory.access import MemoryView
 from rapc.runtime.run import ContextListener, Run
 from rapc.runtime.saving.save import restore, save
 from rapc.runtime.settings import Settings, read_settings
-from rapc.runtime.snapshot import AgendaEntry
-from rapc.runtime.state.task import Task
+from rapc.runtime.snapshot import AgendaEntry, Candidate, Claim
+from rapc.runtime.state.activations import Activation
+from rapc.runtime.state.task import Env, Task
 from rapc.runtime.task_request import (
     TaskRequest,
     as_text,
@@ -57,14 +61,24 @@ from rapc.runtime.task_request import (
     read_task_request,
     refuse_tasks,
 )
+from rapc.runtime.tasks.causes import (
+    Condition,
+    PartAsked,
+    ask_in_parts,
+    conditions,
+    context_of,
+)
 from rapc.runtime.tasks.finish import end_method, fail
+from rapc.runtime.tasks.hold_things import asks_of
 from rapc.runtime.tasks.loop import run_loop, why_over
+from rapc.runtime.tasks.messages import take_in
+from rapc.runtime.tasks.primitives import take_reply
 from rapc.runtime.tasks.remove import cancel_matching, remove
 from rapc.runtime.tasks.rename_items import rename
 from rapc.runtime.tasks.signals import signal
-from rapc.runtime.tasks.start import create_top
+from rapc.runtime.tasks.start import create_top, read_inputs
 from rapc.spec import RunSpec
-from rapc.world import Callables, Time, World
+from rapc.world import Callables, Message, Refused, Reply, Time, World
 
 TRACE_FORMAT = 2
 """The version of the trace format."""
@@ -85,6 +99,14 @@ class Interpreter(Run):
             returns methods (T 7.4.1).
         comparators: comparators of descriptions by registered name (T A.5), besides
             those of the world: see `rapc.world.Kit`.
+
+    Attributes:
+        library: the compiled library; `extend` replaces it.
+        settings: the settings of the interpreter.
+        seed: the seed of the interpreter's random stream.
+        port: the world with checks of what it returns and sends; `port.behind` is the
+            world itself, or a wrapper of it that a tool has put there with
+            `port.enclose`.
 
     Raises:
         RefusedError: if the library cannot run in this world, before anything happens.
@@ -110,6 +132,7 @@ class Interpreter(Run):
         need_settings(settings)
         #: The specification of the run, for the trace, with its tasks and facts.
         self.spec = RunSpec(seed=seed)
+        #: The tasks with which the run begins.
         self.first_tasks: tuple[TaskRequest, ...] = ()
         self.first_facts: tuple[Fact, ...] = ()
         self._registered = (functions, solvers, comparators)
@@ -194,6 +217,21 @@ class Interpreter(Run):
     def now(self) -> Time:
         """Return the time of the world's clock, as last read."""
         return self.recorder.time
+
+    @property
+    def cycle(self) -> int:
+        """Return the number of the last cycle."""
+        return self.recorder.cycle
+
+    @property
+    def serial(self) -> int:
+        """Return the serial number of the next event."""
+        return self.recorder.serial
+
+    @property
+    def created(self) -> int:
+        """Return how many tasks have been created; their numbers begin at 1."""
+        return self.state.numbers
 
     @property
     def succeeded(self) -> int:
@@ -328,20 +366,6 @@ class Interpreter(Run):
         """
         need_atoms(goal, "`goal`")
         return cancel_matching(self, goal)
-
-    def task(self, number: int) -> Task:
-        """Return a live task by its number, for observers.
-
-        Raises:
-            ArgumentError: for an unknown task.
-        """
-        need_count(number, "the number of a task")
-        for task in self.state.live_tasks():
-            if task.number == number:
-                return task
-        if 0 < number <= self.state.numbers:
-            raise ArgumentError(f"task [{number}] has ended: ask at an earlier moment")
-        raise ArgumentError(f"unknown task [{number}]")
 
     def fail_task(self, number: int) -> None:
         """Fail a task, like a task with a false condition; its method ends first.
@@ -502,6 +526,40 @@ class Interpreter(Run):
         for task in self.first_tasks:
             self.submit(task)
 
+    # --- tests of a world -------------------------------------------------------------
+
+    def send(self, request: Fact) -> tuple[int, Reply | Refused | None]:
+        """Send a request without a task, in sensor names; process a reply.
+
+        Returns:
+            the ticket, and the answer of the world. If it is None, the end of the
+            request comes later (`receive`).
+
+        Raises:
+            PortError: for a world that violates the port.
+        """
+        self.state.tickets = ticket = self.state.tickets + 1
+        answer = self.port.perform(ticket, request)
+        if not isinstance(answer, Refused):
+            self.sync_clock()
+            asked = self.beliefs.items.named(request)
+            if answer is None:
+                self.state.pending[ticket] = None, asked
+            else:
+                take_reply(self, None, asked, answer)
+        return ticket, answer
+
+    def receive(self) -> Sequence[Message]:
+        """Process the messages of the world without a cycle; return the messages.
+
+        Raises:
+            PortError: for a world that violates the port.
+        """
+        self.sync_clock()
+        messages = self.port.messages()
+        take_in(self, messages)
+        return messages
+
     # --- saving ---------------------------------------------------------------------
 
     def save(self) -> bytes:
@@ -612,6 +670,8 @@ class Interpreter(Run):
                 waiting=waiting,
             )
 
+    # --- the present state, for observers: no call changes the run --------------------
+
     def results(self) -> tuple[TaskResult, ...]:
         """Return the result of each task so far, in order of arrival."""
         return snapshot.results(self.state.top_level)
@@ -623,6 +683,102 @@ class Interpreter(Run):
     def goals(self) -> dict[int, Goal]:
         """Return the goals of all live tasks by number, with the known inputs."""
         return snapshot.goals(self)
+
+    def tasks(self) -> list[Task]:
+        """Return all live tasks by number."""
+        return self.state.live_tasks()
+
+    def task(self, number: int) -> Task:
+        """Return a live task by its number.
+
+        Raises:
+            ArgumentError: for an unknown task.
+        """
+        need_count(number, "the number of a task")
+        for task in self.state.live_tasks():
+            if task.number == number:
+                return task
+        if 0 < number <= self.state.numbers:
+            raise ArgumentError(f"task [{number}] has ended: ask at an earlier moment")
+        raise ArgumentError(f"unknown task [{number}]")
+
+    def methods(self, rap: RapPlan) -> tuple[MethodPlan, ...]:
+        """Return the methods of a RAP, then those that solvers have added."""
+        return self.state.methods(rap)
+
+    def notations(self, task: Task) -> list[Fact]:
+        """Return the facts that the method of a task has noted."""
+        noted = () if task.run is None else task.run.notations
+        return self.beliefs.notations.facts(noted)
+
+    def monitored(self, task: Task) -> str:
+        """Return the formula of a task's monitors, as text."""
+        return self.monitors.reason(task)
+
+    def requests(self) -> dict[int, tuple[Task | None, Fact]]:
+        """Return the requests under way by ticket, each with its task.
+
+        A cancelled request has no task; the world may answer it later, or never.
+        """
+        return dict(sorted(self.state.pending.items()))
+
+    def skills(self) -> tuple[Activation, ...]:
+        """Return the activations that are on, then those that are off but not over."""
+        tables = self.state.activations
+        return (*tables.on.values(), *tables.off.values())
+
+    def claims(self) -> tuple[Claim, ...]:
+        """Return the held things, each with its holder and the waiting tasks."""
+        return snapshot.claims(self)
+
+    def deadlocks(self) -> tuple[str, ...]:
+        """Return a line for each deadlock: tasks that wait for each other."""
+        return snapshot.deadlocks_in_words(self)
+
+    def candidates(self) -> dict[int, Candidate]:
+        """Return the eligible tasks by number, as the rules of choice see them."""
+        return snapshot.candidates(self)
+
+    def families(self) -> tuple[tuple[int, int], ...]:
+        """Return the priority and number of each selected family, preferred first."""
+        return tuple(reversed(self.eligible.stack))
+
+    # --- explanations -----------------------------------------------------------------
+
+    def read_inputs(self, task: Task) -> None:
+        """Read the inputs of a task that was never selected, as its first cycle does.
+
+        This call changes the task: use it only in a run that is restored afterwards.
+        """
+        if not task.bound:
+            read_inputs(self, task)
+
+    def conditions(self, task: Task) -> Iterator[Condition]:
+        """Yield the conditions of a task in the order of a cycle [L 3]."""
+        return conditions(task)
+
+    def explain(
+        self, query: Query, task: Task | None, env: Env, most: int
+    ) -> Iterator[PartAsked]:
+        """Evaluate a query conjunct by conjunct, to the first without a solution.
+
+        Args:
+            query: the query.
+            task: the task that evaluates the query; None for a user.
+            env: the bindings before the evaluation.
+            most: the highest number of solutions to find for each conjunct.
+        """
+        return ask_in_parts(self, query, task, env, most)
+
+    def solution(self, query: Query, task: Task, env: Env) -> Mapping[str, Value]:
+        """Return the first solution of a query of a task; empty without a solution."""
+        return query.first(context_of(self, task), env) or {}
+
+    def obstacle(self, task: Task, method: MethodPlan, env: Env) -> Claim | None:
+        """Return the claim for which a method would wait, or None."""
+        asks = asks_of(self, task, method, env)
+        hold = None if asks is None else self.things.obstacle(task, asks)
+        return None if hold is None else snapshot.claim(self, hold)
 
     def question(self, formula: Formula | str, *given: str) -> HostQuery:
         """Return a formula, or its text, compiled for many evaluations over memory.

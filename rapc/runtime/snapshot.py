@@ -8,14 +8,14 @@ from collections.abc import Iterable
 
 import msgspec
 
-from rapc.base.values import format_list, number
+from rapc.base.values import Fact, format_list, number
 from rapc.events import Goal, TaskResult
 from rapc.ir.printer import format_formula
 from rapc.runtime.run import Run
 from rapc.runtime.state.deadlocks import deadlocks, held, in_words
 from rapc.runtime.state.states import BLOCKED, ELIGIBLE, UNTESTED, WAITING
 from rapc.runtime.state.task import MethodRun, Task, TopLevelTask
-from rapc.runtime.state.things import ThingWait
+from rapc.runtime.state.things import Hold, ThingWait, words
 from rapc.world import OKAY, Time
 
 
@@ -39,6 +39,32 @@ class AgendaEntry(msgspec.Struct, frozen=True):
     duration: Time
     slack: Time | None
     waits_for: str
+
+
+class Claim(msgspec.Struct, frozen=True):
+    """A thing that a method under way holds."""
+
+    #: The thing; `said` is its text, or that of the request that holds it.
+    thing: Fact
+    said: str
+    #: The task whose method holds the thing.
+    task: Task
+    #: Whether the request of the method uses the thing; otherwise the method claims it.
+    used: bool
+    #: The tasks that wait for the thing, by number.
+    waiting: tuple[int, ...]
+
+
+class Candidate(msgspec.Struct, frozen=True):
+    """An eligible task as the rules of choice see it [T 3.2.4; L 4]."""
+
+    priority: int
+    #: The latest start that could meet the deadline; 0 for a sole candidate.
+    latest: float
+    #: Whether a method of the task has failed.
+    failed: bool
+    #: Whether the family of the task is the preferred one among the candidates.
+    preferred: bool
 
 
 def agenda(run: Run) -> tuple[AgendaEntry, ...]:
@@ -149,6 +175,41 @@ def _awaited(run: Run, task: Task) -> str:
 def _things_in_the_way(run: Run, wait: ThingWait) -> str:
     hold = run.things.obstacle_of(wait)
     return "" if hold is None else held(hold)
+
+
+def claims(run: Run) -> tuple[Claim, ...]:
+    """Return the held things in their order, each holder apart."""
+    held_things = sorted(run.things.held.items())
+    return tuple([claim(run, hold) for _, holds in held_things for hold in holds])
+
+
+def claim(run: Run, hold: Hold) -> Claim:
+    """Return a hold as a value, with the waiting tasks."""
+    thing = hold.ask.thing
+    waiting = [
+        wait.task.number
+        for wait in run.things.waits.values()
+        if any(ask.thing == thing for way in wait.alternatives for ask in way)
+    ]
+    task, waiters = hold.run.task, tuple(sorted(waiting))
+    return Claim(thing, words(hold), task, hold.ask.used, waiters)
+
+
+def candidates(run: Run) -> dict[int, Candidate]:
+    """Return the eligible tasks by number, as the rules of choice see them."""
+    sole, others = run.eligible.entries()
+    late = {number: (start, failed) for number, start, failed in others}
+    if sole is not None:
+        late[sole] = 0, False
+    tasks = [task for task in run.state.live_tasks() if task.number in late]
+    highest = max((task.priority for task in tasks), default=0)
+    open_to = [family for level, family in run.eligible.stack if level <= highest]
+    return {
+        task.number: Candidate(
+            task.priority, *late[task.number], task.family in open_to[-1:]
+        )
+        for task in tasks
+    }
 
 
 def deadlocks_in_words(run: Run) -> tuple[str, ...]:

@@ -107,6 +107,12 @@ def _memory(one: Asker) -> None:
     memory.query(name, *args[:-1], None)
     memory.age(name, *args)
     memory.spread(str(name), 1)
+    assert name in memory.names()
+    assert (name, *args) in memory
+    assert memory.facts(str(name))[(name, *args)] == memory.since((name, *args))
+    assert memory.canonical((name, *args)) == (name, *args)
+    for item in memory.items():
+        assert item.name in memory.names_of(item.name)
     for arg in args:
         memory.value(name, *args[:-1])
         memory.kind(arg)
@@ -123,6 +129,24 @@ def _results(one: Asker) -> None:
     run.check([TaskRequest((goal.name, *goal.inputs)) for goal in given])
     assert run.succeeded >= 0
     assert run.reason is None or run.settings.patience
+
+
+def _observe(one: Asker) -> None:
+    run = one.session.run
+    assert run.created >= len(run.tasks())
+    assert set(run.candidates()) <= {task.number for task in run.tasks()}
+    assert all(claim.task.live for claim in run.claims())
+    assert (run.cycle, run.serial) == (one.session.cycle, one.session.serial)
+    run.families(), run.deadlocks(), run.requests(), run.skills()
+    for task in filter(lambda task: task.bound, run.tasks()):
+        run.monitored(task)
+        for _, query, asker, env in run.conditions(task):
+            asked = [*run.explain(query, asker, env, 3)]
+            run.solution(query, asker, env)
+            assert all(part.solutions for part in asked[:-1])
+        for method in run.methods(task.plan):
+            run.obstacle(task, method, task.env)
+        run.notations(task)
 
 
 def _stand(one: Asker) -> None:
@@ -176,6 +200,7 @@ OF_RUNS: Mapping[str, Callable[[Asker], object]] = {
     "check_fact": lambda one: one.session.run.check_fact(*one.fact()),
     "question": _formula,
     "memory": _memory,
+    "observe": _observe,
     "tree": lambda one: tasks.tree(one.session),
     "chain": lambda one: tasks.chain(one.session, str(one.task())),
     "items": lambda one: state.items(one.session),

@@ -16,7 +16,6 @@ from rapc.debug.log import ToldEvent
 from rapc.debug.questions.why import method_supports
 from rapc.debug.questions.why_not import ClauseAsked, ask, methods
 from rapc.errors import ArgumentError
-from rapc.runtime.tasks.start import read_inputs
 
 
 class Commitment(msgspec.Struct, frozen=True):
@@ -76,9 +75,8 @@ def commitment(history: History, number: int) -> Commitment:
     with history.at(told.cycle - 1) as run:
         run.come_to_choice()
         before = run.task(number)
-        if not before.bound:
-            read_inputs(run, before)
-        plans = run.state.methods(before.plan)
+        run.read_inputs(before)
+        plans = run.methods(before.plan)
         plan = next((m for m in plans if m.name == told.keys["method"]), None)
         facts = tuple(method_supports(run, before, plan))
     run, task = history.run, history.run.task(number)
@@ -89,7 +87,7 @@ def commitment(history: History, number: int) -> Commitment:
         goal=str(task.goal()),
         chosen=told,
         rested_on=facts,
-        gone=tuple(fact for fact in facts if fact not in run.beliefs.facts),
+        gone=tuple(fact for fact in facts if fact not in run.memory),
         now=None if query is None else ask(run, now, query, task, task.env),
         would=tuple(
             (one.name, {} if one.context is None else one.context.bindings)
@@ -103,7 +101,7 @@ def stale(history: History) -> list[Commitment]:
     """Return the commitments whose supporting facts are no longer all in memory."""
     found = [
         commitment(history, task.number)
-        for task in history.run.state.live_tasks()
+        for task in history.run.tasks()
         if task.run is not None and task.run.plan.choice is not None
     ]
     return [one for one in found if one.gone]

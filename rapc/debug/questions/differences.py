@@ -60,10 +60,10 @@ def _at(history: History, cycle: int) -> _Snapshot:
     with history.at(cycle) as run:
         methods = {
             task.number: "" if task.run is None else f" {task.run.plan.name}"
-            for task in run.state.live_tasks()
+            for task in run.tasks()
         }
         tasks = {e.task: (str(e.goal), e.state + methods[e.task]) for e in run.agenda()}
-        return _Snapshot(dict.fromkeys(run.beliefs.facts), tasks)
+        return _Snapshot(dict.fromkeys(run.memory), tasks)
 
 
 # --- two runs -----------------------------------------------------------------------

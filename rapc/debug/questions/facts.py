@@ -5,7 +5,7 @@ Times and sources of changes come from the events of the run up to the present m
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Set
 from typing import NamedTuple
 
 from rapc import events
@@ -23,7 +23,6 @@ from rapc.debug.arguments import Arguments, read_pattern
 from rapc.debug.history import History
 from rapc.debug.log import ToldEvent, Want
 from rapc.debug.questions.why import Origin, origins, source
-from rapc.debug.questions.why_not import last_asserted
 from rapc.errors import ArgumentError
 from rapc.library.signatures import Use
 from rapc.world import Time
@@ -94,9 +93,7 @@ def _names_of(history: History, name: str) -> set[str]:
         merged = history.scan(events.ItemMerged)
         pairs = [{told.keys["item"], told.keys["with_"]} for told in merged]
         return {name}.union(*(pair for pair in pairs if name in pair))
-    items = history.run.beliefs.items
-    kept = str(items.canonical(name))
-    return {name, kept} | {n for n in items.aliases if items.canonical(n) == kept}
+    return {name} | history.run.memory.names_of(name)
 
 
 def _changes(history: History, of_fact: Want, of_item: Want) -> list[_Change]:
@@ -153,14 +150,13 @@ def who(history: History, args: Arguments) -> Answer:
     run, name = history.run, str(pattern[0])
     if name not in run.library.signatures.relations:
         raise ArgumentError(str(run.library.signatures.unknown("test", name)))
-    facts = [
-        fact
-        for fact in run.beliefs.facts.table(name).stamps
+    stamps = {
+        fact: since
+        for fact, since in run.memory.facts(name).items()
         if match_pattern(pattern, fact[: len(pattern)]) is not None
-    ]
-    stamps = {fact: last_asserted(run, fact) for fact in facts}
+    }
     found = origins(history, stamps, history.cycle + 1)
-    rows = [*map(_believed, found), *_noted_by(history, facts)]
+    rows = [*map(_believed, found), *_noted_by(history, stamps.keys())]
     rows += [*_listening(history, pattern), *_places(history, name)]
     return table(("use", "by", "where"), rows, none="no uses")
 
@@ -175,20 +171,17 @@ def _believed(origin: Origin) -> _Row:
     return how, format_list(origin.fact), f"since {since}{by}"
 
 
-def _noted_by(history: History, facts: list[Fact]) -> Iterator[_Row]:
+def _noted_by(history: History, facts: Set[Fact]) -> Iterator[_Row]:
     """Yield the methods under way that have noted one of the facts, by task."""
-    notations = history.run.beliefs.notations
-    for task in history.run.state.live_tasks():
-        if task.run is not None and task.run.notations:
-            noted = notations.facts(task.run.notations)
-            if any(fact in noted for fact in facts):
-                yield "noted by", f"[{task.number}]", ""
+    for task in history.run.tasks():
+        if not facts.isdisjoint(history.run.notations(task)):
+            yield "noted by", f"[{task.number}]", ""
 
 
 def _listening(history: History, pattern: Fact) -> Iterator[_Row]:
     """Yield the tasks with a monitor registered for changes of the fact."""
     entries = {entry.task: entry for entry in history.run.agenda()}
-    for task in history.run.state.live_tasks():
+    for task in history.run.tasks():
         keys = () if task.wait is None else task.wait.keys or ()
         if any(_hears(key, pattern) for key in keys):
             entry = entries[task.number]

@@ -8,16 +8,13 @@ from rapc.debug.arguments import Arguments
 from rapc.debug.history import History
 from rapc.errors import ArgumentError, TextError
 from rapc.events import TaskCreated
-from rapc.runtime.memory.facts import NEVER
-from rapc.runtime.snapshot import deadlocks_in_words
-from rapc.runtime.state.things import format_thing
 from rapc.world import Drawable, Thing
 
 
 def names_with_facts(history: History) -> Answer:
     """Return the names of facts in memory, with the number of facts of each."""
-    tables = sorted(history.run.beliefs.facts.tables.items())
-    rows = [(name, len(found.stamps)) for name, found in tables if found.stamps]
+    memory = history.run.memory
+    rows = [(name, len(memory.facts(name))) for name in memory.names()]
     return table(("facts of", "number"), rows, none="no facts in memory")
 
 
@@ -35,10 +32,10 @@ def beliefs(history: History, name: str, *values: Atom | None) -> Answer:
     if wrong is not None:
         raise ArgumentError(wrong)
     rows = []
-    for fact, stamp in run.beliefs.facts.table(name).stamps.items():
+    for fact, stamp in run.memory.facts(name).items():
         given = zip(values, fact[1:], strict=False)
         if all(want is None or want == value for want, value in given):
-            since = None if stamp is None or stamp == NEVER else number(stamp)
+            since = None if stamp is None else number(stamp)
             age = None if since is None else history.now - since
             rows.append((format_list(fact), since, age))
     return table(("fact", "since", "age"), rows, none="no matching facts")
@@ -47,11 +44,11 @@ def beliefs(history: History, name: str, *values: Atom | None) -> Answer:
 @question()
 def items(history: History, args: Arguments) -> Answer:
     """List the items in memory."""
-    memory = history.run.beliefs
+    memory = history.run.memory
     rows = []
-    for item in memory.items.known.values():
-        place = memory.facts.asserted(("location", item.name))
-        at = "" if place is None else format_atom(place[-1])
+    for item in memory.items():
+        place = memory.value("location", item.name)
+        at = "" if place is None else format_atom(place)
         rows.append(
             (item.name, item.kind, at, item.sensor if item.accessible else None)
         )
@@ -65,10 +62,10 @@ def monitors(history: History, args: Arguments) -> Answer:
     run = history.run
     entries = {entry.task: entry for entry in history.run.agenda()}
     rows = []
-    for task in run.state.live_tasks():
+    for task in run.tasks():
         if task.plan.monitored:
             entry, wait = entries[task.number], task.wait
-            formula = run.monitors.reason(task) if task.bound else ""
+            formula = run.monitored(task) if task.bound else ""
             timer = None if wait is None else wait.timer
             told = (task.number, entry.goal, entry.state, formula, timer)
             rows.append((*told, entry.deadline))
@@ -82,31 +79,25 @@ def claims(history: History, args: Arguments) -> Answer:
 
     Deadlocks of tasks are listed below the table.
     """
-    things = history.run.things
-    rows = []
-    for hold in (hold for _, holds in sorted(things.held.items()) for hold in holds):
-        task, thing = hold.run.task, hold.ask.thing
-        waiters = sorted(
-            wait.task.number
-            for wait in things.waits.values()
-            if any(ask.thing == thing for way in wait.alternatives for ask in way)
+    rows = [
+        (
+            *(one.said, one.task.number, str(one.task.goal())),
+            "uses" if one.used else "claims",
+            " ".join(f"[{number}]" for number in one.waiting) or None,
         )
-        how = "uses" if hold.ask.used else "claims"
-        told = (hold.said or format_thing(thing), task.number, str(task.goal()), how)
-        rows.append((*told, " ".join(f"[{number}]" for number in waiters) or None))
+        for one in history.run.claims()
+    ]
     columns = ("thing", "held by", "goal", "how", "waited for by")
-    notes = deadlocks_in_words(history.run)
+    notes = history.run.deadlocks()
     return table(columns, rows, none="no held things", notes=notes)
 
 
 @question()
 def requests(history: History, args: Arguments) -> Answer:
     """List the requests under way."""
-    # A world may answer a cancelled request later, or never.
-    pending = sorted(history.run.state.pending.items())
     rows = [
         (ticket, task.number, format_list(asked))
-        for ticket, (task, asked) in pending
+        for ticket, (task, asked) in history.run.requests().items()
         if task is not None
     ]
     return table(("ticket", "task", "request"), rows, none="no requests under way")
@@ -118,7 +109,7 @@ def stack(history: History, args: Arguments) -> Answer:
     goals = history.run.goals()
     rows = [
         (priority, f"[{family}]", str(goals.get(family, "ended")))
-        for priority, family in reversed(history.run.eligible.stack)
+        for priority, family in history.run.families()
     ]
     columns = ("priority", "family", "goal")
     return table(columns, rows, none="no family selected")
@@ -127,7 +118,6 @@ def stack(history: History, args: Arguments) -> Answer:
 @question()
 def skills(history: History, args: Arguments) -> Answer:
     """List the active skills."""
-    activations = history.run.state.activations
     rows = [
         (
             one.ticket,
@@ -135,7 +125,7 @@ def skills(history: History, args: Arguments) -> Answer:
             " ".join(map(format_list, one.skills)),
             "off" if one.run is None else "on",
         )
-        for one in (*activations.on.values(), *activations.off.values())
+        for one in history.run.skills()
     ]
     return table(("ticket", "task", "skills", ""), rows, none="no active skills")
 

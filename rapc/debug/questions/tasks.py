@@ -55,7 +55,7 @@ def tree(history: History, args: Arguments) -> Answer:
 
 def _live(run: Interpreter) -> Mapping[int, _Member]:
     """Return the live tasks of a run, by number."""
-    tasks = {task.number: task for task in run.state.live_tasks()}
+    tasks = {task.number: task for task in run.tasks()}
     found: dict[int, _Member] = {}
     for entry in run.agenda():
         task = tasks[entry.task]
@@ -155,7 +155,7 @@ def task(history: History, args: Arguments) -> Answer:
     rows += [(name, format_atom(bound[name])) for name in order]
     notes: tuple[str, ...] = ()
     if found.history is not None:
-        plans = run.state.methods(found.plan)
+        plans = run.methods(found.plan)
         counts = found.history.failures.items()
         rows += [(f"failures of {plans[at].name}", count) for at, count in counts]
         notes = tuple(cause_lines(found.history.because))

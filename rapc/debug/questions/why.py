@@ -31,9 +31,8 @@ from rapc.debug.questions.why_not import (
 from rapc.errors import ArgumentError
 from rapc.events import Cause, Event
 from rapc.runtime.events.report import cause_lines
-from rapc.runtime.run import Run
+from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.state.task import Task
-from rapc.runtime.tasks.start import read_inputs
 from rapc.world import Time
 
 
@@ -183,17 +182,9 @@ _RULES = (
 
 def _choice(history: History, task: int) -> Choice:
     """Return the reasons for the next selection; the run is before the choice."""
-    run = history.run
-    live = {one.number: one for one in run.state.live_tasks()}
-    sole, others = run.eligible.entries()
-    late = {number: (start, failed) for number, start, failed in others}
-    if sole is not None:
-        late[sole] = 0, False
-    highest = max(live[n].priority for n in late)
-    open_to = [family for level, family in run.eligible.stack if level <= highest]
     keys = {
-        n: (-live[n].priority, *late[n], live[n].family not in open_to[-1:])
-        for n in late
+        number: (-one.priority, one.latest, one.failed, not one.preferred)
+        for number, one in history.run.candidates().items()
     }
     left = candidates = tuple(sorted(keys))
     rules: list[tuple[str, tuple[int, ...]]] = []
@@ -208,16 +199,17 @@ def _choice(history: History, task: int) -> Choice:
     return Choice(task, history.cycle + 1, history.now, candidates, tuple(rules))
 
 
-def _doing(run: Run, task: Task, settled: ToldEvent | None) -> tuple[Doing, Supports]:
+def _doing(
+    run: Interpreter, task: Task, settled: ToldEvent | None
+) -> tuple[Doing, Supports]:
     """Return the outcome of a cycle and its supports; the run is before the cycle."""
-    if not task.bound:
-        read_inputs(run, task)
+    run.read_inputs(task)
     if settled is None:
         return Doing(), {}
     outcome, keys = _SETTLES[settled.kind], settled.keys
     if outcome == "method":
         name, found = keys["method"], tuple(methods(run, task))
-        plan = next((m for m in run.state.methods(task.plan) if m.name == name), None)
+        plan = next((m for m in run.methods(task.plan) if m.name == name), None)
         if plan is None:
             found += (MethodAnswer(name, None, False, 0, 0, solved=True),)
         rests_on = method_supports(run, task, plan)
@@ -230,16 +222,17 @@ def _doing(run: Run, task: Task, settled: ToldEvent | None) -> tuple[Doing, Supp
     return Doing(outcome, keys["on"]), {}
 
 
-def method_supports(run: Run, task: Task, method: MethodPlan | None) -> Supports:
+def method_supports(
+    run: Interpreter, task: Task, method: MethodPlan | None
+) -> Supports:
     """Return the facts that make a method's context true."""
     return _supports_of(run, task, None if method is None else method.choice)
 
 
-def _supports_of(run: Run, task: Task, query: Query | None) -> Supports:
+def _supports_of(run: Interpreter, task: Task, query: Query | None) -> Supports:
     if query is None:
         return {}
-    run.explaining_context.begin(task)
-    found = query.first(run.explaining_context, task.env) or {}
+    found = run.solution(query, task, task.env)
     return supports(run, query.formula, {**task.env, **found})
 
 
@@ -312,7 +305,7 @@ def why_failed(history: History, number: int | None = None) -> Answer:
     Raises:
         ArgumentError: if the task, or every task, has not failed.
     """
-    numbers = history.run.state.numbers
+    numbers = history.run.created
 
     def wanted(told: ToldEvent) -> bool:
         if told.kind is events.TaskFailed:

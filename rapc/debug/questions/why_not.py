@@ -10,6 +10,7 @@ run.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
 
 import msgspec
 
@@ -26,14 +27,9 @@ from rapc.events import Goal, TaskSelected
 from rapc.ir import clauses, nodes
 from rapc.parser.parse import parse_formula
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.memory.facts import NEVER
 from rapc.runtime.memory.memory import EXTERNAL
-from rapc.runtime.run import Run
 from rapc.runtime.snapshot import AgendaEntry
 from rapc.runtime.state.task import Env, Task
-from rapc.runtime.tasks.causes import ask_in_parts, conditions
-from rapc.runtime.tasks.hold_things import asks_of
-from rapc.runtime.tasks.start import read_inputs
 from rapc.world import Time
 
 MOST = 100
@@ -219,7 +215,7 @@ def task_asked(history: History, number: int) -> TaskAnswer:
         ArgumentError: if the task is unknown.
         StateError: if the task has ended and the run cannot go back.
     """
-    live = {task.number: task for task in history.run.state.live_tasks()}
+    live = {task.number: task for task in history.run.tasks()}
     if number in live:
         if history.no_way_back and live[number].bound:
             return _answer(history.run, number, history.cycle)
@@ -236,7 +232,7 @@ def last_cycle(history: History, number: int) -> int:
     Raises:
         ArgumentError: if the task was never selected.
     """
-    if not 0 < number <= history.run.state.numbers:
+    if not 0 < number <= history.run.created:
         raise ArgumentError(f"unknown task [{number}]")
     found = history.last(TaskSelected, want=lambda told: told.keys["task"] == number)
     if found is None:
@@ -248,8 +244,7 @@ def _answer(run: Interpreter, number: int, cycle: int) -> TaskAnswer:
     task = run.task(number)
     entries = {entry.task: entry for entry in run.agenda()}
     own = entries[number]
-    if not task.bound:
-        read_inputs(run, task)
+    run.read_inputs(task)
     return TaskAnswer(
         task=number,
         goal=task.goal(),
@@ -275,14 +270,14 @@ def _stands(
         yield f"  method {task.run.plan.name} is under way"
 
 
-def _clauses(run: Run, task: Task) -> Iterator[ClauseAsked]:
+def _clauses(run: Interpreter, task: Task) -> Iterator[ClauseAsked]:
     """Evaluate the clauses that a cycle evaluates before the methods."""
     plan, env = task.plan, task.env
     for clause in clauses.RAP if task.bound else ():
         if clause.word in plan.clauses and not clause.is_condition:
             words = f"{clause.word} of `{plan.name}`"
             yield ask(run, words, plan.clauses[clause.word], task, env)
-    for words, query, asker, bound in conditions(task):
+    for words, query, asker, bound in run.conditions(task):
         yield ask(run, words, query, asker, bound)
     method = task.within
     while method is not None:
@@ -292,10 +287,10 @@ def _clauses(run: Run, task: Task) -> Iterator[ClauseAsked]:
         method = method.task.within
 
 
-def methods(run: Run, task: Task) -> Iterator[MethodAnswer]:
+def methods(run: Interpreter, task: Task) -> Iterator[MethodAnswer]:
     """Yield, for each method of a task, whether the method could be chosen now."""
     held = False
-    for method in run.state.methods(task.plan):
+    for method in run.methods(task.plan):
         context = None
         if method.choice is not None:
             clause = f"context of method `{method.name}`"
@@ -313,19 +308,17 @@ def methods(run: Run, task: Task) -> Iterator[MethodAnswer]:
 
 
 def _held_by(
-    run: Run, task: Task, method: MethodPlan, context: ClauseAsked | None
+    run: Interpreter, task: Task, method: MethodPlan, context: ClauseAsked | None
 ) -> str:
     """Return the thing that a method would wait for, with its holder."""
     if not method.things or (context is not None and not context.holds):
         return ""
     env = task.env if context is None else {**task.env, **context.bindings}
-    asks = asks_of(run, task, method, env)
-    obstacle = None if asks is None else run.things.obstacle(task, asks)
-    if obstacle is None:
+    found = run.obstacle(task, method, env)
+    if found is None:
         return ""
-    holder = obstacle.run.task
-    thing = " ".join(map(str, obstacle.ask.thing))
-    return f"{thing}, held by {holder.goal()} [{holder.number}]"
+    thing = " ".join(map(str, found.thing))
+    return f"{thing}, held by {found.task.goal()} [{found.task.number}]"
 
 
 # --- clauses ------------------------------------------------------------------------
@@ -345,7 +338,7 @@ def why_not_query(history: History, text: str) -> ClauseAsked:
 
 
 def ask(
-    run: Run, clause: str, query: Query, asker: Task | None, env: Env
+    run: Interpreter, clause: str, query: Query, asker: Task | None, env: Env
 ) -> ClauseAsked:
     """Evaluate a clause as a task would, conjunct by conjunct.
 
@@ -356,7 +349,7 @@ def ask(
         asker: the task with the clause; None for a query of the user.
         env: the initial bindings.
     """
-    asked = list(ask_in_parts(run, query, asker, env, MOST))
+    asked = list(run.explain(query, asker, env, MOST))
     parts = tuple([(one.text, len(one.solutions)) for one in asked])
     count, last = len(query.beginnings()), asked[-1] if asked else None
     if last is None or last.solutions:  # `(and)` has no conjuncts and holds
@@ -369,7 +362,7 @@ def ask(
         parts=parts,
         count=count,
         bindings={n: v for n, v in known[0].items() if n in Query.names(last.part)},
-        note=run.explaining_context.noted,
+        note=last.note,
         missing=missing,
         unwanted=unwanted,
         near=near,
@@ -380,7 +373,7 @@ _Facts = tuple[Fact, ...]
 
 
 def _facts_about(
-    run: Run, part: nodes.Formula, known: list[dict[str, Value]]
+    run: Interpreter, part: nodes.Formula, known: list[dict[str, Value]]
 ) -> tuple[_Facts, _Facts, _Facts]:
     """Return the missing, contradicting and similar facts of a failing conjunct.
 
@@ -396,32 +389,31 @@ def _facts_about(
         return (), (), ()
     patterns = [_with_values(run, inner, one) for one in known]
     if isinstance(part, nodes.Not):
-        facts = run.beliefs.facts
-        found = [fact for one in patterns[:_NEAR] for fact in facts.matching(one)]  # type: ignore[arg-type]
+        found = [fact for one in patterns[:_NEAR] for fact in run.memory.query(*one)]
         return (), tuple(dict.fromkeys(found))[:_NEAR], ()
     ground = dict.fromkeys(pattern for pattern in patterns if None not in pattern)
-    missing: _Facts = tuple(ground)[:_NEAR]  # type: ignore[assignment]  # all atoms
+    missing: _Facts = tuple(ground)[:_NEAR]
     return missing, (), tuple(_nearest(run, patterns[0]))
 
 
-def _in_memory(run: Run, part: nodes.Proposition) -> bool:
+def _in_memory(run: Interpreter, part: nodes.Proposition) -> bool:
     return part.name in run.library.signatures.relations
 
 
-Pattern = tuple[object, ...]
+Pattern = tuple[Any, ...]
 """A fact with None for each unknown value."""
 
 
 def _with_values(
-    run: Run, part: nodes.Proposition, env: Mapping[str, Value]
+    run: Interpreter, part: nodes.Proposition, env: Mapping[str, Value]
 ) -> Pattern:
     """Return a proposition with values for variables, None if unbound."""
     relation = run.library.signatures.relations[part.name]
     values = [_value(term, env) for term in relation.full(part.args)]
-    place = run.beliefs.place
+    place = run.memory.place
     if part.name == "location" and values[-1:] == [EXTERNAL] and place is not None:
         values[-1] = place
-    known: Pattern = run.beliefs.canonical((part.name, *values))
+    known: Pattern = run.memory.canonical((part.name, *values))
     return known
 
 
@@ -432,14 +424,14 @@ def _value(term: nodes.Term, env: Mapping[str, Value]) -> object:
     return env.get(term.name) if isinstance(term, nodes.Var) else None
 
 
-def _nearest(run: Run, pattern: Pattern) -> Iterable[Fact]:
+def _nearest(run: Interpreter, pattern: Pattern) -> Iterable[Fact]:
     """Return the facts that match most arguments of a pattern."""
 
     def agreement(fact: Fact) -> int:
         given = zip(pattern[1:], fact[1:], strict=False)
         return sum(1 for want, value in given if want is not None and want == value)
 
-    facts = run.beliefs.facts.table(str(pattern[0])).stamps
+    facts = run.memory.facts(str(pattern[0]))
     agreeing = sorted(filter(agreement, facts), key=agreement, reverse=True)
     return agreeing[:_NEAR]
 
@@ -448,7 +440,9 @@ Supports = dict[Fact, Time | None]
 """The supporting facts of a clause, each with the time of its last assertion."""
 
 
-def supports(run: Run, formula: nodes.Formula, env: Mapping[str, Value]) -> Supports:
+def supports(
+    run: Interpreter, formula: nodes.Formula, env: Mapping[str, Value]
+) -> Supports:
     """Return the facts that make a formula true, in the order of the formula."""
     found: Supports = {}
     stack = [formula]
@@ -460,12 +454,12 @@ def supports(run: Run, formula: nodes.Formula, env: Mapping[str, Value]) -> Supp
             stack.append(part.pattern)
         elif isinstance(part, nodes.Proposition):
             for fact in _rests_on(run, part, env):
-                found.setdefault(fact, last_asserted(run, fact))
+                found.setdefault(fact, run.memory.since(fact))
     return found
 
 
 def _rests_on(
-    run: Run, part: nodes.Proposition, env: Mapping[str, Value]
+    run: Interpreter, part: nodes.Proposition, env: Mapping[str, Value]
 ) -> Iterable[Fact]:
     """Return the first fact that matches; for a named query, its supports."""
     query = run.library.library.queries.get(part.name)
@@ -476,11 +470,5 @@ def _rests_on(
         return supports(run, query.formula, inner)  # type: ignore[arg-type]
     if not _in_memory(run, part):
         return ()
-    facts = run.beliefs.facts.matching(_with_values(run, part, env))  # type: ignore[arg-type]
+    facts = run.memory.query(*_with_values(run, part, env))
     return facts[:1]
-
-
-def last_asserted(run: Run, fact: Fact) -> Time | None:
-    """Return the last assertion time; None for a default or unasserted fact."""
-    stamp = run.beliefs.facts.stamp(fact)
-    return None if stamp is None or stamp == NEVER else stamp

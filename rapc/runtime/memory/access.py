@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, ClassVar
 
 from rapc.base import source
@@ -53,6 +53,42 @@ class MemoryView:
     def place(self) -> Atom | None:
         """Return the robot's own place: the last argument of `arrive`."""
         return self._memory.place
+
+    def __iter__(self) -> Iterator[Fact]:
+        """Yield all facts, name by name, the oldest of each name first."""
+        return iter(self._memory.facts)
+
+    def __contains__(self, fact: object) -> bool:
+        """Return whether memory contains a fact."""
+        return fact in self._memory.facts
+
+    def names(self) -> list[str]:
+        """Return the names of the facts in memory, sorted."""
+        tables = self._memory.facts.tables.items()
+        return sorted(str(name) for name, table in tables if table.stamps)
+
+    def facts(self, name: str) -> dict[Fact, Time | None]:
+        """Return the facts of a name, oldest first, each with its time as `since`."""
+        return {f: self.since(f) for f in self._memory.facts.table(name).stamps}
+
+    def since(self, fact: Fact) -> Time | None:
+        """Return the time of a fact's last assertion; None if nobody asserted it."""
+        stamp = self._memory.facts.stamp(fact)
+        return None if stamp is None or stamp == NEVER else stamp
+
+    def items(self) -> tuple[Item, ...]:
+        """Return the items in memory, in the order of their introduction."""
+        return tuple(self._memory.items.known.values())
+
+    def names_of(self, item: str) -> set[str]:
+        """Return all names of an item; several if items were recognised as one."""
+        items = self._memory.items
+        kept = items.canonical(item)
+        return {str(kept), *(n for n in items.aliases if items.canonical(n) == kept)}
+
+    def canonical(self, pattern: tuple[Any, ...]) -> tuple[Any, ...]:
+        """Return a fact or a pattern with the kept names of items."""
+        return self._memory.canonical(pattern)
 
     def query(self, *pattern: Atom | None) -> list[Fact]:
         """Return the facts that match, oldest first; None matches anything.
@@ -113,11 +149,11 @@ class MemoryView:
     def age(self, *fact: Atom) -> Time | None:
         """Return the time units since a fact was last asserted, or None."""
         try:
-            stamp = self._memory.facts.stamp(self._memory.canonical(fact))
+            since = self.since(self._memory.canonical(fact))
         except (IndexError, TypeError):
             need_atoms(fact, "the fact")
             raise
-        return None if stamp is None or stamp == NEVER else self.now - stamp
+        return None if since is None else self.now - since
 
 
 class MemoryBatch:

@@ -400,14 +400,14 @@ def _of_query(
 ) -> Cause | None:
     """Return the part of a query without a solution; None if a solution exists."""
     bound, row = env, run.library.compiler.row
-    for part, text, found in ask_in_parts(run, query, asker, env, most=1):
+    for part, text, found, note in ask_in_parts(run, query, asker, env, most=1):
         if not found:
             given_up = run.context.told_if_given_up(query.where)
             return Cause(
                 clause=clause,
                 place=row(part.span) or row(query.formula.span),
                 part=text,
-                note=given_up or run.explaining_context.noted,
+                note=given_up or note,
                 bindings=_as_text(bound, Query.names(part)),
             )
         bound = {**env, **found[0]}
@@ -425,6 +425,8 @@ class PartAsked(NamedTuple):
     part: nodes.Formula
     text: str
     solutions: list[dict[str, Value]]
+    #: The reason for a failure of the evaluation; may be empty.
+    note: str
 
 
 def ask_in_parts(
@@ -432,8 +434,7 @@ def ask_in_parts(
 ) -> Iterator[PartAsked]:
     """Evaluate a query conjunct by conjunct, to the first without a solution.
 
-    The evaluation does not change the run. `run.explaining_context.noted` explains the
-    failure of a conjunct, if there is an explanation.
+    The evaluation does not change the run.
 
     Args:
         run: the run.
@@ -450,7 +451,7 @@ def ask_in_parts(
             found = [] if first is None else [first]
         else:
             found = list(islice(up_to_it.solutions(context, env), most))
-        yield PartAsked(part, text, found)
+        yield PartAsked(part, text, found, context.noted)
         if not found:
             return
 

@@ -19,8 +19,6 @@ from rapc.ir import nodes
 from rapc.library.kinds import Kinds
 from rapc.runtime.held_world import HeldWorld
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.tasks.messages import take_in
-from rapc.runtime.tasks.primitives import take_reply
 from rapc.spec import RunSpec
 from rapc.world import (
     NOT_KNOWN,
@@ -105,34 +103,24 @@ class Driver:
         Raises:
             PortError: as `drive`.
         """
-        run, world = self._run, self.world
-        run.state.tickets += 1
-        ticket = run.state.tickets
-        answer = world.perform(ticket, request)
+        ticket, answer = self._run.send(request)
         self._tell(request, answer)
         if isinstance(answer, Refused):
             self._check_refusal(request, answer)
             return
-        run.sync_clock()
-        name_of = run.beliefs.items.name_of
-        args = [name_of(p) if isinstance(p, str) else p for p in request[1:]]
-        asked = (request[0], *args)
         if answer is not None:
             self.seen.add((str(request[0]), answer.result))
             self._note(answer.data)
-            take_reply(run, None, asked, answer)
+        elif self._rng.random() < _CANCELLED:
+            self.world.cancel(ticket)
         else:
-            run.state.pending[ticket] = None, asked
-            if self._rng.random() < _CANCELLED:
-                world.cancel(ticket)
-            else:
-                self._wait_for(ticket)
+            self._wait_for(ticket)
         self._listen()
 
     def _check_refusal(self, request: Fact, answer: Refused) -> None:
         """Validate that a refusal names requests under way. Raises PortError."""
         for ticket in answer.conflicts:
-            if ticket not in self._run.state.pending:
+            if ticket not in self._run.requests():
                 said = f"refuses {format_list(request)} because of request {ticket}"
                 said += ", which is not under way"
                 raise self.world.breach("perform", said)
@@ -146,27 +134,24 @@ class Driver:
         run, world = self._run, self.world
         for _ in range(_MOST_WAITS):
             due = world.next_time()
-            if ticket not in run.state.pending or world.ended() is not None:
+            if ticket not in run.requests() or world.ended() is not None:
                 return
             if due is None:
                 break
             patience = run.settings.patience
-            before = run.recorder.time
+            before = run.now
             world.advance(before + patience if due == NOT_KNOWN else due)
-            if not self._listen() and run.recorder.time == before:
+            if not self._listen() and run.now == before:
                 break
-        if ticket in run.state.pending and world.ended() is None:
-            asked = format_list(run.state.pending[ticket][1])
+        if ticket in run.requests() and world.ended() is None:
+            asked = format_list(run.requests()[ticket][1])
             said = f"started {asked}, which never ends: no message announced"
             raise world.breach("next_time", said)
 
     def _listen(self) -> int:
         """Process the messages of the world; return their number."""
-        run = self._run
-        run.sync_clock()
-        messages = self.world.messages()
-        under_way = dict(run.state.pending)
-        take_in(run, messages)
+        under_way = self._run.requests()
+        messages = self._run.receive()
         for message in messages:
             if isinstance(message, Finished):
                 name = str(under_way[message.ticket][1][0])
