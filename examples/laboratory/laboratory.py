@@ -540,7 +540,7 @@ class LaboratoryWorld(SimpleWorld):
     def perform(
         self, ticket: int, request: Fact
     ) -> Reply | Refused | None:
-        """Carry out an atomic action, or start an action that takes time."""
+        """Carry out an action, or start one that takes time."""
         name = str(request[0])
         if not understood(request):
             return Reply(OFFER.primitives[name][1][-1])
