@@ -107,7 +107,7 @@ class Cause(msgspec.Struct, frozen=True, omit_defaults=True):
     because: Cause | None = None
 
     def short(self) -> Cause:
-        """Return the cause with file names, without folders."""
+        """Return the cause with the file name instead of the path."""
         file = self.place.replace("\\", "/").rpartition("/")[2]
         return msgspec.structs.replace(self, place=file)
 

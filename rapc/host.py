@@ -415,7 +415,7 @@ def _paths(paths: Sequence[Path | Iterable[Path]]) -> list[str]:
                 raise ArgumentError(f"a path is {kind(one)}, no text")
             found.append(os.fspath(one))
     if not found:
-        raise ArgumentError("no path is given")
+        raise ArgumentError("missing path")
     return found
 
 

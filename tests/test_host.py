@@ -79,7 +79,7 @@ NEXT: Any = "soon"
 @pytest.mark.parametrize(
     ("call", "error", "said"),
     [
-        (lambda lib: DOOR.load(), rapc.ArgumentError, "no path is given"),
+        (lambda lib: DOOR.load(), rapc.ArgumentError, "missing path"),
         (lambda lib: DOOR.load(3), rapc.ArgumentError, "a path is of type int"),
         (lambda lib: DOOR.load(["a", 3]), rapc.ArgumentError, "a path is of type int"),
         (lambda lib: DOOR.load("nowhere"), rapc.LoadError, "`nowhere` does not exist"),

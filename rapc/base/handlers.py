@@ -15,7 +15,7 @@ from rapc.base.values import Atom, Fact
 
 
 class AskedMemory(Protocol):
-    """The queries of memory for a problem solver."""
+    """The interface through which a problem solver queries memory."""
 
     def query(self, *pattern: Atom | None) -> list[Fact]:
         """Return the facts that match, oldest first; None matches any value.

@@ -173,7 +173,7 @@ class Compare(Node, frozen=True, eq=False):
 
 
 class Is(Node, frozen=True, eq=False):
-    """`(is ?x term)`: binds the variable to the value of the term, or compares them."""
+    """`(is ?x term)`: binds a free variable to the term's value, else compares both."""
 
     variable: Matched
     value: Used

@@ -1,9 +1,10 @@
 """Readers of parts in any order: clauses, options and declarations.
 
 A clause is a list that begins with its name. An option is a word with values in a
-sequence, `:word value...`. The reader of its rule reads each clause or option, whose
-value fills the field of its name. After the name of a declaration, its operands,
-`:options` and text come in any order. A missing operand is reported and has a default.
+sequence, `:word value...`. The rule of a clause or option has a reader. The value
+that the reader returns fills the field with the name of the clause or option. After the
+name of a declaration, its operands, `:options` and text come in any order. A missing
+operand is reported and has a default.
 """
 
 from __future__ import annotations

@@ -164,7 +164,7 @@ def _endless(task: nodes.GivenTask, cause: Span, work: bool) -> Diagnostic:
 
 
 def is_described(library: Library) -> bool:
-    """Return whether most primitives of a library, or its rules, declare effects."""
+    """Return whether a library declares the effects of most of its primitives."""
     forms = library.primitives.values()
     told = sum(bool(form.on or form.tells) for form in forms)
     if not told and not library.memory_rules and not library.event_rules:

@@ -38,7 +38,7 @@ def _break(shell: Shell, args: Arguments) -> Answer:
     """Set a breakpoint, or list all breakpoints.
 
     The run stops at the end of the cycle in which the event happened; with `before`, at
-    the end of the cycle before. With `if`, the run stops only if the query holds then.
+    the end of the preceding cycle. With `if`, the run stops only if the query holds.
     With `after N`, the first N events do not stop the run. With `log`, the event is
     listed and the run continues.
     """

@@ -106,7 +106,7 @@ class MethodRun:
         self.constrained: Task | MethodRun | None = None
 
     def begin_steps(self, steps: list[Task]) -> None:
-        """Take over the tasks of the steps, which have not ended."""
+        """Set the tasks of the steps, none of which has ended yet."""
         self.steps, self.steps_left = steps, len(steps)
         if self.plan.constraints is not None:
             self.constrained = self
@@ -277,7 +277,7 @@ class Task:
     # --- the futile-loop detector (T 3.2.5) ------------------------------------
 
     def times_chosen(self, key: tuple[object, ...], most: int) -> int:
-        """Return how often a choice was made since the detector was reset.
+        """Return how often a choice was made since the count was reset.
 
         Only the `most` last different choices count. This method drops older choices,
         because the last choice may be undone until another is made.
@@ -291,13 +291,13 @@ class Task:
 
     @property
     def choices(self) -> int:
-        """Return how many choices were made since the detector was reset."""
+        """Return how many choices were made since the count was reset."""
         if self.history is not None and self.history.tries:
             return sum(self.history.tries.values())
         return 0 if self.choice is None else 1
 
     def times_tried(self, method: MethodPlan) -> int:
-        """Return how often a method was chosen since the detector was reset."""
+        """Return how often a method was chosen since the count was reset."""
         if self.history is not None and self.history.tries:
             return self.history.tries.get(method.index, 0)
         return 1 if self.choice is not None and self.choice[0] == method.index else 0

@@ -29,11 +29,13 @@ from rapc.worlds.courier.robot import FULL
 
 _OPTIONS = (
     Option("battery", "integer", 70, "of 100", "initial charge of the battery"),
-    Option("tray", "integer", 3, "parcels", "what the tray holds"),
+    Option("tray", "integer", 3, "parcels", "capacity of the tray"),
     Option("blocked", "integer", 15, "%", "drives that end before a blocked door"),
-    Option("sold-out", "integer", 10, "%", "stores that have nothing left just then"),
-    Option("absent", "integer", 20, "%", "times that nobody comes when it rings"),
-    Option("calls", "integer", 150, "time units", "between calls, about; 0: none"),
+    Option("sold-out", "integer", 10, "%", "visits to a store that is sold out"),
+    Option("absent", "integer", 20, "%", "rings that no nurse answers"),
+    Option(
+        "calls", "integer", 150, "time units", "average time between calls; 0: no calls"
+    ),
 )
 
 _OFFER = Offer(

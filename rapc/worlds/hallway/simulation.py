@@ -62,12 +62,12 @@ class _Saved(msgspec.Struct):
 
 
 class Simulation:
-    """A building, its people, and a robot with skills that are switched on and off.
+    """A building, its people, and a robot whose skills are enabled and disabled.
 
     Args:
         map: the building.
         catalogue: the robot's skills.
-        rng: the source of all chance.
+        rng: the stream of random numbers.
         settings: the options of the run.
     """
 

@@ -142,7 +142,7 @@ class ExpectationSet:
                 member.home = self
 
     def changed(self, mask: int) -> None:
-        """Note a change of a member of the views with these bits."""
+        """Raise the version of each view whose bit is in `mask`."""
         self._changes += 1
         for view in (self.local, *self.layers):
             if view.bit & mask:
