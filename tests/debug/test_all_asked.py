@@ -85,7 +85,7 @@ def _offered(door: type) -> set[str]:
 
 
 @pytest.mark.parametrize("door", DOORS, ids=lambda door: str(door.__name__))
-def test_all_that_asks_is_asked_at_random_moments(door: type) -> None:
+def test_all_questions_are_asked_at_random_moments(door: type) -> None:
     acts = {one.partition(".")[2] for one in ACTS if one.startswith(door.__name__)}
     assert acts <= _offered(door)
     assert _offered(door) - acts - _named() == set()

@@ -13,7 +13,7 @@ from tests.effort import first
     first(1, [("courier", 90, 12), *((name, 300, 25) for name in moments.RUNS)]),
     ids=str,
 )
-def test_what_is_asked_at_random_moments_leaves_no_mark(
+def test_questions_at_random_moments_leave_no_trace(
     asked: tuple[str, int, int],
 ) -> None:
     name, cycles, points = asked

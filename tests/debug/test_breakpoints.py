@@ -131,7 +131,7 @@ def session_moves() -> list[int]:
     return [o.cycle for o in told if o.keys["request"][0] == "truck-move"]
 
 
-def test_a_query_that_turns_and_a_time_stop_the_run() -> None:
+def test_changed_query_and_time_stop_the_run() -> None:
     session, _ = _with(
         Breakpoint("true", "(truck-location zone-4)", before=True),
         Breakpoint("false", "(truck-location zone-4)"),
@@ -157,7 +157,7 @@ def test_nothing_stops_a_replay() -> None:
     assert session.cycle == 90
 
 
-def test_what_is_no_breakpoint_is_said() -> None:
+def test_invalid_breakpoint_is_reported() -> None:
     session, points = _with()
     for point, said_of in (
         (Breakpoint("frob"), "unknown kind of breakpoint `frob`"),

@@ -32,7 +32,7 @@ def test_the_next_requests_end_as_is_said() -> None:
     assert session.run.results()[0].outcome == "succeeded"
 
 
-def test_what_is_forced_is_taken_back_and_done_again() -> None:
+def test_forced_result_is_undone_and_replayed() -> None:
     session = truck()
     session.goto(20)
     session.act(GRASP)
@@ -52,7 +52,7 @@ def test_what_is_forced_is_taken_back_and_done_again() -> None:
     assert _grasps(session) == results
 
 
-def test_what_the_world_does_not_offer_is_not_forced() -> None:
+def test_undeclared_result_is_not_forced() -> None:
     session = truck()
     for act, why in (
         (ForceResult(("arm-grsp", "?", "?"), "okay"), "did you mean `arm-grasp`"),

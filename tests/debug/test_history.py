@@ -10,7 +10,7 @@ from rapc.errors import ArgumentError
 from tests.debug.sessions import row, scripted, truck
 
 
-def test_the_history_of_an_item_names_who_did_it() -> None:
+def test_item_history_names_the_source_of_each_change() -> None:
     session = truck()
     session.goto(142)
     found = history_(session, "item-1").rows
@@ -71,7 +71,7 @@ def test_deadlines_are_told_with_how_late() -> None:
     assert ahead[0]["late or left"] == pytest.approx(100 - session.now)
 
 
-def test_who_has_to_do_with_a_fact() -> None:
+def test_uses_of_a_fact_are_listed() -> None:
     session = truck()
     session.goto(50)
     found = who(session, "(truck-location ?where)").rows
@@ -85,7 +85,7 @@ def test_who_has_to_do_with_a_fact() -> None:
         who(session, "(frob)")
 
 
-def test_who_has_noted_a_fact() -> None:
+def test_history_names_the_notation_of_a_fact() -> None:
     session = truck()
     session.goto(70)
     found = who(session, "(claimed item-1)").rows

@@ -59,7 +59,7 @@ def test_options_are_changed_where_results_are_forced() -> None:
     assert shell.history.run.save() == there
 
 
-def test_what_a_choice_rested_on_is_asked_of_the_run_as_it_was_made() -> None:
+def test_commitments_refer_to_the_time_of_the_choice() -> None:
     shell = truck_shell()
     shell.answer(":to 60")
     before = said(shell, ":when chosen")
@@ -68,7 +68,7 @@ def test_what_a_choice_rested_on_is_asked_of_the_run_as_it_was_made() -> None:
     assert shell.history.run.settings.futile_limit == 4
 
 
-def test_what_cannot_be_changed_is_said() -> None:
+def test_unchangeable_option_is_reported() -> None:
     shell = truck_shell()
     for text, answer in (
         ("truck.fuel 3", "`truck.fuel` cannot change during a run"),

@@ -45,7 +45,7 @@ def test_rows_of_answers_are_made_by_questions() -> None:
         assert "table" not in names or path.stem in (*ROWS, "shell"), path
 
 
-def test_python_gets_the_table_that_is_shown() -> None:
+def test_python_returns_the_shown_table() -> None:
     shell, history = truck_shell(), truck()
     history.goto(60)
     shell.answer(":goto 60")
@@ -55,7 +55,7 @@ def test_python_gets_the_table_that_is_shown() -> None:
             assert one(history) == shown, one.name
 
 
-def test_words_that_may_follow_are_those_of_the_help() -> None:
+def test_completion_offers_the_words_of_the_help() -> None:
     why = next(one for one in commands() if one.name == "why")
     assert why.takes == "[TASK] [in CYCLE] | failed [TASK]"
     assert list(next_words(why.takes, [])) == [("TASK", ""), ("failed", "TASK")]

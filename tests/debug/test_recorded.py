@@ -23,7 +23,7 @@ from tests.repl.shells import rows, said, truck_shell
 RUN = ("examples/rock-order.rap", "--world", "truck", "--task", "(rock-order red 1)")
 
 
-def test_a_trace_is_that_of_rapc_run(tmp_path: Path) -> None:
+def test_trace_equals_the_trace_of_rapc_run(tmp_path: Path) -> None:
     mine, other = tmp_path / "mine.jsonl", tmp_path / "other.jsonl"
     rapc("run", *RUN, "-q", "--seed", "7", "--trace", str(other))
     shell = truck_shell()
@@ -102,7 +102,7 @@ def test_act_before_the_end_of_a_recording_begins_a_branch(tmp_path: Path) -> No
     assert replay.parted is None
 
 
-def test_facts_that_were_given_are_given_again(tmp_path: Path) -> None:
+def test_initial_facts_are_exported(tmp_path: Path) -> None:
     trace = tmp_path / "run.jsonl"
     fact = ("--fact", "(truck-fuel 3)")
     rapc("run", *RUN, *fact, "-q", "--seed", "7", "--trace", str(trace))
@@ -112,13 +112,13 @@ def test_facts_that_were_given_are_given_again(tmp_path: Path) -> None:
     assert "3" in done.stdout
 
 
-def test_facts_that_a_program_gave_are_told_too(tmp_path: Path) -> None:
+def test_facts_of_a_program_are_shown(tmp_path: Path) -> None:
     trace = tmp_path / "run.jsonl"
     recorded.write_trace(truck(facts=["(truck-fuel 3)"]), trace)
     assert Recording(trace).begun.facts == ("(truck-fuel 3)",)
 
 
-def test_a_run_that_parts_from_the_recorded_one_says_where(tmp_path: Path) -> None:
+def test_first_difference_from_the_recording_is_named(tmp_path: Path) -> None:
     trace = tmp_path / "run.jsonl"
     rapc("run", *RUN, "-q", "--seed", "7", "--trace", str(trace))
     lines = trace.read_text().splitlines()
@@ -137,7 +137,7 @@ def test_a_run_that_parts_from_the_recorded_one_says_where(tmp_path: Path) -> No
     assert [line.startswith(where) for line in told] == [True, False, False]
 
 
-def test_the_first_decision_that_differs_is_told(tmp_path: Path) -> None:
+def test_first_different_decision_is_reported(tmp_path: Path) -> None:
     trace = tmp_path / "run.jsonl"
     other = truck(seed=8)
     other.go()
@@ -169,14 +169,14 @@ def test_the_first_decision_that_differs_is_told(tmp_path: Path) -> None:
         ),
     ],
 )
-def test_what_is_no_trace_is_said(text: str, why: str, tmp_path: Path) -> None:
+def test_invalid_trace_is_reported(text: str, why: str, tmp_path: Path) -> None:
     file = tmp_path / "run.jsonl"
     file.write_text(text)
     with pytest.raises(LoadError, match=why):
         Recording(file)
 
 
-def test_what_cannot_be_begun_is_refused(tmp_path: Path) -> None:
+def test_invalid_start_is_refused(tmp_path: Path) -> None:
     file = tmp_path / "run.jsonl"
     file.write_text("hello")
     done = rapc("repl", str(file))
@@ -213,7 +213,7 @@ SAY = """
 """
 
 
-def test_a_run_that_was_broken_off_is_opened_where_it_was(tmp_path: Path) -> None:
+def test_interrupted_recording_opens_at_its_end(tmp_path: Path) -> None:
     trace = tmp_path / "run.jsonl"
     rapc("run", *RUN, "-q", "--seed", "7", "--until", "90", "--trace", str(trace))
     done = rapc("repl", str(trace), "-c", ":show none", "-c", ":run", "-c", ":step")
@@ -307,7 +307,7 @@ def _looked_at(tmp_path: Path) -> tuple[Shell, Shell]:
     return shell, Shell(History(Playback(Recording(trace))), commands())
 
 
-def test_what_is_only_looked_at_tells_what_the_run_tells(tmp_path: Path) -> None:
+def test_temporary_history_reports_like_the_run(tmp_path: Path) -> None:
     shell, tape = _looked_at(tmp_path)
     for text in (
         ":show all",
@@ -339,7 +339,7 @@ def test_what_is_only_looked_at_tells_what_the_run_tells(tmp_path: Path) -> None
     ]
 
 
-def test_what_needs_the_run_is_refused_in_a_line(tmp_path: Path) -> None:
+def test_command_needing_a_run_is_refused_in_one_line(tmp_path: Path) -> None:
     _, tape = _looked_at(tmp_path)
     told = {":help", ":show requests"}
     for command in commands():
@@ -415,7 +415,7 @@ def test_a_recording_is_read_as_far_as_is_asked(tmp_path: Path) -> None:
     assert done.returncode == 1
 
 
-def test_a_recording_that_was_cut_off_in_a_line_ends_before_it(tmp_path: Path) -> None:
+def test_truncated_recording_ends_before_the_broken_line(tmp_path: Path) -> None:
     trace = tmp_path / "run.jsonl"
     run = truck()
     run.go()

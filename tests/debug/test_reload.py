@@ -45,7 +45,7 @@ def _said(session: History) -> list[object]:
     ]
 
 
-def test_a_method_under_way_keeps_its_text_and_the_next_choice_sees_the_new() -> None:
+def test_reload_applies_to_the_next_choice() -> None:
     session = _session()
     session.step(2)
     _typed(
@@ -62,7 +62,7 @@ def test_a_method_under_way_keeps_its_text_and_the_next_choice_sees_the_new() ->
     assert _said(session) == ["one", "louder"]
 
 
-def test_what_a_task_has_tried_stays_with_methods_of_the_same_name() -> None:
+def test_tries_stay_with_methods_of_the_same_name() -> None:
     session = _session("one")
     session.step(2)
     _typed(
@@ -97,7 +97,7 @@ def test_every_moment_is_reached_again_across_a_new_text() -> None:
         assert session.run.save() == states[cycle]
 
 
-def test_what_cannot_be_taken_up_changes_nothing() -> None:
+def test_refused_restore_changes_nothing() -> None:
     session = _session()
     session.step()
     here = session.run.save()
@@ -152,7 +152,7 @@ def test_declarations_may_change_while_a_run_goes_on() -> None:
     assert session.question("(dry ?x)").all() == [{"?x": "attic"}]
 
 
-def test_a_monitor_that_is_asked_otherwise_wakes_by_the_new_text() -> None:
+def test_changed_monitor_wakes_by_its_new_text() -> None:
     session = _wet("(watch) :priority 2", "(linger)")
     session.step(2)
     assert session.run.agenda()[2].state == "blocked"
@@ -199,7 +199,7 @@ def test_a_task_under_way_may_gain_a_monitor_and_lose_it() -> None:
         ),
     ],
 )
-def test_what_a_run_keeps_must_be_as_declared(old: str, new: str, why: str) -> None:
+def test_saved_fields_must_have_declared_types(old: str, new: str, why: str) -> None:
     session = _wet("(linger)")
     session.step(1)
     session.act(AssertFact(("wet", "attic")))

@@ -82,7 +82,7 @@ def test_random_moments_are_reached_again_and_gone_on_from(name: str) -> None:
     assert found.cycles == (600 if name != "courier" else 225)  # the shift is over
 
 
-def test_who_waits_for_a_thing_is_saved_alike_whoever_came_first() -> None:
+def test_waits_for_a_thing_are_saved_in_any_order() -> None:
     found = moments.check(moments.courier(100), points=25)
     assert (found.cycles, found.differ) == (100, [])
 
@@ -134,7 +134,7 @@ def test_a_time_is_the_same_moment_from_everywhere(world: str) -> None:
             assert session.now > time
 
 
-def test_what_the_log_has_lost_is_made_again() -> None:
+def test_lost_events_are_replayed() -> None:
     session = truck()
     session.go()
     events = _told(session)
@@ -196,7 +196,7 @@ def test_an_act_in_the_past_begins_a_branch() -> None:
         session.switch("x")
 
 
-def test_a_run_that_had_no_more_to_do_goes_on_with_what_is_given() -> None:
+def test_finished_run_continues_with_new_input() -> None:
     session = truck()
     assert session.go().said == "done"
     last, told = session.cycle, _told(session)
@@ -214,7 +214,7 @@ def test_a_run_that_had_no_more_to_do_goes_on_with_what_is_given() -> None:
     assert [one.serial for one in told] == list(range(len(told)))
 
 
-def test_an_act_that_cannot_be_done_changes_nothing() -> None:
+def test_impossible_act_changes_nothing() -> None:
     session = truck()
     session.step(5)
     here = session.run.save()
@@ -243,7 +243,7 @@ def test_saves_grow_few_with_age() -> None:
     assert min(gaps) > 6
 
 
-def test_a_run_that_cannot_be_saved_goes_forth_alone() -> None:
+def test_unsavable_run_only_goes_forward() -> None:
     session = truck()
     session.run.call_at(500, lambda: None)
     session.no_way_back = ""
@@ -254,7 +254,7 @@ def test_a_run_that_cannot_be_saved_goes_forth_alone() -> None:
     assert session.cycle == 10
 
 
-def test_a_pause_that_comes_before_the_run_goes_on_counts() -> None:
+def test_pause_before_the_continuation_counts() -> None:
     session = truck()
     session.pause()
     assert (session.go().kind, session.cycle) == ("pause", 1)

@@ -52,7 +52,7 @@ def test_skills_are_told_from_when_they_came_on_until_they_went_off(
     assert [one[0] for one in move.heard][-2:] == [":at-landmark", ":movement-complete"]
 
 
-def test_a_moment_counts_for_what_began_last(hallway: History) -> None:
+def test_moment_counts_for_the_latest_start(hallway: History) -> None:
     used = time_by_family(spells(hallway))
     assert sum(used.values()) == pytest.approx(hallway.now)
     assert used[1] == pytest.approx(1)

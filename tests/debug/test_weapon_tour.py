@@ -59,7 +59,7 @@ def _selected(told: list[ToldEvent]) -> int | None:
     return None
 
 
-def test_why_tells_of_each_cycle_what_the_trace_tells(tour: History) -> None:
+def test_why_agrees_with_the_trace_in_each_cycle(tour: History) -> None:
     outcomes = {
         events.MethodChosen: "method",
         events.TaskSucceeded: "succeeded",
@@ -86,7 +86,7 @@ def test_why_tells_of_each_cycle_what_the_trace_tells(tour: History) -> None:
     assert seen >= {"method", "succeeded", "failed"}
 
 
-def test_why_not_agrees_with_what_was_chosen(tour: History) -> None:
+def test_why_not_agrees_with_the_choice(tour: History) -> None:
     methods = 0
     for cycle, told in _by_cycle(tour).items():
         task = _selected(told)

@@ -40,7 +40,7 @@ def _small(*tasks: str) -> History:
     )
 
 
-def test_each_rule_of_choice_is_told_with_what_it_left() -> None:
+def test_each_rule_of_choice_is_shown_with_remaining_methods() -> None:
     session = _small("(idle) :priority 1", "(idle) :priority 3", "(idle) :priority 3")
     session.step()
     selected = session.selected
@@ -75,7 +75,7 @@ def test_why_agrees_with_the_trace_of_every_cycle() -> None:
                 assert fact.time is not None
 
 
-def test_a_method_is_told_with_the_facts_it_rested_on_and_who_asserted_them() -> None:
+def test_method_is_shown_with_its_facts_and_their_sources() -> None:
     session = truck()
     session.goto(60)
     _, found = reasons(session, 41)
@@ -86,7 +86,7 @@ def test_a_method_is_told_with_the_facts_it_rested_on_and_who_asserted_them() ->
     assert origin.by == "(eye-scan external) [40]"
 
 
-def test_a_task_that_did_not_come_up_is_said() -> None:
+def test_unselected_task_is_reported() -> None:
     session = truck()
     session.step(5)
     with pytest.raises(ArgumentError, match="was not selected in cycle 2"):
@@ -115,7 +115,7 @@ def test_why_not_says_how_far_each_conjunct_held() -> None:
     assert asked.unwanted == (("holds", "ann", "bell"),)
 
 
-def test_why_not_of_a_task_that_has_ended_is_of_its_last_cycle() -> None:
+def test_why_not_of_an_ended_task_uses_its_last_cycle() -> None:
     session = truck()
     session.go()
     answer = task_asked(session, 9)
@@ -136,7 +136,7 @@ def _answers(session: History) -> list[tuple[int, ClauseAsked]]:
 
 
 @pytest.mark.parametrize("answers", first(1, [20, 200]))
-def test_the_fact_that_is_named_lets_the_conjunct_hold(answers: int) -> None:
+def test_named_fact_makes_the_conjunct_true(answers: int) -> None:
     session = truck("(rock-order red 1)", "(rock-order blue 1) :priority 1")
     session.go()
     chance, tried = random.Random(5), 0
@@ -189,7 +189,7 @@ def test_why_failed_names_the_clause_down_to_the_first_cause() -> None:
         why(session, "failed 7")
 
 
-def test_commitments_that_are_stale_are_told() -> None:
+def test_stale_commitments_are_reported() -> None:
     session = truck()
     session.goto(60)
     found = {one.task: one for one in stale(session)}
@@ -201,7 +201,7 @@ def test_commitments_that_are_stale_are_told() -> None:
         commitment(session, 4)
 
 
-def test_what_if_is_tried_aside() -> None:
+def test_what_if_leaves_the_run_unchanged() -> None:
     session = _small("(greet ann)")
     session.act(AssertFact(("at", "ann", "hall")))
     here = session.run.save()

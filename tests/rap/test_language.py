@@ -45,12 +45,12 @@ RULES = {
 
 IN_PYTHON: Mapping[str, Mapping[str, Sequence[str]]] = {
     "runtime/test_long_questions.py": {
-        "2.70": ("test_a_question_that_goes_back_too_often_is_given_up",),
+        "2.70": ("test_query_over_the_step_limit_is_aborted",),
         "2.71": ("test_which_parts_search",),
         "2.72": ("test_which_variables_have_a_value",),
         "2.73": ("test_steps_back_are_counted_from_the_third_part_on",),
-        "2.74": ("test_what_stands_before_a_part",),
-        "2.75": ("test_a_query_counts_as_what_it_stands_for",),
+        "2.74": ("test_preceding_parts_of_a_part",),
+        "2.75": ("test_query_counts_as_its_formula",),
         "2.76": ("test_each_shape_of_question_is_bounded",),
         "2.77": ("test_each_question_has_all_its_steps",),
     },
@@ -68,19 +68,19 @@ IN_PYTHON: Mapping[str, Mapping[str, Sequence[str]]] = {
             "test_a_cycle_starts_the_count_of_waits_anew",
             "test_waits_of_a_monitor_for_its_own_times_are_bounded",
         ),
-        "9.40": ("test_a_world_that_cannot_say_when_is_waited_for",),
+        "9.40": ("test_run_waits_for_a_world_without_next_time",),
         "9.41": ("test_patience_begins_anew_with_each_message",),
         "9.42": ("test_after_patience_has_ended_nothing_is_coming",),
-        "9.43": ("test_a_time_that_is_known_comes_before_patience_ends",),
-        "9.44": ("test_a_clock_that_goes_back_is_laid_at_the_worlds_door",),
+        "9.43": ("test_known_time_comes_before_the_end_of_patience",),
+        "9.44": ("test_clock_going_back_is_a_fault_of_the_world",),
     },
     "runtime/test_strict.py": {
-        "7.37": ("test_a_handler_that_does_something_else_ends_the_run",),
-        "7.38": ("test_what_may_come_or_go_need_not",),
-        "7.39": ("test_of_a_result_that_is_not_named_nothing_is_known",),
+        "7.37": ("test_handler_violating_its_effects_ends_the_run",),
+        "7.38": ("test_possible_effect_need_not_happen",),
+        "7.39": ("test_undeclared_result_is_not_checked",),
         "7.40": ("test_items_stand_as_class_and_location",),
         "7.41": ("test_the_handler_of_a_datum_is_held_too",),
-        "7.42": ("test_only_data_that_tells_names_come_with_a_primitive",),
+        "7.42": ("test_only_declared_data_come_with_a_primitive",),
     },
 }
 """The sentences with tests in Python, by file."""

@@ -75,7 +75,7 @@ def test_anything_may_be_completed_and_coloured(seed: int) -> None:
         is_balanced(text)
 
 
-def test_what_is_deeply_nested_is_refused() -> None:
+def test_deeply_nested_value_is_refused() -> None:
     shell = truck_shell()
     for text in ("(" * 3000 + ")" * 3000, "(and " * 300 + "t" + ")" * 300, "(" * 3000):
         answer = shell.answer(text)

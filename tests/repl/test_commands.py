@@ -16,7 +16,7 @@ from tests.debug.sessions import row, scripted
 from tests.repl.shells import rows, said, truck_shell
 
 
-def test_a_step_tells_what_has_happened_and_where_it_stands() -> None:
+def test_step_shows_events_and_position() -> None:
     shell = truck_shell()
     text = said(shell, ":step")
     assert "--> considering (rock-order red 1) [1]" in text
@@ -50,7 +50,7 @@ def test_to_goes_forth_and_goto_goes_back() -> None:
     assert "run ended (done)" in said(shell, ":run")
 
 
-def test_tables_show_what_stands() -> None:
+def test_tables_show_the_current_state() -> None:
     shell = truck_shell()
     shell.answer(":step 12")
     assert (1, "(rock-order red 1)", "running", None, None, None, "its method") in rows(
@@ -150,7 +150,7 @@ def test_branches_are_listed_and_taken_up() -> None:
         (":why failed 99", "unknown task [99]"),
     ],
 )
-def test_what_cannot_be_is_said(text: str, answer: str) -> None:
+def test_impossible_breakpoint_is_reported(text: str, answer: str) -> None:
     shell = truck_shell()
     found = shell.answer(text)
     assert found.failed
@@ -172,7 +172,7 @@ def test_rap_name_stands_for_its_live_task() -> None:
     assert "has no live task; its last task was [" in said(shell, ":fail rock-order")
 
 
-def test_what_has_ended_is_told_of_all_the_same() -> None:
+def test_ended_task_is_still_shown() -> None:
     shell = truck_shell()
     shell.answer(":run")
     assert "(define-rap (travel-for-rocks" in said(shell, ":source 5")
@@ -183,9 +183,7 @@ def test_what_has_ended_is_told_of_all_the_same() -> None:
 
 
 @pytest.mark.parametrize("command", [":record", ":break save"])
-def test_what_the_run_was_read_from_is_not_written_over(
-    command: str, tmp_path: Path
-) -> None:
+def test_source_of_the_run_is_not_overwritten(command: str, tmp_path: Path) -> None:
     library = tmp_path / "lib.rap"
     text = '(require "truck")\n(define-rap (rest) (succeed t))\n'
     library.write_text(text)
@@ -297,7 +295,7 @@ def test_queries_with_wrong_kind_are_refused_as_assert_is(text: str) -> None:
     assert (answer.failed, answer.lines) == (True, (reason,))
 
 
-def test_a_signal_wakes_who_waits_for_it_and_is_refused_if_it_is_none() -> None:
+def test_signal_wakes_waiting_tasks_and_unknown_signal_is_refused() -> None:
     shell = Shell(scripted(LISTENING, "(top)", rows=(row("(act)"),)), commands())
     assert "unknown event `:rung`; did you mean `:ring`?" in said(
         shell, ":signal (:rung hall)"

@@ -57,7 +57,7 @@ def statuses(path: Path) -> list[Status]:
     return [run_case(case).status for case in find([path]).cases]
 
 
-def test_a_run_becomes_a_test_that_holds_only_what_matters(tmp_path: Path) -> None:
+def test_exported_test_contains_only_relevant_parts(tmp_path: Path) -> None:
     shell = arms(tmp_path, *DROPS, *CATCHES)
     path = tmp_path / "dropped.test.rap"
     told = said(shell, ":run", f":export-test {path}", width=400)
@@ -79,7 +79,7 @@ def test_it_fails_once_the_library_does_something_else(tmp_path: Path) -> None:
     assert statuses(path) == [Status.FAILED]
 
 
-def test_a_failure_becomes_a_test_that_expects_it(tmp_path: Path) -> None:
+def test_failure_is_exported_as_an_expectation(tmp_path: Path) -> None:
     shell = arms(tmp_path, DROPS[0], row("(grasp box)", "dropped", 2))
     path = tmp_path / "gave-up.test.rap"
     assert "passes now" in said(shell, ":run", f":export-test {path}", width=400)
@@ -87,7 +87,7 @@ def test_a_failure_becomes_a_test_that_expects_it(tmp_path: Path) -> None:
     assert statuses(path) == [Status.PASSED]
 
 
-def test_what_is_wanted_fails_now(tmp_path: Path) -> None:
+def test_unmet_condition_fails_now(tmp_path: Path) -> None:
     shell = arms(tmp_path, DROPS[0], row("(grasp box)", "dropped", 2))
     path = tmp_path / "wanted.test.rap"
     told = said(shell, ":run", f":export-test {path} succeeds", width=400)
@@ -108,7 +108,7 @@ def test_hallway_run_becomes_a_test(tmp_path: Path) -> None:
     assert statuses(path) == [Status.PASSED]
 
 
-def test_what_was_done_by_hand_is_in_it(tmp_path: Path) -> None:
+def test_exported_test_has_user_acts(tmp_path: Path) -> None:
     shell = arms(tmp_path, *CATCHES, task="")
     path = tmp_path / "by-hand.test.rap"
     said(shell, ":assert (seen box)", "(pick-up box) :priority 2", ":run")
@@ -140,7 +140,7 @@ STOWED = """
 
 
 @pytest.mark.slow
-def test_a_run_of_the_truck_that_moves_an_item_becomes_a_test(tmp_path: Path) -> None:
+def test_truck_run_with_a_moved_item_becomes_a_test(tmp_path: Path) -> None:
     path = tmp_path / "orders.rap"
     text = Path(TRUCK).read_text(encoding="utf-8")
     path.write_text(text + STOWED, encoding="utf-8")
@@ -178,7 +178,7 @@ class _Hands(ScriptedWorld):
     name = "truck"
 
 
-def test_items_that_handlers_move_and_lose_are_in_it(tmp_path: Path) -> None:
+def test_exported_test_has_moved_and_lost_items(tmp_path: Path) -> None:
     path, test = tmp_path / "hands.rap", tmp_path / "taken.test.rap"
     path.write_text(HANDS, encoding="utf-8")
     library = rapc.load(path)
@@ -227,7 +227,7 @@ LUCKY = """
 """
 
 
-def test_a_run_that_no_script_can_tell_is_refused(tmp_path: Path) -> None:
+def test_run_beyond_scripts_cannot_be_exported(tmp_path: Path) -> None:
     """What a function of the host answers stands in no event."""
     path, test = tmp_path / "lucky.rap", tmp_path / "drawn.test.rap"
     path.write_text(LUCKY, encoding="utf-8")
@@ -242,7 +242,7 @@ def test_a_run_that_no_script_can_tell_is_refused(tmp_path: Path) -> None:
     assert not test.exists()
 
 
-def test_tasks_that_a_program_gave_as_requests_are_in_it(tmp_path: Path) -> None:
+def test_exported_test_has_tasks_of_a_program(tmp_path: Path) -> None:
     shell = arms(tmp_path, *DROPS, *CATCHES, task=TaskRequest(("pick-up", "box"), 3))
     path = tmp_path / "given.test.rap"
     said(shell, ":run", f":export-test {path}")
@@ -254,7 +254,7 @@ def test_tasks_that_a_program_gave_as_requests_are_in_it(tmp_path: Path) -> None
     "task",
     ["(pick-up box) :priority 2 :at 7", "(Pick-up  box)  :at  7.0 :priority 2"],
 )
-def test_a_task_that_comes_later_is_given_then(tmp_path: Path, task: str) -> None:
+def test_later_task_is_submitted_at_its_time(tmp_path: Path, task: str) -> None:
     shell = arms(tmp_path, *DROPS, *CATCHES, task=task)
     path = tmp_path / "later.test.rap"
     assert "passes now" in said(shell, ":run", f":export-test {path}", width=400)
@@ -273,9 +273,7 @@ def test_a_task_that_comes_later_is_given_then(tmp_path: Path, task: str) -> Non
         ("", "missing file"),
     ],
 )
-def test_what_cannot_be_written_is_refused(
-    tmp_path: Path, given: str, message: str
-) -> None:
+def test_unwritable_export_is_refused(tmp_path: Path, given: str, message: str) -> None:
     shell = arms(tmp_path, *DROPS, *CATCHES)
     (tmp_path / "there.test.rap").write_text("; kept\n", encoding="utf-8")
     name = f"{tmp_path}/{given}" if given else ""

@@ -96,7 +96,7 @@ def test_2_why_not_this_method() -> None:
     assert "method search: no context" in other
 
 
-def test_3_who_holds_a_thing() -> None:
+def test_3_holders_of_a_thing() -> None:
     shell = _ward("(lift)", "(move)")
     shell.answer(":step 6")
     assert shell.history.over
@@ -121,7 +121,7 @@ def test_5_chain_up_to_the_top() -> None:
     assert [row[1] for row in found] == ["(look-for aspirin)", "(order aspirin)"]
 
 
-def test_6_what_a_choice_rested_on_and_what_of_it_is_gone() -> None:
+def test_6_commitments_of_a_choice_and_stale_facts() -> None:
     shell = _ward("(go-to lab)")
     shell.answer(":step")
     shell.answer(":erase (robot-at icu)")
@@ -145,7 +145,7 @@ def test_7_history_of_an_item() -> None:
     assert found[1][4] == "(arm-grasp arm1 item-1) [56]"
 
 
-def test_8_what_the_time_went_by_with() -> None:
+def test_8_timeline_of_a_run() -> None:
     shell = _ward("(order aspirin)")
     text = _said(shell, ":run", ":timeline")
     assert "(drive shelf)" in text
@@ -153,7 +153,7 @@ def test_8_what_the_time_went_by_with() -> None:
     assert "100 %" in text
 
 
-def test_8_what_skills_were_on_and_what_was_heard_of_them() -> None:
+def test_8_timeline_of_skills_and_signals() -> None:
     library = rapc.load("stdlib/hallway")
     session = History.open(library, "hallway", agenda="errand")
     shell = Shell(session, commands())
@@ -203,7 +203,7 @@ def test_10_each_of_the_other_questions_has_an_answer(text: str) -> None:
     assert draw(answer, 80, color=False)
 
 
-def test_10_what_would_be_chosen() -> None:
+def test_10_what_if_shows_the_choice() -> None:
     shell = _ward("(order aspirin)")
     text = _said(shell, ":what-if (assert (ward tray east))")
     assert "actual:" in text

@@ -137,7 +137,7 @@ def _texts(text: str) -> list[str]:
         ("(define-rap (x) (succeed (truck-loc", "truck-location"),
     ],
 )
-def test_what_fits_is_offered(text: str, offered: str) -> None:
+def test_completion_offers_matching_words(text: str, offered: str) -> None:
     assert offered in _texts(text)
 
 

@@ -87,7 +87,7 @@ def test_a_computed_duration_counts_from_when_its_inputs_are_known() -> None:
     assert order(play(text, *tasks)) == "ab"
 
 
-def test_those_whose_methods_failed_stand_back() -> None:
+def test_tasks_with_failed_methods_are_selected_last() -> None:
     text = """
         (define-rap (use ?x) (succeed (p ?x)) (method (primitive (act ?x))))
         """

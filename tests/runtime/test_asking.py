@@ -55,7 +55,7 @@ def _ask_memory(run: Interpreter) -> None:
 
 
 @pytest.mark.parametrize("cycles", first(1, [100, 400]))
-def test_a_run_of_the_truck_does_not_notice_who_asks(cycles: int) -> None:
+def test_truck_run_is_unchanged_by_debugger_queries(cycles: int) -> None:
     asked, alone = saving.Truck(2), saving.Truck(2)
     for _ in range(cycles):
         _ask_everything(asked.run)
@@ -71,7 +71,7 @@ def _told(run: Interpreter) -> list[Event]:
 
 
 @pytest.mark.parametrize("chunk", first(1, range(15)))
-def test_generated_programs_do_not_notice_who_asks(chunk: int) -> None:
+def test_generated_runs_are_unchanged_by_debugger_queries(chunk: int) -> None:
     for seed in range(chunk * 10, (chunk + 1) * 10):
         case = stepwise(generate(seed, UNBROKEN))
         asked, alone = interpreter_of(case), interpreter_of(case)
@@ -144,7 +144,7 @@ def _depot() -> rapc.Interpreter:
 
 
 @pytest.mark.parametrize("asking", [False, True])
-def test_a_task_waits_for_the_item_by_the_name_that_stands(asking: bool) -> None:
+def test_task_waits_for_a_merged_item_by_its_kept_name(asking: bool) -> None:
     run = _depot()
     told: list[Any] = []
     run.listen(told.append, TaskBlocked)

@@ -81,7 +81,7 @@ def _run(
 
 
 @pytest.mark.parametrize("coming", [math.nan, -math.inf])
-def test_a_next_time_that_is_none_is_laid_at_the_worlds_door(coming: float) -> None:
+def test_invalid_next_time_is_a_fault_of_the_world(coming: float) -> None:
     run, _, _ = _run(_Clock, WAIT, "(wait)", coming=coming)
     with pytest.raises(PortError, match=f"the next time of the world .* is `{coming}`"):
         run.run()
@@ -94,7 +94,7 @@ ENDLESS = """
 """
 
 
-def test_clock_that_goes_by_itself_is_no_runaway() -> None:
+def test_self_moving_clock_is_not_a_runaway() -> None:
     run, _, _ = _run(_Driver, ENDLESS, "(endless)")
     assert run.run(until=200) == "until"
 
@@ -137,7 +137,7 @@ HEAR = """
 DONE, HUM = Signal((":done",)), Signal((":hum",))
 
 
-def test_a_world_that_cannot_say_when_is_waited_for() -> None:
+def test_run_waits_for_a_world_without_next_time() -> None:
     run, world, _ = _run(_Continuous, HEAR, "(hear)", sends=[(7, HUM), (3000, DONE)])
     assert (run.run(), world.now()) == ("done", 3000)
 
@@ -156,7 +156,7 @@ def test_after_patience_has_ended_nothing_is_coming() -> None:
     assert _run(_Continuous, HEAR, "(hear)", patience=0)[0].run() == "stuck"
 
 
-def test_a_time_that_is_known_comes_before_patience_ends() -> None:
+def test_known_time_comes_before_the_end_of_patience() -> None:
     run, world, _ = _run(_Continuous, HEAR, "(late)", patience=5, sends=[(9, HUM)])
     assert (run.run(), world.now()) == ("done", 20)
     run, world, _ = _run(_Continuous, HEAR, "(hear)")
@@ -209,7 +209,7 @@ def test_waits_of_a_monitor_for_its_own_times_are_bounded() -> None:
     assert events[-1].because == TOO_LONG
 
 
-def test_a_world_that_stops_for_nothing_is_told_of() -> None:
+def test_world_stopping_without_message_is_reported() -> None:
     run, _, _ = _run(_Continuous, HEAR, "(hear)", stride=8)
     said = "stopped its clock at 8 on the way to 3600, and sent nothing; see `advance`"
     with pytest.raises(PortError, match=said):
@@ -219,27 +219,25 @@ def test_a_world_that_stops_for_nothing_is_told_of() -> None:
 @pytest.mark.parametrize(
     ("coming", "said"), [(0, "sent none"), (7, "did not move its clock to 7")]
 )
-def test_a_clock_that_does_not_move_is_laid_at_the_worlds_door(
-    coming: Time, said: str
-) -> None:
+def test_stopped_clock_is_a_fault_of_the_world(coming: Time, said: str) -> None:
     run, _, _ = _run(_Stuck, WAIT, "(wait)", coming=coming)
     with pytest.raises(PortError, match=said):
         run.run()
 
 
-def test_a_clock_that_goes_back_is_laid_at_the_worlds_door() -> None:
+def test_clock_going_back_is_a_fault_of_the_world() -> None:
     run, _, _ = _run(_Clock, LOOK, "(once)", takes=[-1])
     with pytest.raises(PortError, match="clock back, from 0 to -1"):
         run.run()
 
 
-def test_a_clock_that_says_no_time_is_laid_at_the_worlds_door() -> None:
+def test_invalid_clock_time_is_a_fault_of_the_world() -> None:
     run, _, _ = _run(_Clock, LOOK, "(once)", takes=[math.nan])
     with pytest.raises(PortError, match="is `nan`"):
         run.run()
 
 
-def test_a_whole_time_is_an_integer_whatever_the_world_says() -> None:
+def test_whole_time_of_the_world_becomes_an_integer() -> None:
     run, _, events = _run(_Clock, LOOK, "(once)", takes=[136.0])
     assert run.run() == "done"
     assert repr(run.now) == "136"
@@ -247,7 +245,7 @@ def test_a_whole_time_is_an_integer_whatever_the_world_says() -> None:
     assert repr(events[-1].time) == "136"
 
 
-def test_rows_that_take_a_whole_float_leave_an_integer() -> None:
+def test_rows_with_a_whole_float_result_in_an_integer() -> None:
     library = compiled(LOOK)
     world = ScriptedWorld([Row(("look", "a"), takes=2.0)], (), declared=library.library)
     run = Interpreter(library, world)

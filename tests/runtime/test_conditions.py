@@ -60,7 +60,7 @@ def test_conditions_are_checked_at_every_selection() -> None:
 
 
 @pytest.mark.parametrize("clause", ["preconditions", "constraints"])
-def test_a_condition_that_does_not_hold_is_interference(clause: str) -> None:
+def test_false_condition_is_interference(clause: str) -> None:
     text = f"(define-rap (use ?x) ({clause} (p ?x)) (method (primitive (act ?x))))"
     assert play(text, "(use a)", facts=["(p a)"]).told("failed") == []
     ran = play(text, "(use b)", facts=["(p a)"])
@@ -157,7 +157,7 @@ def test_repeat_while_and_context_have_a_joint_solution() -> None:
     assert ran.told("chosen", "asked") == ["chosen top one", "asked (act wrench)"]
 
 
-def test_conditions_of_a_step_that_until_ended_lapse_and_its_order_stays() -> None:
+def test_step_ended_by_until_keeps_its_order_without_conditions() -> None:
     """T figure 4.3: what t1 carries for t3 goes with it."""
     ran = play(
         """

@@ -21,7 +21,7 @@ def test_the_worlds_symbol_is_handed_up() -> None:
     assert {line.split()[-1] for line in failed} == {"jammed"}
 
 
-def test_the_last_symbol_that_reached_a_task_in_its_life_is_handed_up() -> None:
+def test_task_returns_the_last_failure_it_received() -> None:
     ran = play(
         """
         (define-rap (top)
@@ -55,7 +55,7 @@ def test_the_last_symbol_that_reached_a_task_in_its_life_is_handed_up() -> None:
     assert ran.told("failed") == ["failed (top) no-method dropped"]
 
 
-def test_a_failure_that_a_step_has_mended_does_not_reach_its_parent() -> None:
+def test_repaired_failure_does_not_reach_the_parent() -> None:
     ran = play(
         """
         (define-rap (top) (succeed nil) (method (task-net (t1 (low)))))
@@ -67,7 +67,7 @@ def test_a_failure_that_a_step_has_mended_does_not_reach_its_parent() -> None:
     assert ran.told("failed") == ["failed (top) futile-loop futile-loop"]
 
 
-def test_last_result_is_what_the_step_handed_up() -> None:
+def test_last_result_is_the_result_of_the_step() -> None:
     ran = play(
         """
         (define-rap (top)
@@ -80,7 +80,7 @@ def test_last_result_is_what_the_step_handed_up() -> None:
     assert ran.told("succeeded") == ["succeeded (top)"]
 
 
-def test_a_primitive_that_fails_is_tried_again() -> None:
+def test_failed_primitive_is_tried_again() -> None:
     ran = play(
         "(define-rap (low) (method (primitive (act a))))",
         "(low)",
@@ -125,7 +125,7 @@ class _Deaf(ScriptedWorld):
         """Do nothing."""
 
 
-def test_what_a_world_answers_after_a_removal_still_reaches_memory() -> None:
+def test_result_after_a_removal_still_reaches_memory() -> None:
     """Its result and data go through the handlers; the trace names no task."""
     ran = Play(
         """
@@ -147,7 +147,7 @@ def test_what_a_world_answers_after_a_removal_still_reaches_memory() -> None:
     assert ran.memory("(p ?)") == ["(p got)"]
 
 
-def test_a_top_level_task_that_fails_is_told_and_not_tried_again() -> None:
+def test_failed_top_level_task_is_reported_and_removed() -> None:
     ran = play("(define-rap (low) (preconditions nil))", "(low)", "(low)")
     assert ran.told("failed") == ["failed (low) interference interference"] * 2
     results = ran.interpreter.results()

@@ -39,13 +39,13 @@ def asked(task: str, function: Callable[..., Any]) -> tuple[list[str], list[str]
     ("returned", "told"),
     [(2.0, "2"), (0.5, "0.5"), ("word", "word"), (7, "7"), (Text("hi"), '"hi"')],
 )
-def test_what_a_function_returns_is_a_value(returned: Any, told: str) -> None:
+def test_function_must_return_a_value(returned: Any, told: str) -> None:
     requests, faults = asked("(top a)", lambda view, thing: returned)
     assert (requests, faults) == ([f"asked (act {told})"], [])
 
 
 @pytest.mark.parametrize("returned", [None, True, float("inf"), ["a"], object()])
-def test_what_is_no_value_is_a_fault(returned: Any) -> None:
+def test_invalid_value_is_a_fault(returned: Any) -> None:
     requests, faults = asked("(top a)", lambda view, thing: returned)
     assert requests == []
     assert "primitive at t.rap" in faults[0]

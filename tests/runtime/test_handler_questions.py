@@ -87,7 +87,7 @@ def test_a_handler_asks_named_queries_and_defaults() -> None:
     assert answers("(near shed ?)") == [[], []]
 
 
-def test_an_answer_follows_what_the_handler_has_changed() -> None:
+def test_query_sees_changes_of_the_handler() -> None:
     found: list[Any] = []
 
     def looked(memory: Any, request: Fact, result: str) -> None:
@@ -125,7 +125,7 @@ def test_items_of_the_batch_are_asked_for_by_their_names() -> None:
         ("(near ?x ?y)", {"?z": "a"}, "`[?]z` is not in the query"),
     ],
 )
-def test_a_question_that_cannot_be_asked_is_the_handlers_fault(
+def test_invalid_query_is_a_fault_of_the_handler(
     formula: str, given: dict[str, Atom], said: str
 ) -> None:
     with pytest.raises(rapc.PortError, match=said) as caught:

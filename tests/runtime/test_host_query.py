@@ -32,7 +32,7 @@ def run() -> Interpreter:
     return interpreter
 
 
-def test_what_is_given_comes_in_its_own_order() -> None:
+def test_given_tasks_start_in_their_order() -> None:
     ask = run().question("(and (near ?a ?b) (location ?x ?b))", "?b", "?a")
     assert ask.given == ("?b", "?a")
     assert ask.first("barn", "dock") == {"?x": "box-2"}
@@ -84,7 +84,7 @@ def test_functions_are_asked_and_history_has_no_answer() -> None:
         ("(near ?x ?y) (near ?y ?x)", (), "expected one formula"),
     ],
 )
-def test_a_question_that_cannot_be_meant_is_refused(
+def test_meaningless_query_is_refused(
     text: str, given: tuple[str, ...], message: str
 ) -> None:
     with pytest.raises(ValueError, match=re.escape(message)) as refused:

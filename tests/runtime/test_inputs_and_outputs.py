@@ -141,7 +141,7 @@ def test_outputs_fall_back_on_the_last_good_method() -> None:
     assert ran.told("asked")[1:] == ["asked (act mine)", "asked (act first)"]
 
 
-def test_a_method_that_failed_gives_no_outputs() -> None:
+def test_failed_method_gives_no_outputs() -> None:
     ran = play(
         """
         (define-rap (top) (method (task-net (t1 (find => ?a)))))
@@ -180,7 +180,7 @@ def test_an_output_left_unbound_leaves_the_variable_unbound() -> None:
         ("?new ?new", True),
     ],
 )
-def test_an_output_that_does_not_fit_fails_the_task(outputs: str, good: bool) -> None:
+def test_unequal_output_fails_the_task(outputs: str, good: bool) -> None:
     """`?place` is bound to `here` beforehand, `?other` to `there`."""
     twice = "?b" if " " in outputs else ""
     ran = play(

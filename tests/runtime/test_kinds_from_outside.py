@@ -39,7 +39,7 @@ def test_a_fact_of_the_host_is_refused(fact: tuple[str, ...], said: str) -> None
 @pytest.mark.parametrize(
     "fact", [("shut", "front"), ("shut", "unknown", "true"), ("weighs", "box", 3)]
 )
-def test_what_is_of_its_kind_comes_in(fact: tuple[str | int, ...]) -> None:
+def test_value_of_the_declared_kind_is_accepted(fact: tuple[str | int, ...]) -> None:
     """`unknown` is of every kind."""
     interpreter = Play(LIBRARY).interpreter
     interpreter.assert_fact(*fact)

@@ -35,7 +35,7 @@ def said(ran: Play) -> str:
     return " ".join(words + faults)
 
 
-def test_a_question_that_goes_back_too_often_is_given_up() -> None:
+def test_query_over_the_step_limit_is_aborted() -> None:
     """The fault names the clause, with file and line, and the count."""
     ran = asked(f"(and {parts(40)} (p three))", 1000)
     assert said(ran).startswith("no context of method `#1` at t.rap:")
@@ -119,7 +119,7 @@ def test_which_variables_have_a_value(parts: str, count: int) -> None:
         ("(p ?a) (p one) (= ?a ?a)", "(p ?c)", 0),
     ],
 )
-def test_what_stands_before_a_part(before: str, parts: str, count: int) -> None:
+def test_preceding_parts_of_a_part(before: str, parts: str, count: int) -> None:
     assert takes(count, parts, before)
 
 
@@ -127,7 +127,7 @@ LONG = " ".join(["(p ?x)"] * 30)
 
 
 @pytest.mark.parametrize("more", ["", LONG])
-def test_a_query_counts_as_what_it_stands_for(more: str) -> None:
+def test_query_counts_as_its_formula(more: str) -> None:
     """Short ones, which are written where they are used, and long ones."""
     queries = f"""
     (define-query (some ?x) (and (p ?x) {more}))
@@ -171,7 +171,7 @@ def test_a_long_query_knows_its_argument_in_an_or_in_a_not() -> None:
     assert said(play(text, "(ask two)", facts=fact)) == "no"
 
 
-def test_a_fault_in_a_long_query_tells_of_the_use_that_met_it() -> None:
+def test_fault_in_a_long_query_names_its_use() -> None:
     """Both uses share their code; the second is not told as the first."""
     queries = f"""
     (define-query (large ?x) (and (p one) (< ?x 3) {LONG}))
@@ -184,7 +184,7 @@ def test_a_fault_in_a_long_query_tells_of_the_use_that_met_it() -> None:
     assert "?d is not bound" in told
 
 
-def test_an_answer_that_is_found_at_once_takes_no_step_back() -> None:
+def test_immediate_solution_takes_no_step_back() -> None:
     assert said(asked(f"(and {parts(40)})", 1)) == "yes"
 
 
@@ -252,7 +252,7 @@ def test_an_explanation_tells_after_how_many_steps_a_clause_was_given_up() -> No
         assert (cause.methods[0].part, cause.methods[0].note) == ("(p three)", note)
 
 
-def test_a_debugger_that_asks_why_takes_no_more_steps_either() -> None:
+def test_explanations_respect_the_step_limit() -> None:
     ran = asked("true", 1_000_000)
     run = ran.interpreter
     formula = parse_formula(f"(and {parts(14)} (p three) (p ?y))")
@@ -263,7 +263,7 @@ def test_a_debugger_that_asks_why_takes_no_more_steps_either() -> None:
     assert not told.holds
 
 
-def test_a_host_that_asks_too_much_has_no_answer_and_no_trace() -> None:
+def test_host_query_over_the_step_limit_has_no_solution_and_no_event() -> None:
     ran = asked("true", 100)
     for asks, nothing in (("first", None), ("all", []), ("holds", False)):
         ask = ran.interpreter.question(f"(and {parts(40)} (p three))")

@@ -25,7 +25,7 @@ LIBRARY = """
 """
 
 
-def test_a_constraint_that_fails_ends_its_method_and_no_other() -> None:
+def test_false_constraint_ends_only_its_method() -> None:
     """The task selected leaves with the rest, and the method's task goes on."""
     rows = [
         row("(slow x)", after=5, asserts=["(p left)"]),
@@ -74,7 +74,7 @@ def test_it_is_no_part_of_the_choice(first: int) -> None:
     assert play.interpreter.results()[0].outcome == "succeeded"
 
 
-def test_it_sees_what_the_method_has_bound_since() -> None:
+def test_constraint_sees_later_bindings_of_the_method() -> None:
     """A variable that an output binds counts from then on."""
     text = """
     (define-rap (top)

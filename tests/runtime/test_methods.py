@@ -16,7 +16,7 @@ def chosen(ran: Play) -> str:
     return "".join(line.split()[-1] for line in ran.told("chosen"))
 
 
-def test_only_methods_whose_context_holds_are_chosen() -> None:
+def test_only_applicable_methods_are_chosen() -> None:
     text = """
         (define-rap (top)
           (method a (context (p left)) (task-net))
@@ -59,7 +59,7 @@ def test_otherwise_holds_if_no_method_before_does(
         assert chosen(play(ORDERED, "(top)", facts=told, seed=seed))[0] in method
 
 
-def test_otherwise_does_not_ask_what_has_failed() -> None:
+def test_otherwise_ignores_failed_methods() -> None:
     text = """
         (define-rap (top)
           (method a (context (p up)) (primitive (act a)))
@@ -72,7 +72,7 @@ def test_otherwise_does_not_ask_what_has_failed() -> None:
     assert chosen(play(text, "(top)")) == "b"
 
 
-def test_the_method_that_failed_least_is_chosen() -> None:
+def test_least_failed_method_is_preferred() -> None:
     """After one failure of each both are as good: so all are tried twice."""
     text = """
         (define-rap (top)
@@ -88,7 +88,7 @@ def test_the_method_that_failed_least_is_chosen() -> None:
         assert failed == ["failed (top) futile-loop jammed"]
 
 
-def test_the_method_chosen_least_is_chosen_among_those_that_never_failed() -> None:
+def test_least_chosen_method_is_preferred() -> None:
     """A method that ended well has not failed, whatever `succeed` says then."""
     text = """
         (define-rap (top) (succeed (p done))
@@ -100,7 +100,7 @@ def test_the_method_chosen_least_is_chosen_among_those_that_never_failed() -> No
         assert sorted(order[:2]) == sorted(order[2:]) == ["a", "b"]
 
 
-def test_failures_count_for_a_method_whatever_its_bindings() -> None:
+def test_failures_count_for_a_method_with_any_bindings() -> None:
     """And the choices are counted with the bindings that it would have now."""
     ran = play(
         """
@@ -163,7 +163,7 @@ def test_other_bindings_are_another_choice() -> None:
     assert len(ran.told("asked")) == 3
 
 
-def test_a_resource_that_has_changed_makes_another_choice() -> None:
+def test_changed_resource_is_a_different_choice() -> None:
     ran = play(
         """
         (define-rap (top) (succeed (= (value ?c) 5)) (resources (counter ?c))
@@ -205,7 +205,7 @@ def test_only_the_last_choices_count_for_a_futile_loop(
     assert other.recorder.cycle == play.interpreter.recorder.cycle
 
 
-def test_a_monitor_that_blocks_starts_the_futile_loop_afresh() -> None:
+def test_blocking_restarts_the_count_of_choices() -> None:
     ran = play(
         """
         (define-rap (top) (monitor-state (go)) (succeed (p done))
@@ -238,7 +238,7 @@ def test_a_monitor_that_blocks_starts_the_futile_loop_afresh() -> None:
     ]
 
 
-def test_method_tried_and_results_tell_of_the_task_that_asks() -> None:
+def test_history_queries_refer_to_their_task() -> None:
     ran = play(
         """
         (define-rap (top)

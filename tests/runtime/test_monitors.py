@@ -11,12 +11,12 @@ WAIT = """
 """
 
 
-def test_a_monitor_that_holds_is_not_blocked() -> None:
+def test_true_monitor_does_not_block() -> None:
     ran = play(WAIT, "(wait a)", facts=["(p a)"])
     assert ran.told("blocked", "woken", "asked") == ["asked (act a)"]
 
 
-def test_one_that_does_not_hold_is_blocked_with_no_cycle() -> None:
+def test_false_monitor_blocks_without_a_cycle() -> None:
     ran = play(WAIT, "(wait a)", times=[at(4, "(p a)")])
     assert ran.told("selected", "blocked", "woken", "asked", times=True)[:4] == [
         "0 blocked wait on (p a)",
@@ -27,7 +27,7 @@ def test_one_that_does_not_hold_is_blocked_with_no_cycle() -> None:
     assert ran.of(events.TaskBlocked)[0].cycle == 0
 
 
-def test_tasks_are_tested_by_number_after_all_that_falls_on_the_time() -> None:
+def test_monitors_are_tested_by_task_number_after_all_messages() -> None:
     ran = play(
         WAIT,
         "(wait a)",
@@ -51,7 +51,7 @@ def test_the_bindings_of_a_monitor_are_not_kept() -> None:
     assert ran.told("asked") == ["asked (act two)"]
 
 
-def test_a_change_that_comes_and_goes_before_the_choice_wakes_nobody() -> None:
+def test_change_undone_before_the_choice_wakes_no_task() -> None:
     ran = play(
         WAIT,
         "(wait a)",
@@ -60,7 +60,7 @@ def test_a_change_that_comes_and_goes_before_the_choice_wakes_nobody() -> None:
     assert ran.told("woken", times=True) == ["6 woken wait"]
 
 
-def test_a_woken_task_that_no_longer_holds_is_blocked_again() -> None:
+def test_woken_task_with_false_monitor_is_blocked_again() -> None:
     ran = play(
         WAIT
         + "(define-rap (spoil) (monitor-state (go)) (method (primitive (look it))))",
@@ -81,7 +81,7 @@ def test_a_woken_task_that_no_longer_holds_is_blocked_again() -> None:
     ]
 
 
-def test_after_its_method_it_is_eligible_once_whatever_the_state() -> None:
+def test_monitored_task_is_eligible_once_after_its_method() -> None:
     """Selected, it does steps 1 and 2; step 3 blocks it."""
     ran = play(
         """
@@ -103,7 +103,7 @@ def test_after_its_method_it_is_eligible_once_whatever_the_state() -> None:
     ]
 
 
-def test_the_same_after_a_method_that_failed() -> None:
+def test_task_is_eligible_once_after_a_failed_method() -> None:
     ran = play(
         """
         (define-rap (guard) (monitor-state (go)) (succeed (last-result jammed))

@@ -68,7 +68,7 @@ def test_a_fact_asserted_by_anyone_else_meanwhile_stays(first: str) -> None:
     assert ran.memory("(p ?)") == ["(p it)"]
 
 
-def test_noting_what_is_there_refreshes_it_and_takes_nothing_away() -> None:
+def test_noting_an_existing_fact_updates_its_time() -> None:
     ran = play(
         HOLD,
         "(hold a) :at 5",
@@ -134,7 +134,7 @@ def test_a_short_notation_means_true() -> None:
     assert ran.told("asserted") == ["asserted (ready a true) by notation"]
 
 
-def test_a_notation_that_was_noted_again_after_an_erase_is_its_own() -> None:
+def test_notation_noted_after_an_erase_belongs_to_its_method() -> None:
     """The first method's end must not take away what the second one notes anew."""
     ran = play(
         HOLD.replace("(p ?x)", "(p it)"),

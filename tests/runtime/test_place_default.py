@@ -48,7 +48,7 @@ def test_a_default_depends_on_the_place() -> None:
     assert judged("workshop", "unknown") == "succeeded"
 
 
-def test_what_was_found_out_counts_more() -> None:
+def test_earlier_answers_count_more() -> None:
     found = ("works", "drill", "true")
     assert judged("scrap-heap", "true", found) == "succeeded"
     assert judged("scrap-heap", "false", found) == "failed"

@@ -39,7 +39,7 @@ def told_first(told: list[events.Event]) -> tuple[object, object]:
     return begun.spec.tasks, begun.spec.facts
 
 
-def test_a_test_tells_what_it_begins_with_as_a_program_does(tmp_path: Path) -> None:
+def test_exported_test_has_the_start_of_the_program(tmp_path: Path) -> None:
     path = tmp_path / "it.test.rap"
     path.write_text(DECLARATIONS + RAPS + TEST, encoding="utf-8")
     [case] = discover.find([path]).cases
@@ -71,7 +71,7 @@ def test_a_test_tells_what_it_begins_with_as_a_program_does(tmp_path: Path) -> N
         (RunSpec(tasks=("(do",)), (), TextError, "do"),
     ],
 )
-def test_what_cannot_be_run_is_refused_before_anything_happens(
+def test_invalid_library_is_refused_before_the_run(
     spec: RunSpec, later: Sequence[TaskRequest], error: type[Exception], message: str
 ) -> None:
     world = ScriptedWorld([], declared=LIBRARY.library)

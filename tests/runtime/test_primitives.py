@@ -36,7 +36,7 @@ USE = "(define-rap (use ?x) (method (primitive (act ?x))))"
 
 
 @pytest.mark.parametrize("arg", ["?never", "?c", "(/ 1 0)", "(+ ?x 1)"])
-def test_a_request_that_cannot_be_filled_in_fails_the_method(arg: str) -> None:
+def test_request_without_values_fails_the_method(arg: str) -> None:
     ran = play(
         f"""
         (define-rap (top ?x) (resources (counter ?c))
@@ -53,7 +53,7 @@ def test_a_request_that_cannot_be_filled_in_fails_the_method(arg: str) -> None:
     assert len(ran.told("fault")) == 1
 
 
-def test_what_an_at_does_comes_before_the_result_of_a_primitive_under_way() -> None:
+def test_at_block_precedes_the_result_of_an_atomic_primitive() -> None:
     ran = play(
         USE,
         "(use a)",
@@ -78,7 +78,7 @@ def test_a_result_changes_memory_before_it_is_told() -> None:
     ]
 
 
-def test_primitives_that_end_at_one_time_end_in_the_order_of_the_world() -> None:
+def test_simultaneous_primitives_end_in_the_order_of_the_world() -> None:
     text = "(define-rap (drag ?x) (method (primitive (slow ?x))))"
     for seed in range(4):
         ran = play(
@@ -196,9 +196,7 @@ class Rude(ScriptedWorld):
         (Datum(("nonsense",)), "no handler"),
     ],
 )
-def test_a_world_that_does_not_keep_to_the_port_is_an_error(
-    message: Message, words: str
-) -> None:
+def test_world_violating_the_port_is_an_error(message: Message, words: str) -> None:
     library = compiled(USE)
     interpreter = Interpreter(library, Rude([message], declared=library.library))
     interpreter.submit(read_task_request("(use a)"))
@@ -206,7 +204,7 @@ def test_a_world_that_does_not_keep_to_the_port_is_an_error(
         interpreter.run()
 
 
-def test_a_primitive_that_ends_after_until_stays_unended() -> None:
+def test_primitive_ending_after_until_stays_unended() -> None:
     times: list[Time] = []
     ran = Play(USE, "(use a)", rows=[row("(act a)", takes=10)])
     ran.interpreter.call_at_end(lambda: times.append(ran.interpreter.now))
@@ -218,7 +216,7 @@ def test_a_primitive_that_ends_after_until_stays_unended() -> None:
 SLOW = "(define-rap (charge) (method (primitive (slow dock))))"
 
 
-def test_a_task_that_waits_for_a_primitive_is_seen_everywhere() -> None:
+def test_task_waiting_for_a_primitive_is_shown_everywhere() -> None:
     ran = Play(SLOW, "(charge)", rows=[row("(slow dock)", after=50)])
     run, stream = ran.interpreter, StringIO()
     report = RunReport()
@@ -236,7 +234,7 @@ def test_a_task_that_waits_for_a_primitive_is_seen_everywhere() -> None:
     )
 
 
-def test_a_primitive_that_ends_at_once_has_one_line_in_the_text() -> None:
+def test_instant_primitive_has_one_line_in_the_trace() -> None:
     ran = Play(USE, "(use a)")
     stream = StringIO()
     ran.interpreter.listen(TextTrace(stream))

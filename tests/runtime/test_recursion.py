@@ -5,7 +5,7 @@ from __future__ import annotations
 from .helpers import play
 
 
-def test_a_step_equal_to_an_ancestor_fails_the_task_before_its_method_starts() -> None:
+def test_step_equal_to_an_ancestor_fails_before_the_start() -> None:
     ran = play(
         """
         (define-rap (top ?x) (method a (task-net (t1 (mid ?x)))))
@@ -70,7 +70,7 @@ def test_recursion_found_when_the_last_input_is_bound() -> None:
     assert len(cycles) == 1
 
 
-def test_a_for_formula_that_binds_a_recursion_fails_the_parent() -> None:
+def test_for_formula_binding_a_recursion_fails_the_parent() -> None:
     ran = play(
         """
         (define-rap (top ?x)

@@ -89,7 +89,7 @@ def reasons(
         ),
     ],
 )
-def test_what_the_world_or_the_host_lacks(text: str, reason: str) -> None:
+def test_missing_parts_of_world_or_host_are_reported(text: str, reason: str) -> None:
     assert DECLARATIONS.count("\n") == 10
     assert reasons(text) == (reason,)
 
@@ -110,7 +110,7 @@ def test_a_library_for_another_world_is_refused_in_one_line() -> None:
     assert len(reasons(four)) == 1
 
 
-def test_a_library_for_this_world_is_told_each_name_that_lacks() -> None:
+def test_library_error_names_each_missing_name() -> None:
     names = "".join(f"(declare-primitive wave{n} (?x) (okay))\n" for n in range(9))
     known = [f"wave{n}" for n in range(5)]
     world = ScriptedWorld(
@@ -119,7 +119,7 @@ def test_a_library_for_this_world_is_told_each_name_that_lacks() -> None:
     assert len(reasons(names, world=world)) == 4
 
 
-def test_what_is_there_is_not_refused() -> None:
+def test_complete_library_is_not_refused() -> None:
     text = """
         (declare-primitive wave (?x) (okay))
         (declare-event :bump (?side))
@@ -139,7 +139,7 @@ STEPS = """
 """
 
 
-def test_a_task_is_refused_if_it_can_reach_a_step_that_no_rap_serves() -> None:
+def test_task_with_a_reachable_step_without_rap_is_refused() -> None:
     assert reasons(STEPS, "(easy)") == ()
     assert reasons(STEPS, "(hard)") == ("t.rap:16:63: unknown RAP `gone`",)
 
@@ -151,7 +151,7 @@ class Unskilled(ScriptedWorld):
     activate = None  # type: ignore[assignment]
 
 
-def test_skills_are_refused_in_a_world_that_cannot_switch_them_on() -> None:
+def test_skills_are_refused_in_a_world_without_skills() -> None:
     world = Unskilled([Row((":roll", "?x"), kind="enable")])
     assert (
         "the world `unskilled` cannot run skills: it has no `activate` or no "
@@ -166,5 +166,5 @@ def test_skills_are_refused_in_a_world_that_cannot_switch_them_on() -> None:
         ("(easy now)", "`easy` has no inputs, not 1"),
     ],
 )
-def test_a_task_that_no_rap_serves(task: str, reason: str) -> None:
+def test_task_without_rap(task: str, reason: str) -> None:
     assert reasons(STEPS, task) == (reason,)

@@ -122,7 +122,7 @@ def test_effects_run_only_if_the_step_succeeds() -> None:
         "(counter-sub ?c (/ 1 0))",
     ],
 )
-def test_an_effect_that_cannot_be_done_fails_the_step_and_undoes_none(
+def test_impossible_effect_fails_the_step(
     effect: str,
 ) -> None:
     ran = play(
@@ -138,7 +138,7 @@ def test_an_effect_that_cannot_be_done_fails_the_step_and_undoes_none(
     assert len(ran.told("fault")) >= 1
 
 
-def test_an_effect_may_use_what_its_own_step_hands_out() -> None:
+def test_effect_uses_outputs_of_its_step() -> None:
     ran = play(
         """
         (define-rap (top) (resources (counter ?c))
@@ -151,7 +151,7 @@ def test_an_effect_may_use_what_its_own_step_hands_out() -> None:
     assert ran.told("changed") == ["changed find counter-add 4: #counter(4)"]
 
 
-def test_outputs_that_do_not_fit_leave_the_effects_undone() -> None:
+def test_unequal_outputs_prevent_the_effects() -> None:
     ran = play(
         """
         (define-rap (top) (resources (counter ?c))
@@ -237,7 +237,7 @@ def test_a_counter_stays_a_number_however_often_it_is_doubled(first: str) -> Non
     assert "failed (rest) interference interference" in ran.told("failed")
 
 
-def test_what_several_effects_come_to_together_is_looked_at_first() -> None:
+def test_combined_effects_are_validated_first() -> None:
     most = "(* " + " ".join(["1024"] * 99) + ")"
     text = REST + DOUBLE.format(
         first=most, effects=f"(counter-sub ?c 1) {f'(counter-add ?c {most})' * 1100}"

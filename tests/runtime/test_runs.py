@@ -58,7 +58,7 @@ def test_a_task_given_in_the_past_is_given_now() -> None:
     ("task", "words"),
     [("(fly)", "unknown RAP"), ("(use)", "1 input"), ("(use a b)", "not 2")],
 )
-def test_a_task_that_no_rap_serves_is_refused(task: str, words: str) -> None:
+def test_task_without_rap_is_refused(task: str, words: str) -> None:
     with pytest.raises(RefusedError, match=words):
         Play(USE, task)
 
@@ -94,7 +94,7 @@ def test_stuck_when_nothing_can_become_eligible() -> None:
     assert "guard" in end.waiting[0]
 
 
-def test_what_is_due_at_the_end_still_happens() -> None:
+def test_messages_due_at_the_end_are_processed() -> None:
     text = USE + "(define-rap (top) (method (task-net (t1 (use b) (window now 5 9)))))"
     ran = Play(text, "(top)", "(use c) :at 6").run(until=5)
     assert ran.told("asked", times=True) == ["5 asked (act b)"]
@@ -143,7 +143,7 @@ def test_a_runaway_is_called_off_and_named() -> None:
     assert any("(top)" in line or "(rest)" in line for line in end.waiting)
 
 
-def test_a_clock_that_moves_is_no_runaway() -> None:
+def test_moving_clock_is_not_a_runaway() -> None:
     ran = Play(
         "(define-rap (tick) (monitor-time now 1 2) (succeed nil) (method (task-net)))",
         "(tick)",
@@ -194,7 +194,7 @@ def test_the_world_may_end_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
     assert len(ran.told("asked")) == 1
 
 
-def test_what_a_cycle_costs_moves_the_clock() -> None:
+def test_cost_of_a_cycle_moves_the_clock() -> None:
     ran = play(USE, "(use a)", settings=Settings(cycle_cost=0.5))
     assert ran.told("selected", "over", times=True) == [
         "0 selected use",
@@ -249,7 +249,7 @@ def test_bindings_stand_in_the_json_in_their_order() -> None:
     assert list(chosen["bindings"]) == ["?z", "?a", "?y", "?b"]
 
 
-def test_a_silent_run_does_the_same_as_one_that_is_watched() -> None:
+def test_run_is_equal_with_and_without_listeners() -> None:
     ran = play(USE + TWO, "(top a)", "(top b)", seed=5)
     silent = Play(USE + TWO, "(top a)", "(top b)", seed=5)
     silent.interpreter.recorder.on = False
@@ -259,7 +259,7 @@ def test_a_silent_run_does_the_same_as_one_that_is_watched() -> None:
     assert silent.interpreter.recorder.cycle == ran.events[-1].cycle
 
 
-def test_a_recording_gives_the_events_that_a_listener_gets() -> None:
+def test_recording_has_the_events_of_a_listener() -> None:
     text = "(define-rap (top ?z) (resources (counter ?c)) (method (task-net"
     text += " (a (use ?z) (counter-add ?c 2) (for b)) (b (use (value ?c))))))"
     ran = Play(USE + text, "(top a)")
@@ -273,7 +273,7 @@ def test_a_recording_gives_the_events_that_a_listener_gets() -> None:
     assert list(recording) == ran.events[-len(heard) :]
 
 
-def test_who_asks_for_some_kinds_of_event_gets_those_and_all_alike() -> None:
+def test_listeners_receive_only_the_event_kinds_they_subscribe_to() -> None:
     early: list[events.Event] = []
     late: list[events.Event] = []
     everything: list[events.Event] = []
@@ -303,7 +303,7 @@ def _why(text: str, *tasks: str, idle: int = 500) -> str | None:
     return because
 
 
-def test_a_task_that_chooses_without_end_is_named() -> None:
+def test_endlessly_choosing_task_is_named() -> None:
     text = """
     (define-rap (top) (resources (counter ?c)) (succeed nil)
       (method (task-net (t1 (rest) (counter-add ?c 1)))))
@@ -317,7 +317,7 @@ def test_a_descent_without_end_is_named() -> None:
     assert _why(text, "(down 0)") == "501 tasks of `down` are under way at once"
 
 
-def test_the_family_of_tasks_that_try_and_fail_is_named() -> None:
+def test_endlessly_failing_family_is_named() -> None:
     raps = [
         f"(define-rap (try-{n}) (method (task-net (t1 (try-{n + 1}))))"
         f" (method (task-net (t1 (try-{n + 1})))))"
@@ -354,7 +354,7 @@ def test_constraints_above_are_asked_anew_only_after_a_change() -> None:
         assert len(asked) < 41 * 4
 
 
-def test_constraints_that_ask_of_methods_are_asked_each_time() -> None:
+def test_history_queries_in_constraints_are_evaluated_each_time() -> None:
     """Nothing in memory has changed when the method has failed; its task fails too."""
     text = """
     (define-rap (top) (constraints (not (last-result dropped)))

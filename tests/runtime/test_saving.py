@@ -52,7 +52,7 @@ def test_a_run_of_the_truck_goes_on_as_if_nothing_had_happened() -> None:
 
 
 @pytest.mark.slow
-def test_runs_of_the_truck_go_on_whatever_the_point() -> None:
+def test_truck_runs_continue_from_any_point() -> None:
     assert [saving.compare(seed, points=10, far=2) for seed in range(2)] == [0] * 2
 
 
@@ -145,7 +145,7 @@ def test_a_run_goes_back_in_place_as_often_as_wanted() -> None:
         assert play.events[line:] == first_time
 
 
-def test_what_a_host_holds_of_a_run_is_of_the_one_taken_up() -> None:
+def test_host_references_point_to_the_restored_run() -> None:
     play = _sorting()
     run = play.interpreter
     run.step()
@@ -157,7 +157,7 @@ def test_what_a_host_holds_of_a_run_is_of_the_one_taken_up() -> None:
     assert (memory.query("q", None, None), ask.all(), run.now, run.goals()) == early
 
 
-def test_a_recording_numbers_events_as_the_run_that_was_taken_up() -> None:
+def test_recording_numbers_events_like_the_restored_run() -> None:
     play = _sorting()
     recording = play.interpreter.record()
     play.interpreter.step()
@@ -190,7 +190,7 @@ def test_a_fork_may_be_given_its_world() -> None:
     assert _rest(other) == play.run().events[line:]
 
 
-def test_a_run_that_was_never_begun_and_one_that_is_over_can_be_saved() -> None:
+def test_unstarted_and_ended_runs_can_be_saved() -> None:
     new = compiled(ORDER)
     play = _sorting()
     run = Interpreter(new, _sorting().world)
@@ -253,7 +253,7 @@ def _forged(saved: bytes, change: Callable[[str], str]) -> bytes:
     return format.sealed(body)
 
 
-def test_what_is_no_saved_run_is_refused() -> None:
+def test_invalid_saved_run_is_refused() -> None:
     play = _sorting()
     for _ in range(6):
         play.interpreter.step()
@@ -324,7 +324,7 @@ def test_a_saved_run_of_another_option_of_the_world_is_refused() -> None:
         ('"timer":null', '"timer":7'),
     ],
 )
-def test_records_that_no_run_leaves_are_refused(old: str, new: str) -> None:
+def test_impossible_records_are_refused(old: str, new: str) -> None:
     play = _sorting()
     for _ in range(4):
         play.interpreter.step()
@@ -336,7 +336,7 @@ def _look_at_clock() -> None:
     """Do nothing."""
 
 
-def test_a_run_whose_host_is_to_be_called_is_not_saved() -> None:
+def test_run_with_host_timers_cannot_be_saved() -> None:
     """What is to be called is named, with file and line."""
     row = _look_at_clock.__code__.co_firstlineno
     named = rf"`_look_at_clock` \(test_saving\.py:{row}\)"
@@ -368,7 +368,7 @@ def test_a_run_is_not_saved_in_the_middle_of_a_cycle() -> None:
     assert set(met) == {"a run cannot be saved in the middle of a cycle"}
 
 
-def test_a_run_that_broke_off_is_not_saved_but_goes_back() -> None:
+def test_broken_run_cannot_be_saved_but_can_go_back() -> None:
     play = _sorting()
     play.interpreter.step()
     saved = play.interpreter.save()
@@ -410,7 +410,7 @@ class _Steel(World):
         return ()
 
 
-def test_a_world_that_cannot_be_saved_is_named() -> None:
+def test_unsavable_world_is_named() -> None:
     text = """
     (declare-primitive slow (?x) (okay dropped) :atomic false)
     (define-rap (go) (method (primitive (slow a))))

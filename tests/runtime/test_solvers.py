@@ -61,7 +61,7 @@ def test_a_returned_method_stays_in_the_run_for_other_tasks() -> None:
     assert ran.told("chosen") == ["chosen top #2", "chosen top #2"]
 
 
-def test_a_returned_method_that_the_rap_has_is_that_one() -> None:
+def test_solver_method_equal_to_an_existing_one_is_not_added() -> None:
     def solver(goal: Any, view: Any) -> Sequence[nodes.Method]:
         return [method("(method one (context (p yes)) (task-net))")]
 
@@ -73,7 +73,7 @@ def test_a_returned_method_that_the_rap_has_is_that_one() -> None:
     ]
 
 
-def test_a_solver_is_not_asked_while_a_method_holds_or_repeat_while_does_not() -> None:
+def test_solver_is_called_only_without_applicable_method() -> None:
     def solver(goal: Any, view: Any) -> Sequence[nodes.Method]:
         raise AssertionError("nobody should ask")
 
@@ -95,7 +95,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize("text", WRONG)
-def test_solver_with_a_method_that_cannot_be_run_is_blamed(text: str) -> None:
+def test_solver_returning_an_invalid_method_is_named(text: str) -> None:
     def solver(goal: Any, view: Any) -> Sequence[nodes.Method]:
         return rapc.methods(text)
 

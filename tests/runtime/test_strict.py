@@ -121,7 +121,7 @@ def run(
     return rapc.run(rapc.loads(LIBRARY), Arms, task, settings=settings, until=9)
 
 
-def test_handlers_that_do_what_they_are_said_to_do_pass() -> None:
+def test_handlers_with_declared_effects_pass() -> None:
     assert run().succeeded
     assert run(reply=Reply("okay", (("weight", "cup", 3),))).succeeded
     assert run("(look-for mug)").succeeded
@@ -129,7 +129,7 @@ def test_handlers_that_do_what_they_are_said_to_do_pass() -> None:
     assert run(sends=("smell", "cup")).succeeded
 
 
-def test_of_a_result_that_is_not_named_nothing_is_known() -> None:
+def test_undeclared_result_is_not_checked() -> None:
     def jammed(memory: Any, request: Fact, result: str) -> None:
         memory.assert_fact("dirty", "arm2")
         memory.erase("holding")
@@ -137,7 +137,7 @@ def test_of_a_result_that_is_not_named_nothing_is_known() -> None:
     assert run(reply=Reply("jammed"), grasp=jammed).reason == "done"
 
 
-def test_what_may_come_or_go_need_not() -> None:
+def test_possible_effect_need_not_happen() -> None:
     def cleanly(memory: Any, request: Fact, result: str) -> None:
         grasped(memory, request, result)
         memory.assert_fact("dirty", request[1])
@@ -203,7 +203,7 @@ BROKEN: dict[str, tuple[dict[str, Any], str]] = {
 
 
 @pytest.mark.parametrize("case", BROKEN)
-def test_a_handler_that_does_something_else_ends_the_run(case: str) -> None:
+def test_handler_violating_its_effects_ends_the_run(case: str) -> None:
     given, said = BROKEN[case]
     with pytest.raises(rapc.PortError) as caught:
         run(**given)
@@ -213,7 +213,7 @@ def test_a_handler_that_does_something_else_ends_the_run(case: str) -> None:
     assert run(**given, strict=False).reason == "done"
 
 
-def test_the_line_is_that_of_the_assertion() -> None:
+def test_error_names_the_line_of_the_assertion() -> None:
     def handler(memory: Any, request: Fact, result: str) -> None:
         grasped(memory, request, result)
         memory.assert_fact("dirty", "arm2")
@@ -256,7 +256,7 @@ def test_the_handler_of_a_datum_is_held_too() -> None:
         run(sends=datum, weight=smelt)
 
 
-def test_only_data_that_tells_names_come_with_a_primitive() -> None:
+def test_only_declared_data_come_with_a_primitive() -> None:
     said = (
         r"sent \(smell cup\) with \(grasp arm1 cup\), which `:tells` does not declare"
     )

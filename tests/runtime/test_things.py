@@ -40,7 +40,7 @@ def _waiting(ran: Play) -> tuple[str, ...]:
     return over.waiting
 
 
-def test_who_waits_for_whom_is_told() -> None:
+def test_waits_between_tasks_are_reported() -> None:
     ran = Play(BODY, "(drive lab) :priority 1", "(drive hall)", rows=ROWS)
     ran.run(until=2)
     assert _waiting(ran) == (
@@ -59,7 +59,7 @@ def test_the_agenda_says_it_too() -> None:
     ]
 
 
-def test_deadlock_is_named_at_the_end_whatever_ended_the_run() -> None:
+def test_deadlock_is_named_at_any_end_of_the_run() -> None:
     for last, reason in ("(hold right)", "done"), ("(p-never)", "stuck"):
         ran = Play(
             BODY,
@@ -90,7 +90,7 @@ def test_deadlock_is_reported_when_it_closes() -> None:
     assert before.task == 4
 
 
-def test_deadlock_that_a_merge_of_items_closes_is_reported() -> None:
+def test_deadlock_closed_by_a_merge_is_reported() -> None:
     """What one task holds and what another waits for turn out to be one arm."""
     text = (
         BODY
@@ -111,13 +111,13 @@ def test_deadlock_that_a_merge_of_items_closes_is_reported() -> None:
     assert (told.time, told.tasks) == (3, (5, 7))
 
 
-def test_who_waits_for_one_that_can_go_on_is_in_no_circle() -> None:
+def test_task_waiting_for_a_running_task_is_in_no_deadlock() -> None:
     ran = Play(BODY, "(one)", "(drive hall)", rows=ROWS).run(until=2)
     assert not [line for line in _waiting(ran) if "deadlock" in line]
     assert ran.of(Deadlock) == []
 
 
-def test_a_run_that_is_saved_anywhere_goes_on_as_if_nothing_had_happened() -> None:
+def test_run_continues_unchanged_after_a_save_at_any_point() -> None:
     def play() -> Play:
         return Play(
             BODY,
@@ -151,7 +151,7 @@ RETRY = """
 """
 
 
-def test_a_method_that_is_undone_was_never_tried_though_others_were() -> None:
+def test_undone_method_counts_as_not_tried() -> None:
     def play() -> Play:
         rows = [row("(act a)", "dropped"), *ROWS]
         tasks = "(either)", "(grip-when left) :priority 3 :at 1"

@@ -43,7 +43,7 @@ def test_a_window_on_a_step_orders_and_counts_from_its_end() -> None:
     assert ran.told("asked", times=True) == ["0 asked (act a)", "7 asked (act b)"]
 
 
-def test_a_step_that_until_ended_counts_as_ended_then() -> None:
+def test_step_ended_by_until_counts_as_ended() -> None:
     text = (
         USE
         + """
@@ -57,7 +57,7 @@ def test_a_step_that_until_ended_counts_as_ended_then() -> None:
     assert ran.told("asked", times=True) == ["6 asked (act a)", "9 asked (act b)"]
 
 
-def test_a_windows_times_may_use_inputs_and_what_earlier_steps_bind() -> None:
+def test_window_times_use_inputs_and_variables_of_earlier_steps() -> None:
     text = (
         USE
         + """
@@ -72,7 +72,7 @@ def test_a_windows_times_may_use_inputs_and_what_earlier_steps_bind() -> None:
     assert ran.told("asked", times=True) == ["11 asked (act a)"]
 
 
-def test_a_time_that_is_no_number_is_a_fault_and_interference() -> None:
+def test_non_numeric_time_is_a_fault_and_interference() -> None:
     text = (
         USE + "(define-rap (top ?n) (method (task-net (t1 (use a) (window now ?n 9)))))"
     )
@@ -81,7 +81,7 @@ def test_a_time_that_is_no_number_is_a_fault_and_interference() -> None:
     assert ran.told("failed")[0] == "failed (use a) interference interference"
 
 
-def test_a_missed_deadline_is_told_once_for_the_task_that_states_it() -> None:
+def test_missed_deadline_is_reported_once_for_its_task() -> None:
     text = (
         USE
         + """
@@ -221,7 +221,7 @@ def test_monitor_time_counts_from_when_the_task_was_made() -> None:
     assert ran.told("asked", times=True)[-1] == "10 asked (act z)"
 
 
-def test_a_monitor_time_that_is_no_number_fails_the_task() -> None:
+def test_non_numeric_monitor_time_fails_the_task() -> None:
     ran = play(
         "(define-rap (tick ?n) (monitor-time now ?n 9) (method (task-net)))",
         "(tick soon)",
@@ -270,7 +270,7 @@ def test_an_atomic_primitive_holds_everything() -> None:
     assert ran.told("asked", times=True) == ["0 asked (act a)", "10 asked (act b)"]
 
 
-def test_one_that_is_not_atomic_lets_others_go_on() -> None:
+def test_non_atomic_primitive_lets_other_tasks_run() -> None:
     text = USE + "(define-rap (drag ?x) (method (primitive (slow ?x))))"
     ran = play(text, "(drag a)", "(use b)", rows=[row("(slow a)", after=10)])
     assert ran.told("done", times=True) == [

@@ -70,7 +70,7 @@ def test_until_start_waits_for_the_monitors_of_the_other() -> None:
     ]
 
 
-def test_until_start_comes_whatever_comes_of_the_selection() -> None:
+def test_until_start_applies_at_any_selection() -> None:
     """Also if the task fails at once; and a second selection sets off nothing."""
     ran = play(
         """
@@ -88,7 +88,7 @@ def test_until_start_comes_whatever_comes_of_the_selection() -> None:
     ]
 
 
-def test_a_step_that_until_ended_has_ended_for_order_and_method() -> None:
+def test_step_ended_by_until_has_ended_for_order_and_method() -> None:
     ran = play(
         USE
         + IDLE
@@ -108,7 +108,7 @@ def test_a_step_that_until_ended_has_ended_for_order_and_method() -> None:
     ]
 
 
-def test_a_step_that_until_ended_sets_off_none() -> None:
+def test_step_ended_by_until_ends_no_other_step() -> None:
     """t3 waits for t1's end with `until-end t1`; t1 is ended by t2 (T 5.2.1)."""
     ran = play(
         USE

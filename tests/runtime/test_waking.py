@@ -41,7 +41,7 @@ def test_two_beliefs_the_earlier_timer_counts() -> None:
     assert ran.told("asked", times=True) == ["5 asked (act a)"]
 
 
-def test_a_belief_that_holds_and_goes_stale_blocks_the_woken_task_again() -> None:
+def test_stale_belief_blocks_the_woken_task_again() -> None:
     ran = play(
         """
         (define-rap (use ?x) (method (primitive (act ?x))))
@@ -63,7 +63,7 @@ def test_a_belief_that_holds_and_goes_stale_blocks_the_woken_task_again() -> Non
     ]
 
 
-def test_an_age_that_is_bound_is_tested_when_the_clock_has_moved() -> None:
+def test_bound_age_is_tested_when_the_clock_has_moved() -> None:
     """It sets no time of its own: 12 is when something else happens."""
     ran = play(
         """
@@ -77,7 +77,7 @@ def test_an_age_that_is_bound_is_tested_when_the_clock_has_moved() -> None:
     assert ran.told("asked", times=True) == ["12 asked (act a)"]
 
 
-def test_a_resource_wakes_who_asks_about_it() -> None:
+def test_resource_wakes_tasks_with_queries_of_it() -> None:
     ran = play(
         """
         (define-rap (top)
@@ -233,7 +233,7 @@ def test_a_monitored_task_is_tested_when_order_and_start_allow_it() -> None:
     ]
 
 
-def test_a_function_given_a_resource_is_tested_when_that_changes() -> None:
+def test_function_of_a_resource_is_tested_on_its_change() -> None:
     ran = play(
         """
         (declare-memory-function enough (?counter) :reads ())

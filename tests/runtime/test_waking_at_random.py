@@ -93,7 +93,7 @@ class Sleepers:
 
 @examples(400)
 @given(dice(), sizes, st.integers(1, 6))
-def test_who_waits_stands_where_its_formula_says(
+def test_waiting_task_is_registered_by_its_formula(
     thrown: Dice, size: int, leaves: int
 ) -> None:
     both = memories(thrown.changes(size))

@@ -24,7 +24,7 @@ LIBRARY = """
 """
 
 
-def test_it_is_called_with_all_dealt_with_that_has_come() -> None:
+def test_timer_is_called_after_pending_messages() -> None:
     run = rapc.loads(LIBRARY).start(ScriptedWorld([]), tasks=["(watch)"])
     seen: list[tuple[Time, bool]] = []
     run.call_at(2, lambda: run.assert_fact("seen", "early"))
@@ -35,7 +35,7 @@ def test_it_is_called_with_all_dealt_with_that_has_come() -> None:
     assert seen == [(0, False), (2, True), (5, True)]
 
 
-def test_a_run_that_is_looked_at_is_not_saved() -> None:
+def test_temporary_history_cannot_be_saved() -> None:
     run = rapc.loads(LIBRARY).start(ScriptedWorld([]), tasks=["(watch)"])
     run.call_when_waiting(lambda: None)
     with pytest.raises(rapc.StateError, match="`call_when_waiting`"):
