@@ -1,16 +1,18 @@
 """History of a run: any moment of the run, with the acts of the user.
 
-To reach a moment, a history restores the nearest saved state before the moment and
-replays from there without output. The replay repeats each act at its moment. An act in
-the past begins a branch; the old branch is kept. A recorded run without library or
-world is also a history: the user can step and search, but not query or change the run.
+A history is the specification of a run, the acts of the user, and the answers that
+cannot be made again: those of solvers, and of a world that cannot be saved. To reach a
+moment, a history restores the nearest saved state before the moment and replays from
+there without output. The replay repeats each act at its moment. An act in the past
+begins a branch; the old branch is kept. A recorded run without library or world is also
+a history: the user can step and search, but not query or change the run.
 Not here: questions (`rapc.debug.questions`) and output (`rapc.repl`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -26,9 +28,11 @@ from rapc.debug.reload import TakeUp, changed
 from rapc.errors import ArgumentError, Error, PortError, StateError
 from rapc.events import Event, TaskSelected
 from rapc.host import CheckedLibrary
+from rapc.runtime.answers import Answers, Goal, UnknownAnswerError
 from rapc.runtime.host_query import HostQuery
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import Settings
+from rapc.spec import RunSpec
 from rapc.world import Time, World
 
 _NO_MORE_TO_DO = ("done", "stuck")
@@ -79,6 +83,10 @@ class Save(NamedTuple):
     world: World
 
 
+Solutions = dict[tuple[int, Goal], Any]
+"""Methods from solvers, by the cycle and the goal."""
+
+
 @dataclass
 class Branch:
     """A branch of a run: its acts, saved states and furthest moment."""
@@ -88,6 +96,8 @@ class Branch:
     begun: str = ""
     #: The acts, each with the cycle that precedes the act.
     acts: list[tuple[int, Act]] = field(default_factory=list)
+    #: The methods from solvers; see `Answers.solutions`.
+    solutions: Solutions = field(default_factory=dict)
     #: The saved states, ordered by moment.
     saves: dict[Moment, Save] = field(default_factory=dict)
     #: The furthest moment reached.
@@ -106,7 +116,8 @@ class Branch:
         begun = f"{self.name} at cycle {moment.cycle}"
         saves = {at: save for at, save in self.saves.items() if at <= moment}
         acts = self.acts[: moment.acts]
-        return Branch(name, begun, acts, saves, end=moment, left=moment)
+        found = _up_to(self.solutions, moment.cycle)
+        return Branch(name, begun, acts, found, saves, end=moment, left=moment)
 
     def keep(self, moment: Moment, save: Save) -> None:
         """Keep a new saved state and drop old states, the older the more.
@@ -139,6 +150,10 @@ class History:
         self, run: Interpreter | Playback, log: EventLog | None = None
     ) -> None:
         self._run = run
+        #: The specification of the run.
+        self.spec: RunSpec = run.spec
+        #: The answers of the world, if it cannot be saved, and of solvers.
+        self.answers = Answers() if isinstance(run, Playback) else run.keep_answers()
         self.log: EventLog | Playback = log or EventLog()
         #: The reason why the run cannot go back; empty if the run can.
         self.no_way_back = ""
@@ -148,6 +163,7 @@ class History:
         self.notes: list[Callable[[], str]] = []
         self.branch = Branch("main")
         self.branches = [self.branch]
+        self.answers.solutions = self.branch.solutions
         #: The serial number of the first event that the checks have not seen.
         self.fresh = self.serial
         self._paused = False
@@ -277,11 +293,9 @@ class History:
 
     def _step(self, until: Callable[[], str | None] | None, heed: bool) -> Stop | None:
         """Run a cycle; return the reason to stop, or None."""
-        try:
-            if self.over or not self._cycle():
-                return Stop("over", self.reason)
-        except PortError as error:
-            return Stop("broken", error.message)
+        stop = self._run_cycle()
+        if stop is not None:
+            return stop
         hits = (check() for check in self.checks.values()) if heed else ()
         hit = next((one for one in hits if one is not None), None)
         self.fresh = self.serial
@@ -292,6 +306,19 @@ class History:
         if self._paused:
             self._paused = False
             return Stop("pause")
+        return None
+
+    def _run_cycle(self) -> Stop | None:
+        """Run a cycle; return a stop if there is none, or it breaks off."""
+        before = self.moment
+        try:
+            if self.over or not self._cycle():
+                return Stop("over", self.reason)
+        except UnknownAnswerError as error:
+            self._put_back(before)
+            return Stop("broken", error.message)
+        except PortError as error:
+            return Stop("broken", error.message)
         return None
 
     def _cycle(self) -> bool:
@@ -446,6 +473,7 @@ class History:
         world = run.port.behind
         log, before = self._log, self._log.elsewhere
         log.elsewhere = _nobody
+        closed, self.answers.closed = self.answers.closed, True
         try:
             if cycle is not None:
                 self._put_back(self.branch.moment_after(cycle))
@@ -455,16 +483,22 @@ class History:
             run.restore(here)
             self._run, self._done, self._saved = run, done, saved
             log.elsewhere = before
+            self.answers.closed = closed
+            self.answers.solutions = self.branch.solutions
 
     def ahead(self, acts: Iterable[Act], cycles: int) -> list[ToldEvent]:
         """Return the events of the next cycles after given acts, then undo all.
+
+        In a world that cannot be saved, the events end at the first question whose
+        answer is unknown.
 
         Raises:
             Error: if an act is impossible.
             StateError: if the run cannot go back.
         """
         found: list[ToldEvent] = []
-        with self.at():
+        with self.at(), suppress(UnknownAnswerError):
+            self.answers.solutions = _up_to(self.branch.solutions, self.cycle)
             for act in acts:
                 self._run = act.do(self.run) or self.run
             self._log.elsewhere = found.append
@@ -575,7 +609,9 @@ class History:
         follower, log.follower = log.follower, None
         try:
             run = act.do(run) or run
-        except Error:
+        except Error as error:
+            if isinstance(error, UnknownAnswerError):
+                self._put_back(moment)
             if goes_on:
                 self.step()  # back to the end of the run
             raise
@@ -602,6 +638,7 @@ class History:
         name = name or f"branch-{len(self.branches)}"
         self.branch = self.branch.begun_at(self.moment, name)
         self.branches.append(self.branch)
+        self.answers.solutions = self.branch.solutions
         return self.branch
 
     def switch(self, name: str) -> None:
@@ -616,6 +653,7 @@ class History:
             if branch.name == name:
                 self.branch.left = self.moment
                 self.branch = branch
+                self.answers.solutions = branch.solutions
                 self._put_back(branch.left)
                 return
         raise ArgumentError(f"unknown branch `{name}`")
@@ -649,6 +687,11 @@ class History:
         act = TakeUp(library.program, changed(before, after))
         self.act(act)
         return act
+
+
+def _up_to(solutions: Solutions, cycle: int) -> Solutions:
+    """Return the methods that solvers found up to a cycle."""
+    return {key: found for key, found in solutions.items() if key[0] <= cycle}
 
 
 def _nobody(told: ToldEvent) -> None:

@@ -360,6 +360,8 @@ class Playback:
 
     def __init__(self, recording: Recording) -> None:
         self._recording = recording
+        #: The specification of the run.
+        self.spec = recording.begun
         self.last_cycle = recording.last_cycle
         self.goto(0)
 

@@ -31,6 +31,7 @@ from rapc.runtime.admission import (
     refuse_extension,
     refuse_other_world,
 )
+from rapc.runtime.answers import Answers, RecordedWorld
 from rapc.runtime.arguments import (
     need_call,
     need_count,
@@ -78,7 +79,7 @@ from rapc.runtime.tasks.rename_items import rename
 from rapc.runtime.tasks.signals import signal
 from rapc.runtime.tasks.start import create_top, read_inputs
 from rapc.spec import RunSpec
-from rapc.world import Callables, Message, Refused, Reply, Time, World
+from rapc.world import Callables, Message, Refused, Reply, Savable, Time, World
 
 TRACE_FORMAT = 2
 """The version of the trace format."""
@@ -130,8 +131,7 @@ class Interpreter(Run):
         need_table(comparators, "`comparators`")
         settings = Settings() if settings is None else settings
         need_settings(settings)
-        #: The specification of the run, for the trace, with its tasks and facts.
-        self.spec = RunSpec(seed=seed)
+        self._spec = RunSpec(seed=seed)
         #: The tasks with which the run begins.
         self.first_tasks: tuple[TaskRequest, ...] = ()
         self.first_facts: tuple[Fact, ...] = ()
@@ -193,7 +193,7 @@ class Interpreter(Run):
         for fact in facts:
             run.check_fact(*fact)
         run.first_tasks, run.first_facts = tasks, facts
-        run.spec = msgspec.structs.replace(
+        run._spec = msgspec.structs.replace(
             spec,
             agenda=None,
             tasks=tuple([as_text(task) for task in tasks]),
@@ -202,6 +202,17 @@ class Interpreter(Run):
         return run
 
     # --- before and during a run -----------------------------------------------------
+
+    @property
+    def spec(self) -> RunSpec:
+        """Return the specification of the run, with library, digest and world."""
+        return msgspec.structs.replace(
+            self._spec,
+            library=self.library.name,
+            digest=self.library.digest,
+            world=self.port.name,
+            settings=self.settings.named(),
+        )
 
     @property
     def memory(self) -> MemoryView:
@@ -508,14 +519,7 @@ class Interpreter(Run):
             return
         self.state.started = True
         if self.recorder.on and self.recorder.wants(RunStarted):
-            told = msgspec.structs.replace(
-                self.spec,
-                library=self.library.name,
-                digest=self.library.digest,
-                world=self.port.name,
-                settings=self.settings.named(),
-            )
-            self.recorder.emit(RunStarted, format=TRACE_FORMAT, spec=told)
+            self.recorder.emit(RunStarted, format=TRACE_FORMAT, spec=self.spec)
         try:
             for fact in self.port.facts():
                 self.assert_fact(*fact)
@@ -608,6 +612,18 @@ class Interpreter(Run):
         other.restore(saved)
         return other
 
+    def keep_answers(self) -> Answers:
+        """Keep the answers of solvers, and of a world that cannot be saved.
+
+        A run in such a world can then be saved and restored, in this process: it is
+        repeated from the answers. Return the store, which this method makes once.
+        """
+        if self.answers is None:
+            self.answers = Answers()
+            if not isinstance(self.port.behind, Savable):
+                self.port.enclose(RecordedWorld(self.port.behind, self.answers))
+        return self.answers
+
     def remade(self, library: Program, settings: Settings) -> Interpreter:
         """Return a run of another library, or with other settings, in the same world.
 
@@ -619,6 +635,7 @@ class Interpreter(Run):
         """
         other = self._made_with(library, settings, self.port.behind)
         other.recorder.take_over(self.recorder)
+        other.answers = self.answers
         if self.context_listener is not None:
             other.watch_contexts(self.context_listener)
         return other

@@ -20,6 +20,7 @@ from typing import Any
 
 from rapc.base.values import Atom, number
 from rapc.compiler.program import Program
+from rapc.runtime.answers import Answers
 from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.held_world import HeldWorld
 from rapc.runtime.memory.access import MemoryAccess
@@ -74,6 +75,8 @@ class Run:
             self.context, self.recorder, self.eligible, self.things
         )
         self.access.observe(self.monitors.listeners)
+        #: The kept answers of solvers and of a world that cannot be saved, if wanted.
+        self.answers: Answers | None = None
         #: The host's actions at times: a heap by time, then by order.
         self.host_timers: list[tuple[Time, int, Callable[[], None]]] = []
         #: The host's actions at the end of the run, and at each wait.

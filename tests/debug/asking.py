@@ -137,6 +137,7 @@ def _observe(one: Asker) -> None:
     assert set(run.candidates()) <= {task.number for task in run.tasks()}
     assert all(claim.task.live for claim in run.claims())
     assert (run.cycle, run.serial) == (one.session.cycle, one.session.serial)
+    assert run.spec == one.session.spec
     run.families(), run.deadlocks(), run.requests(), run.skills()
     for task in filter(lambda task: task.bound, run.tasks()):
         run.monitored(task)

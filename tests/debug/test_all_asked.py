@@ -30,6 +30,7 @@ ACTS: Mapping[str, str] = {
     "Interpreter.erase": "changes memory",
     "Interpreter.extend": "changes the library",
     "Interpreter.fail_task": "ends a task",
+    "Interpreter.keep_answers": "keeps answers from then on",
     "Interpreter.move": "changes memory",
     "Interpreter.new_context": "makes a part of a run",
     "Interpreter.prepared": "makes a run",

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import TypeVar
 
 from rapc.base.chance import below
@@ -101,7 +102,12 @@ def _ask_solver(run: Run, task: Task) -> bool:
     if solver is None:
         return False
     inputs = [task.env[name] for name in task.plan.inputs]
-    returned = solver((task.plan.name, *inputs), run.context.view)
+    goal, answers = (task.plan.name, *inputs), run.answers
+    if answers is None:
+        returned = solver(goal, run.context.view)
+    else:
+        ask = partial(solver, goal, run.context.view)
+        returned = answers.solve(run.recorder.cycle, goal, ask)
     if not isinstance(returned, tuple | list) or not all(
         isinstance(node, nodes.Method) for node in returned
     ):

@@ -1,0 +1,245 @@
+"""The answers of a world and of solvers, kept so that a run can be repeated.
+
+A run is a function of its specification, the acts of the host, and these answers. A
+simulator that can be saved answers again in the same way; the answers of every other
+world are kept. The answers of solvers are always kept.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple, NoReturn
+
+import msgspec
+
+from rapc.base.resources import Value
+from rapc.base.values import Atom, Fact
+from rapc.errors import StateError
+from rapc.world import Message, Picture, Refused, Reply, Time, World, Wrapper
+
+Goal = tuple[Value, ...]
+"""The name of a RAP and its inputs, as a solver gets them."""
+
+_READINGS = ("now", "messages", "ended")
+"""The questions whose answers often say nothing new."""
+
+
+class UnknownAnswerError(StateError):
+    """A question beyond the kept answers, in a run that may not ask the world."""
+
+
+class Answer(msgspec.Struct, frozen=True):
+    """A kept answer."""
+
+    #: The number of readings before the question that said nothing new: the same time,
+    #: no messages, no end.
+    readings: int
+    #: The method of the world and its arguments.
+    call: str
+    asked: tuple[Any, ...]
+    told: Any
+
+
+class Position(NamedTuple):
+    """A position among the answers: the next answer, and the readings before it."""
+
+    at: int = 0
+    readings: int = 0
+    #: The last reading of the clock.
+    time: Time | None = None
+
+
+class Answers:
+    """The answers of a run's solvers and world; those of the world in their order.
+
+    A question at the end is new: the world is asked, and its answer is kept before it
+    is used. At another position the kept answer is returned, if the question is the
+    same; a world that cannot be saved has only one past.
+    """
+
+    def __init__(self) -> None:
+        self.kept: list[Answer] = []
+        #: The readings after the last kept answer.
+        self.readings = 0
+        self.position = Position()
+        #: The methods from solvers, by the cycle and the goal.
+        self.solutions: dict[tuple[int, Goal], Any] = {}
+        #: Whether no new answer may be kept, because the run is soon restored.
+        self.closed = False
+
+    def solve(self, cycle: int, goal: Goal, solver: Callable[[], Any]) -> Any:
+        """Return the methods of a solver for a goal in a cycle, kept or new."""
+        key = cycle, goal
+        if key in self.solutions:
+            return self.solutions[key]
+        found = solver()
+        if not self.closed:
+            self.solutions[key] = found
+        return found
+
+    def ask(self, call: str, asked: tuple[Any, ...], answer: Callable[..., Any]) -> Any:
+        """Return the answer to a question, kept or new.
+
+        Args:
+            call: the method of the world.
+            asked: its arguments.
+            answer: called with these arguments if the question is new.
+
+        Raises:
+            UnknownAnswerError: for a new question while the answers are closed, and for
+                a question that differs from the kept one.
+        """
+        at, used, time = self.position
+        is_last = at == len(self.kept)
+        if is_last and used == self.readings:
+            return self._new(call, asked, answer)
+        if used < (self.readings if is_last else self.kept[at].readings):
+            if call not in _READINGS:
+                self._refuse(call)
+            self.position = Position(at, used + 1, time)
+            return {"now": time, "messages": (), "ended": None}[call]
+        kept = self.kept[at]
+        if (kept.call, kept.asked) != (call, asked):
+            self._refuse(call)
+        self.position = Position(at + 1, 0, kept.told if call == "now" else time)
+        return kept.told
+
+    def _new(
+        self, call: str, asked: tuple[Any, ...], answer: Callable[..., Any]
+    ) -> Any:
+        if self.closed:
+            self._refuse(call)
+        told = answer(*asked)
+        at, used, time = self.position
+        empty = isinstance(told, tuple | list) and not told
+        old = {"now": time is not None and told == time, "messages": empty}
+        if old.get(call, call == "ended" and told is None):
+            self.readings = used + 1
+            self.position = Position(at, used + 1, time)
+            return told
+        if isinstance(told, list):
+            told = tuple(told)
+        self.kept.append(Answer(self.readings, call, asked, told))
+        self.readings = 0
+        self.position = Position(at + 1, 0, told if call == "now" else time)
+        return told
+
+    def _refuse(self, call: str) -> NoReturn:
+        """Raise the error for an answer that is not known."""
+        raise UnknownAnswerError(
+            f"the answer of the world to `{call}` is unknown: the world cannot be "
+            "saved, and was not asked this at this point"
+        )
+
+
+class RecordedWorld(Wrapper):
+    """A wrapper of a world that keeps its answers, so that the run can be saved.
+
+    The saved state is the position among the answers. Pictures, figures and options are
+    those of the present, because the interpreter never asks for them.
+
+    Args:
+        world: a world that cannot be saved.
+        answers: the store.
+    """
+
+    def __init__(self, world: World, answers: Answers) -> None:
+        self.answers = answers
+        #: The time to return once: a restored run reads the clock to check it.
+        self._restored: Time | None = None
+        super().__init__(world)
+        answers.position = answers.position._replace(time=world.now())
+
+    def enclose(self, world: World) -> None:
+        """Replace the wrapped world."""
+        super().enclose(world)
+        self.save, self.restore = self._save, self._restore
+
+    def __deepcopy__(self, memo: object) -> NoReturn:
+        """Refuse a copy: the world exists once."""
+        raise StateError(f"the world `{self.name}` cannot be copied")
+
+    def now(self) -> Time:
+        """Return the time of the clock."""
+        restored, self._restored = self._restored, None
+        if restored is not None:
+            return restored
+        time: Time = self.answers.ask("now", (), self.behind.now)
+        return time
+
+    def perform(self, ticket: int, request: Fact) -> Reply | Refused | None:
+        """Carry out a request."""
+        asked = ticket, request
+        told: Reply | Refused | None
+        told = self.answers.ask("perform", asked, self.behind.perform)
+        return told
+
+    def cancel(self, ticket: int) -> None:
+        """Stop the request under `ticket`."""
+        self.answers.ask("cancel", (ticket,), self.behind.cancel)
+
+    def next_time(self) -> Time | None:
+        """Return the time of the next message."""
+        told: Time | None = self.answers.ask("next_time", (), self.behind.next_time)
+        return told
+
+    def advance(self, to: Time) -> None:
+        """Advance the clock to `to`."""
+        self.answers.ask("advance", (to,), self.behind.advance)
+
+    def messages(self) -> Sequence[Message]:
+        """Return the messages sent since the preceding call."""
+        told: Sequence[Message] = self.answers.ask("messages", (), self.behind.messages)
+        return told
+
+    def ended(self) -> str | None:
+        """Return the reason why the world has ended the run, or None."""
+        told: str | None = self.answers.ask("ended", (), self.behind.ended)
+        return told
+
+    def _activate(
+        self, ticket: int, skills: Sequence[Fact], events: Sequence[str]
+    ) -> Refused | None:
+        asked = ticket, tuple(skills), tuple(events)
+        told: Refused | None
+        told = self.answers.ask("activate", asked, self.behind.activate)
+        return told
+
+    def _deactivate(self, ticket: int) -> None:
+        self.answers.ask("deactivate", (ticket,), self.behind.deactivate)
+
+    def _usual_time(self, request: Fact) -> Time:
+        told: Time
+        told = self.answers.ask("usual_time", (request,), self.behind.usual_time)
+        return told
+
+    def _adjust(self, name: str, value: Atom | bool) -> None:
+        self.answers.ask("adjust", (name, value), self.behind.adjust)
+
+    def _picture(self) -> Picture:
+        self._check_present("picture")
+        picture: Picture = self.behind.picture()
+        return picture
+
+    def _figures(self) -> Any:
+        self._check_present("figures")
+        return self.behind.figures()
+
+    def _check_present(self, what: str) -> None:
+        answers = self.answers
+        end = len(answers.kept), answers.readings
+        if answers.position[:2] != end:
+            raise StateError(
+                f"the {what} of the world `{self.name}` is known only at the present: "
+                "the world cannot be made again"
+            )
+
+    def _save(self) -> bytes:
+        return msgspec.json.encode(self.answers.position)
+
+    def _restore(self, state: bytes) -> None:
+        position = msgspec.json.decode(state, type=Position)
+        if position.at > len(self.answers.kept):
+            raise ValueError("the saved position is beyond the kept answers")
+        self.answers.position = position
+        self._restored = position.time
