@@ -7,7 +7,8 @@ world are kept. The answers of solvers are always kept.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from itertools import islice
 from typing import Any, NamedTuple, NoReturn
 
 import msgspec
@@ -15,6 +16,7 @@ import msgspec
 from rapc.base.resources import Value
 from rapc.base.values import Atom, Fact
 from rapc.errors import StateError
+from rapc.runtime.held_world import MOST_FACTS
 from rapc.world import Message, Picture, Refused, Reply, Time, World, Wrapper
 
 Goal = tuple[Value, ...]
@@ -158,6 +160,18 @@ class RecordedWorld(Wrapper):
     def __deepcopy__(self, memo: object) -> NoReturn:
         """Refuse a copy: the world exists once."""
         raise StateError(f"the world `{self.name}` cannot be copied")
+
+    def facts(self) -> Iterable[Fact]:
+        """Return the initial facts of the robot."""
+
+        def listed() -> object:
+            facts = self.behind.facts()
+            if not isinstance(facts, Iterable):
+                return facts  # the interpreter reports the error
+            return tuple(islice(facts, MOST_FACTS + 1))
+
+        told: Iterable[Fact] = self.answers.ask("facts", (), listed)
+        return told
 
     def now(self) -> Time:
         """Return the time of the clock."""

@@ -15,9 +15,11 @@ from rapc.debug.history import History
 from rapc.debug.questions.why import why
 from rapc.debug.questions.why_not import why_not
 from rapc.errors import StateError
+from rapc.runtime.answers import RecordedWorld
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.task_request import read_task_request
-from rapc.world import Fact, Savable, World, Wrapper
+from rapc.spec import RunSpec
+from rapc.world import OPTIONAL, Fact, Savable, World, Wrapper, methods_of
 from rapc.worlds.scripted import ScriptedWorld
 from tests.debug.sessions import TRUCK, row
 
@@ -181,6 +183,27 @@ def test_readings_that_say_nothing_new_are_counted() -> None:
     assert calls["perform"] == world.asked["perform"]
     assert calls["messages"] < world.asked["messages"] / 4
     assert sum(one.readings for one in kept) > len(kept)
+
+
+_OBSERVED = {"picture", "figures", "adjustable"}
+"""The methods of worlds that the interpreter never calls in a run."""
+
+
+def test_all_that_the_interpreter_asks_of_a_world_is_kept() -> None:
+    for protocol in (World, *OPTIONAL):
+        for name in methods_of(protocol):
+            own = {name, f"_{name}"} & set(vars(RecordedWorld))
+            assert own or name in _OBSERVED, name
+
+
+def test_first_facts_are_kept_if_the_run_has_not_begun() -> None:
+    library = rapc.load(TRUCK).program
+    run = Interpreter.prepared(library, _machine(), RunSpec(tasks=TASKS, seed=7))
+    answers = run.keep_answers()
+    assert run.keep_answers() is answers
+    run.start()
+    assert answers.kept[0].call == "facts"
+    assert set(answers.kept[0].told) <= set(run.memory)
 
 
 def test_a_simulator_is_not_recorded() -> None:
