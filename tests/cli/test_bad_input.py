@@ -95,7 +95,7 @@ def _nothing(folder: Path) -> None:
         (_nothing, "does not exist"),
     ],
 )
-def test_what_cannot_be_read_is_one_line(
+def test_unreadable_input_is_reported_on_one_line(
     make: object, words: str, tmp_path: Path
 ) -> None:
     assert callable(make)
@@ -160,7 +160,7 @@ def test_a_full_standard_error_leaves_the_status(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("command", ["check", "test", "compile"])
-def test_what_is_no_file_is_not_read(command: str, tmp_path: Path) -> None:
+def test_special_file_is_not_read(command: str, tmp_path: Path) -> None:
     """It may never end, as a device, or never begin, as a pipe."""
     os.mkfifo(tmp_path / "pipe")
     (tmp_path / "folder").mkdir()

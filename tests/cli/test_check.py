@@ -173,7 +173,7 @@ def test_other_output_formats_are_refused(name: str, program: Path) -> None:
 
 
 @pytest.mark.parametrize("option", ["--wach", "--cache", "--fixes"])
-def test_options_that_do_not_exist_are_refused(option: str, program: Path) -> None:
+def test_unknown_options_are_refused(option: str, program: Path) -> None:
     program.write_text(ERROR)
     done = rapc("check", str(program), option)
     assert (done.returncode, done.stdout) == (2, "")

@@ -118,7 +118,7 @@ def test_an_unknown_rule_in_a_configuration_is_refused(folder: Path) -> None:
     assert "unknown rule `unknown-rup`; did you mean `unknown-rap`?" in done.stderr
 
 
-def test_a_baseline_leaves_out_what_is_known(folder: Path) -> None:
+def test_baseline_hides_known_findings(folder: Path) -> None:
     done = rapc("check", "lib", "--write-baseline", "known.json", cwd=folder)
     assert (done.returncode, done.stdout) == (0, "wrote 2 findings to known.json\n")
     done = rapc("check", "lib", "--baseline", "known.json", cwd=folder)
@@ -146,7 +146,7 @@ def test_a_baseline_is_seen_from_its_own_folder(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("text", ["", "[]", '{"rapc-baseline": 9, "findings": []}'])
-def test_what_is_no_baseline_is_refused(text: str, folder: Path) -> None:
+def test_invalid_baseline_is_refused(text: str, folder: Path) -> None:
     (folder / "known.json").write_text(text)
     done = rapc("check", "lib", "--baseline", "known.json", cwd=folder)
     assert (done.returncode, done.stdout) == (2, "")

@@ -59,7 +59,7 @@ def test_unsafe_fixes_only_if_asked_for(tmp_path: Path) -> None:
     assert file.read_text() == UNSAFE.replace("))))", ")))))")
 
 
-def test_fixes_that_improve_nothing_are_counted_and_not_offered(
+def test_useless_fixes_are_counted_and_not_offered(
     tmp_path: Path,
 ) -> None:
     """The parenthesis hides a misplaced clause, an unknown fact and a primitive."""
@@ -81,7 +81,7 @@ def test_line_ends_mark_and_mode_of_a_file_stay(tmp_path: Path) -> None:
     assert file.stat().st_mode & 0o777 == 0o640
 
 
-def test_files_that_were_not_named_are_left_alone(tmp_path: Path) -> None:
+def test_unnamed_files_are_unchanged(tmp_path: Path) -> None:
     other = tmp_path / "other.rap"
     other.write_text(UNSAFE)
     (tmp_path / "one.rap").write_text('(require "other")\n')
@@ -134,9 +134,7 @@ def test_a_text_on_standard_input_may_have_a_name(tmp_path: Path) -> None:
         ),
     ],
 )
-def test_options_that_do_not_go_together(
-    args: tuple[str, ...], said: str, tmp_path: Path
-) -> None:
+def test_incompatible_options(args: tuple[str, ...], said: str, tmp_path: Path) -> None:
     (tmp_path / "one.rap").write_text(UNUSED)
     done = rapc("check", "one.rap", *args, cwd=tmp_path)
     assert (done.returncode, done.stdout) == (2, "")

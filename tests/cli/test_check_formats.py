@@ -162,7 +162,7 @@ def test_an_input_is_not_written_over(option: str, folder: Path) -> None:
     assert file.read_text() == TWO
 
 
-def test_nor_is_what_says_what_is_reported(folder: Path) -> None:
+def test_output_does_not_overwrite_configuration_or_baseline(folder: Path) -> None:
     (folder / "rapc.toml").write_text("")
     assert rapc("check", "lib", "--write-baseline", "known", cwd=folder).returncode == 0
     settled = ("--config", "rapc.toml", "--baseline", "known")

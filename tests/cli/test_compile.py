@@ -45,7 +45,7 @@ def faulty(tmp_path: Path, compiled: bytes) -> Path:
     return tmp_path
 
 
-def test_a_run_from_the_file_is_that_from_the_sources(tmp_path: Path) -> None:
+def test_compiled_run_equals_the_run_from_sources(tmp_path: Path) -> None:
     (tmp_path / "rocks.rap").write_text('(require "truck")\n')
     done = rapc("compile", "rocks.rap", "-o", "rocks", cwd=tmp_path)
     assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
@@ -170,7 +170,7 @@ def test_slips_are_refused_in_one_line(
     assert (faulty / "go.test.rap").read_text() == FAULTY
 
 
-def test_no_file_that_is_there_is_lost(tmp_path: Path) -> None:
+def test_existing_files_are_kept(tmp_path: Path) -> None:
     """Neither a test beside the library nor one that could be taken for a part."""
     tests = "(define-test it-goes (task (go)) (expect (succeeds (go))))"
     texts = {
@@ -187,6 +187,6 @@ def test_no_file_that_is_there_is_lost(tmp_path: Path) -> None:
     assert {name: (tmp_path / name).read_text() for name in texts} == texts
 
 
-def test_what_is_no_plain_file_is_written_to() -> None:
+def test_special_file_is_written_directly() -> None:
     done = rapc("compile", str(KITCHEN), "-o", "/dev/stdout")
     assert done.stdout.startswith(f"rapc-library {FORMAT} ")

@@ -89,7 +89,7 @@ def _lines(text: str, width: int) -> list[str]:
     ["", "\t", "\t \t", "日本語", "e\u0301\u0301", "\U0001f916", "\u200b", "x" * 300],
 )
 @pytest.mark.parametrize("width", [20, 40, 80, 1000])
-def test_marks_stand_below_what_they_mark(before: str, width: int) -> None:
+def test_marks_are_below_their_text(before: str, width: int) -> None:
     text = (
         "(declare-memory-proposition p (?x ?y))\n"
         f'(define-rap (a) (succeed (and (p "{before}" 1) (qq))))'

@@ -57,7 +57,7 @@ def test_standard_input_goes_to_standard_output() -> None:
     assert (done.returncode, done.stdout) == (1, "would reformat <stdin>\n")
 
 
-def test_what_is_not_there_is_refused(tmp_path: Path) -> None:
+def test_missing_file_is_refused(tmp_path: Path) -> None:
     done = rapc("fmt", "none.rap", cwd=tmp_path)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr == "error: `none.rap` does not exist\n"

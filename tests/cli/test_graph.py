@@ -93,7 +93,7 @@ def test_task_nets(folder: Path) -> None:
     ]
 
 
-def test_monitors_with_what_brings_their_facts_about(folder: Path) -> None:
+def test_graph_shows_monitors_with_their_sources(folder: Path) -> None:
     _, edges = _drawn(folder, "--monitors")
     assert sorted(edges) == [
         ("datum seen", "fact close", "asserts"),
@@ -120,7 +120,7 @@ def test_claims_keep_arguments_of_things(folder: Path) -> None:
     assert done.stdout == "go\n  claims by-left (arm left)\ndrive\n  uses wheels\n"
 
 
-def test_what_a_rap_may_do_is_told_of_all_below_it(folder: Path) -> None:
+def test_effects_of_a_rap_include_its_steps(folder: Path) -> None:
     told = "watch\n"
     told += "  asserts (busy), (at ?), (parked)\n"
     told += "  erases (busy), (parked)\n"
@@ -206,7 +206,7 @@ def test_graph_of_networkx_answers_questions_about_a_library() -> None:
     assert ("query arrived", "fact busy", "asks", "") in found
 
 
-def test_dominators_are_what_all_ways_lead_through(folder: Path) -> None:
+def test_dominators_are_on_all_paths(folder: Path) -> None:
     text = """\
 (declare-primitive act () (okay))
 (define-rap (top) (method (task-net (t1 (left)) (t2 (right)))))
@@ -328,7 +328,7 @@ def test_the_network_of_skills_at_a_moment_is_drawn(tmp_path: Path) -> None:
         (("--skills", "1", *WORLD, "--task", "(gone)"), "unknown RAP `gone`"),
     ],
 )
-def test_what_goes_with_skills_and_what_does_not(
+def test_options_incompatible_with_skills_are_refused(
     tmp_path: Path, options: tuple[str, ...], said: str
 ) -> None:
     (tmp_path / "hall.rap").write_text(HALL, encoding="utf-8")
@@ -366,7 +366,7 @@ def test_a_world_without_a_network_has_none_to_be_drawn() -> None:
     assert "the world `truck` has no network of skills" in done.stderr
 
 
-def test_a_tag_that_names_no_step_is_not_drawn(folder: Path) -> None:
+def test_unknown_tag_is_not_drawn(folder: Path) -> None:
     (folder / "lib.rap").write_text(
         "(define-rap (wait))\n; rapc: ignore[unknown-tag] to be written\n"
         "(define-rap (go) (method (task-net (t1 (wait) (for t2)))))\n"

@@ -69,7 +69,7 @@ def test_help_imports_nothing_heavy(option: str) -> None:
     assert found.isdisjoint((*FOREIGN, "msgspec", *_of_rapc((*CHECKING, *RUNNING))))
 
 
-def test_checking_a_sound_file_imports_nothing_that_runs_or_prints(
+def test_check_of_a_valid_file_imports_no_runtime_or_printer(
     tmp_path: Path,
 ) -> None:
     file = tmp_path / "wait.rap"
@@ -79,7 +79,7 @@ def test_checking_a_sound_file_imports_nothing_that_runs_or_prints(
     assert found.isdisjoint((*FOREIGN, *_of_rapc((*RUNNING, "render"))))
 
 
-def test_a_run_imports_nothing_that_few_runs_need(tmp_path: Path) -> None:
+def test_run_imports_no_rarely_used_modules(tmp_path: Path) -> None:
     file = tmp_path / "wait.rap"
     file.write_text('(require "truck") (define-rap (wait) (succeed (= 1 1)))\n')
     words = ("run", str(file), "--world", "truck", "--task", "(wait)", "--quiet")

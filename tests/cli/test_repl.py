@@ -23,7 +23,7 @@ def test_inputs_come_from_standard_input() -> None:
     assert done.stdout.splitlines()[1:] == ["cycle 1, time 0", "cycle 0, time 0"]
 
 
-def test_an_input_that_fails_makes_the_status_1() -> None:
+def test_failed_command_sets_exit_status_1() -> None:
     done = rapc("repl", *TRUCK, "-c", ":stpe", "-c", ":step")
     assert done.returncode == 1
     assert "did you mean `:step`?" in done.stdout
@@ -56,7 +56,7 @@ def test_library_without_primitives_needs_no_world(tmp_path: Path) -> None:
     assert (done.returncode, "missing --world" in done.stderr) == (2, True)
 
 
-def test_what_cannot_begin_is_said() -> None:
+def test_invalid_start_is_reported() -> None:
     done = rapc("repl", "examples/rock-order.rap", "--world", "truk")
     assert done.returncode == 2
     assert "did you mean `truck`" in done.stderr

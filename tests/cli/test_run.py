@@ -123,14 +123,14 @@ def test_slips_are_refused_in_one_line(
     assert (bed / "doze.rap").read_text() == LIBRARY
 
 
-def test_a_run_that_was_called_off_has_not_succeeded(bed: Path) -> None:
+def test_cancelled_run_has_not_succeeded(bed: Path) -> None:
     done = _run(bed, "-q", "--set", "rapc.idle-cycles=50")
     assert done.returncode == 1
     assert done.stdout.startswith("Run over (runaway: ")
     assert "(spin) unfinished" in done.stdout
 
 
-def test_a_background_task_that_fails_makes_the_exit_status_1(bed: Path) -> None:
+def test_failed_background_task_sets_exit_status_1(bed: Path) -> None:
     done = _run(
         bed, "-q", "--task", "(wait) :priority 1 :background true", task="(turn)"
     )
@@ -141,14 +141,14 @@ def test_a_background_task_that_fails_makes_the_exit_status_1(bed: Path) -> None
     assert _run(bed, "-q", task="(turn)").returncode == 0
 
 
-def test_what_a_world_raises_is_told_of_the_world(bed: Path) -> None:
+def test_exception_of_a_world_names_the_world(bed: Path) -> None:
     done = _run(bed, "-q", task="(doze)")
     assert (done.returncode, done.stdout) == (2, "")
     said = "error: the handler of `nap` failed at bed.py:4: KeyError: 'pillow'\n"
     assert done.stderr == said
 
 
-def test_a_world_that_cannot_be_built_is_named(bed: Path) -> None:
+def test_unbuildable_world_is_named(bed: Path) -> None:
     done = _run(bed, world="bed:Broken")
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.startswith("error: the world `bed` cannot be built: TypeError:")
@@ -179,7 +179,7 @@ def test_a_word_of_the_world_declared_otherwise_is_refused(bed: Path) -> None:
     assert not (bed / "trace.jsonl").exists()
 
 
-def test_ctrl_c_before_the_first_cycle_ends_a_run_that_has_begun(bed: Path) -> None:
+def test_ctrl_c_before_the_first_cycle_ends_the_run(bed: Path) -> None:
     args = ("--world", "bed:Hasty", "--task", "(doze)", "--trace", "t.jsonl")
     done = rapc("run", "doze.rap", *args, cwd=bed)
     assert (done.returncode, done.stderr) == (1, "")
@@ -198,7 +198,7 @@ def test_a_library_run_in_the_wrong_world_is_told_which_is_meant() -> None:
     assert second.strip() == "the world `truck` has them all"
 
 
-def test_what_a_world_says_does_not_act_on_the_terminal(bed: Path) -> None:
+def test_control_characters_of_a_world_are_escaped(bed: Path) -> None:
     args = ("--world", "bed:Garish", "--task", "(doze)")
     done = rapc("run", "doze.rap", *args, cwd=bed)
     assert "red\N{REPLACEMENT CHARACTER}[31m" in done.stdout
@@ -207,7 +207,7 @@ def test_what_a_world_says_does_not_act_on_the_terminal(bed: Path) -> None:
     assert "\x1b" not in done.stdout + done.stderr + told.stdout + told.stderr
 
 
-def test_a_task_that_is_never_done_is_named_where_nothing_ends_the_run(
+def test_endless_task_is_named_in_a_run_without_end(
     bed: Path,
 ) -> None:
     guard = "(define-rap (guard) (succeed nil) (monitor-state (rested)))"

@@ -35,7 +35,7 @@ def _held(report: CheckReport, *, rules: bool = False) -> dict[str, Any]:
     return run
 
 
-def test_the_schema_is_one_and_refuses_what_is_none() -> None:
+def test_schema_is_valid_and_refuses_invalid_files() -> None:
     jsonschema.Draft7Validator.check_schema(SCHEMA)
     report = check_library(load_text("(define-rap (a) (b))"))
     assert _held(report, rules=True)["tool"]["driver"]["rules"]
@@ -63,7 +63,7 @@ def test_every_rule_can_be_told(rule: Rule) -> None:
 
 @examples(120)
 @given(damaged())
-def test_whatever_is_found_can_be_told(text: str) -> None:
+def test_each_finding_can_be_reported(text: str) -> None:
     report = check_library(load_text(text))
     _held(report)
     assert len(formats.github(report).splitlines()) == len(report.findings)

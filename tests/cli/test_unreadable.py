@@ -104,7 +104,7 @@ def test_odd_paths_end_in_one_line(command: tuple[str, ...], folder: Path) -> No
 
 
 @pytest.mark.parametrize("begun", [b"", b"(define-rap (wait))"])
-def test_a_file_that_waits_for_more_is_refused(begun: bytes) -> None:
+def test_file_without_end_is_refused(begun: bytes) -> None:
     """The system has plain files whose end never comes, the kernel's log for one."""
     out, into = os.pipe()
     os.set_blocking(out, False)
@@ -117,7 +117,7 @@ def test_a_file_that_waits_for_more_is_refused(begun: bytes) -> None:
 
 @needs_permissions
 @pytest.mark.parametrize("kind", ["file", "folder"])
-def test_what_may_not_be_read_ends_in_one_line(kind: str, folder: Path) -> None:
+def test_forbidden_file_is_reported_on_one_line(kind: str, folder: Path) -> None:
     shut = folder / "shut"
     shut.mkdir()
     (shut / "a.rap").write_text(LIBRARY)
@@ -132,7 +132,7 @@ def test_what_may_not_be_read_ends_in_one_line(kind: str, folder: Path) -> None:
     shut.chmod(0o700)
 
 
-def test_a_folder_that_may_not_be_searched_is_not_taken_for_empty(
+def test_unreadable_folder_is_not_treated_as_empty(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def shut(path: object) -> None:
@@ -154,7 +154,7 @@ def _damaged(folder: Path, name: str) -> None:
     (folder / name).write_bytes(seal(damaged))
 
 
-def test_a_damaged_rap_that_nobody_reaches_does_no_harm(folder: Path) -> None:
+def test_unreachable_damaged_rap_is_ignored(folder: Path) -> None:
     _damaged(folder, "doze.rapc")
     done = rapc("run", "doze.rapc", *RUN, "-q", cwd=folder)
     assert done.returncode == 0, done.stderr

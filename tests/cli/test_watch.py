@@ -69,7 +69,7 @@ def test_nothing_is_done_again_without_a_change(times: Callable[..., int]) -> No
     assert times(_nothing, _nothing) == 1
 
 
-def test_a_file_that_changes_while_it_is_read_first_is_read_again(
+def test_file_changed_during_the_first_read_is_read_again(
     times: Callable[..., int], tmp_path: Path
 ) -> None:
     """It was not watched before: nobody knew that it would be required."""
@@ -81,9 +81,7 @@ def test_a_file_that_changes_while_it_is_read_first_is_read_again(
     assert times(change, _nothing) == 2
 
 
-def test_a_file_that_is_removed_is_one_change(
-    times: Callable[..., int], tmp_path: Path
-) -> None:
+def test_removed_file_is_one_change(times: Callable[..., int], tmp_path: Path) -> None:
     def remove(number: int) -> bool:
         (tmp_path / "lib/b.rap").unlink(missing_ok=True)
         return number == 1
@@ -91,7 +89,7 @@ def test_a_file_that_is_removed_is_one_change(
     assert times(_nothing, remove) == 2
 
 
-def test_a_required_file_that_is_removed_is_one_change(
+def test_removed_required_file_is_one_change(
     times: Callable[..., int], tmp_path: Path
 ) -> None:
     def remove(number: int) -> bool:
@@ -101,7 +99,7 @@ def test_a_required_file_that_is_removed_is_one_change(
     assert times(_nothing, remove) == 2
 
 
-def test_a_file_that_is_new_in_a_folder_is_a_change(
+def test_new_file_in_a_folder_is_a_change(
     times: Callable[..., int], tmp_path: Path
 ) -> None:
     def add(number: int) -> bool:

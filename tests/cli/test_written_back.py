@@ -144,7 +144,7 @@ def test_owner_and_mode_stay(tmp_path: Path) -> None:
     assert status.st_mode & 0o777 == 0o640
 
 
-def test_a_file_whose_owner_cannot_be_kept_is_left(
+def test_file_is_unchanged_when_its_owner_cannot_be_kept(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """As a file of another user in a folder that both may write."""
@@ -225,7 +225,7 @@ def test_half_written_files_of_killed_processes_are_removed(
     assert left == kept
 
 
-def test_what_a_kill_leaves_is_removed_by_the_next_fmt(tmp_path: Path) -> None:
+def test_next_fmt_removes_files_of_a_killed_fmt(tmp_path: Path) -> None:
     (tmp_path / "one.rap").write_text(ROUGH)
     killed = (
         "import os, signal; from rapc.cli.main import main\n"

@@ -41,7 +41,7 @@ def test_a_worker_killed_in_the_middle_changes_nothing() -> None:
     assert all(result.measures is not None for result in results)
 
 
-def test_a_process_that_cannot_be_started_costs_a_try(
+def test_failed_process_start_counts_as_a_try(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """The server that makes processes is lost, as it is being asked for the first."""
@@ -68,7 +68,7 @@ def test_jobs_take_turns() -> None:
     assert [(job.config, job.seeds) for job in work] == expected
 
 
-def test_the_hash_is_of_what_decides_and_of_nothing_else() -> None:
+def test_hash_covers_only_inputs_of_the_run() -> None:
     digests = [point.digest for point in session().points]
     assert digests[1] == digests[2]
     assert len(set(digests)) == 4

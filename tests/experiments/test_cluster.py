@@ -69,7 +69,7 @@ def test_a_worker_killed_in_the_middle_changes_nothing(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("address", ["nobody", "10.0.0.5", "http://127.0.0.1:8787", ""])
-def test_what_is_no_address_is_told(address: str) -> None:
+def test_invalid_address_is_reported(address: str) -> None:
     said = f"^`{re.escape(address)}` is no address of a Dask scheduler"
     with pytest.raises(WorkersLost, match=said):
         ClusterWorkers(address, 1)
@@ -85,7 +85,7 @@ def test_a_server_of_another_kind_is_told(monkeypatch: pytest.MonkeyPatch) -> No
             ClusterWorkers(place, 1)
 
 
-def test_a_server_that_greets_in_another_language_is_told() -> None:
+def test_unexpected_greeting_of_a_server_is_reported() -> None:
     """What it says would make a length of some exabytes."""
     with socket.create_server(("127.0.0.1", 0)) as server:
         place = f"127.0.0.1:{server.getsockname()[1]}"

@@ -34,7 +34,7 @@ def test_tables_and_plots_are_printed_without_colours(finished: Path) -> None:
     assert max(map(len, printed.splitlines())) <= 120
 
 
-def test_what_is_left_in_the_folder(finished: Path) -> None:
+def test_folder_contents_after_a_run(finished: Path) -> None:
     left = sorted(file.name for file in (finished / "out").iterdir())
     assert left == [
         "commands.txt",
@@ -136,7 +136,7 @@ def test_killed_and_started_again_it_does_the_rest(finished: Path, truck: Path) 
         assert (truck / "out" / name).read_bytes() == theirs
 
 
-def test_ctrl_c_keeps_what_there_is(truck: Path) -> None:
+def test_ctrl_c_keeps_finished_results(truck: Path) -> None:
     args = ("-v", "experiment", "truck.toml", "--out", "out", "--jobs", "2")
     with watched(*args, *WITHOUT_END, cwd=truck) as process:
         wait_for(process, "done in", 3)

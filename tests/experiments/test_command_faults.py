@@ -94,7 +94,7 @@ def test_a_file_of_the_user_in_the_folder_is_kept(
 
 
 @pytest.mark.slow
-def test_runs_that_fail_are_told_and_the_others_kept(naps: Path) -> None:
+def test_failed_runs_are_reported_and_others_kept(naps: Path) -> None:
     done = rapc("experiment", "naps.toml", "--jobs", "2", cwd=naps)
     assert done.returncode == 1
     assert re.search(r"^well +1 +0 +2 +1\.0 ", done.stdout, re.M)
@@ -119,9 +119,7 @@ def test_runs_that_fail_are_told_and_the_others_kept(naps: Path) -> None:
 
 
 @pytest.mark.parametrize("number", first(1, [signal.SIGKILL, signal.SIGTERM]))
-def test_a_command_that_is_killed_leaves_no_process(
-    naps: Path, number: signal.Signals
-) -> None:
+def test_killed_command_leaves_no_process(naps: Path, number: signal.Signals) -> None:
     """The processes that it has started have its standard error, whose end they are."""
     text = re.sub(r"values = .*", 'values = ["for-ever"]', NAPS)
     text = text.replace("seeds = 1", "seeds = 2").replace("limit = 20", "limit = 9999")
@@ -148,7 +146,7 @@ def test_without_matplotlib_there_are_tables(truck: Path) -> None:
 
 
 @pytest.mark.slow
-def test_results_that_cannot_be_kept_or_read(copied: Path) -> None:
+def test_unwritable_or_unreadable_results(copied: Path) -> None:
     args = ("experiment", "truck.toml", "--out", "out", "--jobs", "1")
     file = copied / "out" / "results.sqlite"
     base = sqlite3.connect(file)
@@ -206,7 +204,7 @@ def test_results_that_cannot_be_kept_or_read(copied: Path) -> None:
         ),
     ],
 )
-def test_what_cannot_be_tried_exits_2(truck: Path, args: list[str], told: str) -> None:
+def test_untestable_input_exits_2(truck: Path, args: list[str], told: str) -> None:
     (truck / "bad.toml").write_text(TRUCK.replace("world =", "worlds ="))
     (truck / "base").mkdir()
     (truck / "base" / "results.sqlite").write_text("no database at all" * 100)
@@ -226,7 +224,7 @@ def test_a_library_with_errors_is_not_run(truck: Path) -> None:
 
 
 @pytest.mark.slow
-def test_tables_that_cannot_be_written_are_printed_all_the_same(copied: Path) -> None:
+def test_unwritable_tables_are_printed(copied: Path) -> None:
     (copied / "out" / "tables.md").unlink()
     (copied / "out" / "tables.md").mkdir()
     done = rapc("experiment", "truck.toml", "--out", "out", cwd=copied)

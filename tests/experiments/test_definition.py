@@ -24,7 +24,7 @@ def changed(old: str, new: str) -> str:
     return TRUCK.replace(old, new)
 
 
-def test_what_is_not_said_has_its_default() -> None:
+def test_omitted_option_has_its_default() -> None:
     made = decode_experiment(changed("seeds = 5\n", ""), "name")
     assert (made.name, made.seeds, made.time_limit) == ("name", 30, 120)
     assert made.part[2] == definition.Series("usual")
@@ -143,7 +143,7 @@ def test_kinds_of_values(text: str, message: str) -> None:
         ),
     ],
 )
-def test_what_contradicts_itself(text: str, message: str) -> None:
+def test_contradictions_are_reported(text: str, message: str) -> None:
     assert refusal(text) == (message, None)
 
 
@@ -202,7 +202,7 @@ def test_what_contradicts_itself(text: str, message: str) -> None:
         ),
     ],
 )
-def test_names_that_are_not_there(text: str, message: str, help_: str | None) -> None:
+def test_unknown_names(text: str, message: str, help_: str | None) -> None:
     assert refusal(text) == (message, help_)
 
 
@@ -214,7 +214,7 @@ def test_names_that_are_not_there(text: str, message: str, help_: str | None) ->
         ("(fill-order red)", "`fill-order` "),
     ],
 )
-def test_tasks_that_cannot_be(task: str, message: str) -> None:
+def test_invalid_tasks(task: str, message: str) -> None:
     text = changed("(fill-order blue 1 factory-2) :priority 2 :at 60", task)
     assert refusal(text)[0].startswith(message)
 

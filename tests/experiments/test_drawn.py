@@ -60,7 +60,7 @@ def test_each_value_is_tried_once_beforehand() -> None:
     assert [*extremes({})] == [{}]
 
 
-def test_only_names_that_are_drawn_are_filled_in() -> None:
+def test_only_drawn_names_are_replaced() -> None:
     assert with_draws("(go {a} {b}) {", {"a": "x"}) == "(go x {b}) {"
 
 
@@ -81,7 +81,7 @@ def test_tasks_and_options_are_drawn() -> None:
     assert seen == {"red", "blue"}
 
 
-def test_what_is_drawn_decides_the_hash() -> None:
+def test_drawn_values_change_the_hash() -> None:
     [one] = session(TASKS + DRAWN).points
     [other] = session(TASKS + DRAWN.replace("to = 9", "to = 8")).points
     assert one.digest != other.digest
@@ -145,7 +145,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("change", REFUSED, ids=lambda change: change[1])
-def test_what_cannot_be_drawn_is_refused(change: tuple[str, str]) -> None:
+def test_undrawable_graph_is_refused(change: tuple[str, str]) -> None:
     text = TASKS + DRAWN
     assert change[0] in text
     with pytest.raises(ExperimentError) as caught:
@@ -164,7 +164,7 @@ def test_what_cannot_be_drawn_is_refused(change: tuple[str, str]) -> None:
         ),
     ],
 )
-def test_an_agenda_that_is_not_there(old: str, new: str, message: str) -> None:
+def test_unknown_agenda(old: str, new: str, message: str) -> None:
     text = TASKS.replace(str(LIBRARY), "stdlib/truck") + AGENDA
     with pytest.raises(ExperimentError) as caught:
         session(text.replace(old, new, 1))

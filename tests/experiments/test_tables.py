@@ -109,7 +109,7 @@ def test_figures_from_elsewhere_stand_behind_ours(drops: PartSummary) -> None:
     ]
 
 
-def test_what_went_wrong_is_counted_and_told() -> None:
+def test_errors_are_counted_and_reported() -> None:
     failed = TaskTold("(go b)", 5, 90, "failed", "interference: preconditions of `go`")
     one = msgspec.structs.replace(
         measures(300), missed_deadlines=2, query_faults=1, tasks=(DONE, failed)
@@ -139,7 +139,7 @@ def test_only_the_most_frequent_reasons_are_told() -> None:
     )
 
 
-def test_only_some_of_many_seeds_that_ended_alike_are_named() -> None:
+def test_few_of_many_equal_seeds_are_named() -> None:
     _, said, *_ = remarks(summary([measures(90, 0, "no fuel")] * 8))
     assert said == "Not ended well at 0: no fuel (seeds 0, 1, 2, 3, 4 and 3 more)."
 
@@ -204,7 +204,7 @@ def test_bounds_told_in_words_are_drawn_as_bars(tmp_path: Path) -> None:
     assert "T, as told" in svg.read_text()
 
 
-def test_what_nothing_can_go_below_is_a_line_and_no_comparison(tmp_path: Path) -> None:
+def test_lower_bound_is_drawn_without_comparison(tmp_path: Path) -> None:
     figures = {"completed": (9, 9), "time": (10, 10)}
     least = Reference("least", figures, (0, 40), least=True)
     drawn = summary(STILL, WILD, part=msgspec.structs.replace(PART, reference=least))
@@ -235,20 +235,20 @@ def _of_skills(name: str, folder: Path) -> str:
     return svg.read_text()
 
 
-def test_where_all_is_done_by_skills_what_is_counted_is_drawn(tmp_path: Path) -> None:
+def test_counts_are_drawn_in_a_world_of_skills(tmp_path: Path) -> None:
     text = _of_skills("counted", tmp_path)
     assert "<!-- times that it happened -->" in text
     assert "<!-- drops: moves -->" in text
     assert "<!-- actions -->" not in text
 
 
-def test_a_panel_that_would_be_empty_is_left_out(tmp_path: Path) -> None:
+def test_empty_panel_is_omitted(tmp_path: Path) -> None:
     text = _of_skills("nothing", tmp_path)
     assert "axes_2" in text
     assert "axes_3" not in text
 
 
-def test_values_that_are_no_numbers_stand_side_by_side(tmp_path: Path) -> None:
+def test_non_numeric_values_are_drawn_side_by_side(tmp_path: Path) -> None:
     part = Series("way", vary="truck.lasting-names", values=(False, True))
     points = session().points[:2]
     named = [point.__replace__(value=bool(n)) for n, point in enumerate(points)]

@@ -63,9 +63,7 @@ def _slip(text: str, dice: random.Random) -> str:
 
 
 @pytest.mark.parametrize("seed", range(60))
-def test_what_keeps_a_test_from_running_is_found_by_check(
-    tmp_path: Path, seed: int
-) -> None:
+def test_check_finds_unrunnable_tests(tmp_path: Path, seed: int) -> None:
     dice = random.Random(seed)
     text = SOUND
     for _ in range(dice.randint(1, 3)):

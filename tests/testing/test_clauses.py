@@ -33,7 +33,7 @@ def chosen(folder: Path, seed: int, clauses: str = "") -> str:
     return "a" if ended.status is Status.PASSED else "b"
 
 
-def test_a_test_has_its_own_seed_whatever_the_command_says(tmp_path: Path) -> None:
+def test_seed_of_a_test_overrides_the_command(tmp_path: Path) -> None:
     free = [chosen(tmp_path, seed) for seed in range(6)]
     assert set(free) == {"a", "b"}
     for seed, told in enumerate(free):
@@ -72,7 +72,7 @@ def test_the_tasks_of_an_agenda_come_before_those_of_the_test(tmp_path: Path) ->
     assert happened(outcomes(tmp_path, AGENDA + text)["it"]) == []
 
 
-def test_an_agenda_that_nobody_defines_is_an_error(tmp_path: Path) -> None:
+def test_undefined_agenda_is_an_error(tmp_path: Path) -> None:
     text = "(define-test it (agenda chorse))"
     ended = outcomes(tmp_path, AGENDA + text)["it"]
     assert ended.status is Status.ERROR
@@ -97,7 +97,7 @@ def asked(folder: Path, *answers: str) -> Outcome:
     return outcomes(folder, f"{ASK} (define-test it {clauses})")["it"]
 
 
-def test_answers_stand_for_functions_that_nobody_registered(tmp_path: Path) -> None:
+def test_answers_replace_unregistered_functions(tmp_path: Path) -> None:
     more = ("((heavy ?) false)", "((usual weight ?) 3)")
     assert happened(asked(tmp_path, "((distance a b) 4)", *more)) == []
     first = ("((distance ?x ?x) 0)", "((distance a ?) 9)", "((distance ? ?) 1)")
@@ -176,7 +176,7 @@ def in_rooms(folder: Path, clauses: str, place: str = "hall") -> Outcome:
     return run_case(found["it"], modules=["rooms_of_a_test"])
 
 
-def test_options_are_set_in_the_world_that_a_test_names(rooms: Path) -> None:
+def test_options_apply_to_the_world_of_the_test(rooms: Path) -> None:
     assert happened(in_rooms(rooms, "(options (lit true))")) == []
     given = "(options (lit true) (place attic))"
     assert happened(in_rooms(rooms, given, "attic")) == []
@@ -204,7 +204,7 @@ def test_options_are_set_in_the_world_that_a_test_names(rooms: Path) -> None:
         ),
     ],
 )
-def test_what_the_world_of_a_test_does_not_take_is_an_error(
+def test_invalid_option_of_the_test_world_is_an_error(
     rooms: Path, clauses: str, message: str
 ) -> None:
     ended = in_rooms(rooms, clauses)
@@ -235,9 +235,7 @@ BACKGROUND = "(task (watch mug) :background true)"
 
 
 @pytest.mark.parametrize("until", ["", "(until 60)", "(cycles 40)"])
-def test_that_only_background_tasks_were_left_is_told(
-    tmp_path: Path, until: str
-) -> None:
+def test_end_with_only_background_tasks_is_reported(tmp_path: Path, until: str) -> None:
     ended = run(tmp_path, f"{BACKGROUND} {until} (expect (memory (have mug)))")
     assert ended.note == (
         "the test was over at time 0: only background tasks were left"

@@ -40,7 +40,7 @@ def test_all_test_files_below_a_folder_are_run(folder: Path) -> None:
     assert (done.returncode, done.stderr) == (0, "")
 
 
-def test_a_file_that_is_named_need_not_be_called_a_test(folder: Path) -> None:
+def test_named_file_needs_no_test_suffix(folder: Path) -> None:
     done = rapc("test", "arms.rap", "below", cwd=folder)
     row = len(LIBRARY.splitlines()) + 1
     lines = done.stdout.splitlines()
@@ -57,7 +57,7 @@ def test_a_file_that_is_named_need_not_be_called_a_test(folder: Path) -> None:
     assert done.returncode == 1
 
 
-def test_what_a_test_shows_is_told_on_one_line(folder: Path) -> None:
+def test_failure_of_a_test_is_reported_on_one_line(folder: Path) -> None:
     told = BAD.replace("It fails.", "It fails,\n   as it is to.")
     (folder / "arms.rap").write_text(LIBRARY + told)
     done = rapc("test", "arms.rap", cwd=folder)
@@ -70,7 +70,7 @@ def test_tests_come_from_standard_input_too(folder: Path) -> None:
     assert done.returncode == 0
 
 
-def test_quiet_says_nothing_of_what_passed(folder: Path) -> None:
+def test_quiet_omits_passed_tests(folder: Path) -> None:
     assert rapc("test", "-q", ".", cwd=folder).stdout == "2 tests: 2 passed\n"
 
 
@@ -123,9 +123,7 @@ def test_findings_in_a_library_of_several_files_of_tests_are_told_once(
         ((".", "--junit", "no/where.xml"), "cannot write `no/where.xml`"),
     ],
 )
-def test_what_cannot_be_tried(
-    folder: Path, args: tuple[str, ...], message: str
-) -> None:
+def test_untestable_input(folder: Path, args: tuple[str, ...], message: str) -> None:
     (folder / "none").mkdir()
     done = rapc("test", *args, cwd=folder)
     assert message in done.stderr
@@ -207,13 +205,13 @@ def test_faults_in_a_run_of_any_world(tmp_path: Path) -> None:
         ("eye-scan", "--fault: expected a proposition, not a symbol: eye-scan"),
     ],
 )
-def test_faults_that_a_world_cannot_have(fault: str, message: str) -> None:
+def test_faults_unknown_to_the_world_are_refused(fault: str, message: str) -> None:
     done = rapc("run", str(ORDER), *TASK, "--fault", fault)
     assert done.stderr.splitlines()[0] == f"error: {message}"
     assert (done.stdout, done.returncode) == ("", 2)
 
 
-def test_no_seed_is_told_of_a_test_that_holds_under_all(tmp_path: Path) -> None:
+def test_passing_test_reports_no_seed(tmp_path: Path) -> None:
     (tmp_path / "still.test.rap").write_text("(define-test still (expect (memory t)))")
     done = rapc("test", ".", "--seeds", "3", cwd=tmp_path)
     assert "  passed  still\n" in done.stdout
@@ -237,9 +235,7 @@ class Evil(ScriptedWorld):
 
 
 @pytest.mark.parametrize("name", ["evil.test.rap", "evil.rapc"])
-def test_a_test_imports_no_module_that_nobody_has_permitted(
-    name: str, tmp_path: Path
-) -> None:
+def test_test_imports_only_permitted_modules(name: str, tmp_path: Path) -> None:
     (tmp_path / "evil.test.rap").write_text(EVIL)
     (tmp_path / "evil.py").write_text(EVIL_PY)
     rapc("compile", "evil.test.rap", "-o", "evil.rapc", cwd=tmp_path)
@@ -282,7 +278,7 @@ def test_the_configuration_permits_worlds_of_modules(
     assert "unknown key `world-module`\n  did you mean `world-modules`?" in done.stderr
 
 
-def test_a_world_whose_class_has_capitals_is_wanted_in_quotes(tmp_path: Path) -> None:
+def test_world_class_with_capitals_requires_quotes(tmp_path: Path) -> None:
     (tmp_path / "evil.test.rap").write_text(EVIL.replace('"', "", 2))
     (tmp_path / "evil.py").write_text(EVIL_PY)
     done = rapc("test", "evil.test.rap", "--world-module", "evil", cwd=tmp_path)
@@ -292,9 +288,7 @@ def test_a_world_whose_class_has_capitals_is_wanted_in_quotes(tmp_path: Path) ->
 
 @pytest.mark.parametrize("option", ["--junit", "--coverage"])
 @pytest.mark.parametrize("name", ["lib.rap", "it.test.rap", "all.json"])
-def test_a_file_that_was_read_is_not_written(
-    tmp_path: Path, option: str, name: str
-) -> None:
+def test_source_file_is_not_overwritten(tmp_path: Path, option: str, name: str) -> None:
     """Not under another name either, and `--coverage` takes a name in `.json`."""
     (tmp_path / "lib.rap").write_text(LIBRARY)
     (tmp_path / "it.test.rap").write_text('(require "lib") ' + GOOD)

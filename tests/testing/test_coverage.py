@@ -89,7 +89,7 @@ def test_methods_contexts_monitors_and_failures_are_counted(tmp_path: Path) -> N
     assert (unused.monitor.blocked, unused.monitor.woken) == (0, 0)
 
 
-def test_the_table_fits_80_columns_and_says_what_is_lacking(tmp_path: Path) -> None:
+def test_table_fits_80_columns_and_lists_missing_values(tmp_path: Path) -> None:
     lines = list(table(_coverage(tmp_path)))
     assert all(len(line) <= 80 for line in lines[:2])
     assert lines[0].split() == [
@@ -108,7 +108,7 @@ def test_the_table_fits_80_columns_and_says_what_is_lacking(tmp_path: Path) -> N
 
 
 @pytest.mark.parametrize("width", [40, 80])
-def test_what_is_said_below_the_table_fits_the_terminal(
+def test_remarks_below_the_table_fit_the_terminal(
     width: int,
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
@@ -302,7 +302,7 @@ HALL_TESTS = """\
 """
 
 
-def test_waits_that_heard_something_and_rules_that_acted_are_counted(
+def test_coverage_counts_ended_waits_and_active_rules(
     tmp_path: Path,
 ) -> None:
     (tmp_path / "hall.rap").write_text(HALL, encoding="utf-8")

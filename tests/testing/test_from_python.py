@@ -57,7 +57,7 @@ def test_the_listener_gets_the_events_of_each_run() -> None:
     assert [event.spec.seed for event in started] == [0, 5]
 
 
-def test_a_test_that_cannot_be_run_is_an_error() -> None:
+def test_unrunnable_test_is_an_error() -> None:
     lacking = '(define-test lacks (world "no-such:World") (task (cook pie)))'
     (found,) = rapc.test(LIBRARY + lacking)
     assert found.outcome == "error"

@@ -96,7 +96,5 @@ def test_items_move_and_go_by_themselves(tmp_path: Path) -> None:
         ),
     ],
 )
-def test_an_item_that_nobody_has_introduced_is_refused(
-    tmp_path: Path, clauses: str, message: str
-) -> None:
+def test_unknown_item_is_refused(tmp_path: Path, clauses: str, message: str) -> None:
     assert happened(run(tmp_path, clauses)) == [message]

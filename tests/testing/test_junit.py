@@ -41,7 +41,7 @@ def test_cases_are_counted_and_told(tmp_path: Path) -> None:
     }
 
 
-def test_characters_that_xml_cannot_hold_are_replaced(tmp_path: Path) -> None:
+def test_invalid_xml_characters_are_replaced(tmp_path: Path) -> None:
     outcome = run(tmp_path, '(expect (memory (have "bell \x07")))')
     text = _parsed(as_junit([outcome]))[0][0][0].text or ""
     assert '(have "bell \N{REPLACEMENT CHARACTER}")' in text

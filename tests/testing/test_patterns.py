@@ -108,7 +108,7 @@ def test_one_variable_means_one_thing_in_a_goal(tmp_path: Path) -> None:
     assert happened(run(tmp_path, f"{given} (expect (succeeds (find ?x) ?x))")) != []
 
 
-def test_an_input_that_is_bound_late_counts(tmp_path: Path) -> None:
+def test_late_input_counts(tmp_path: Path) -> None:
     """It is not bound when the task is made, and the task is not selected either."""
     rap = """)
       (define-rap (see-to)

@@ -89,7 +89,7 @@ def test_a_test_with_something_wrong_is_in_error(
     assert outcome.status is Status.ERROR
 
 
-def test_all_that_is_wrong_is_told_at_its_place(tmp_path: Path) -> None:
+def test_all_errors_are_reported_at_their_position(tmp_path: Path) -> None:
     outcome = run(tmp_path, "(facts (hold box))\n (expect (never (grip box)))")
     rows = len(LIBRARY.splitlines())
     files = outcome.case.library.library.files
@@ -98,7 +98,7 @@ def test_all_that_is_wrong_is_told_at_its_place(tmp_path: Path) -> None:
     assert ends == [f":{rows + 2}:25", f":{rows + 3}:18"]
 
 
-def test_a_fact_that_no_checker_has_seen_is_refused_before_the_run(
+def test_unchecked_fact_is_refused_before_the_run(
     tmp_path: Path,
 ) -> None:
     """A program may make a case of a test that was not checked."""
@@ -124,7 +124,7 @@ def test_rows_are_used_up(tmp_path: Path) -> None:
     assert happened(outcome) == ["no row of the script answers (grab box)"]
 
 
-def test_a_library_that_needs_a_function_needs_a_world(tmp_path: Path) -> None:
+def test_library_with_functions_requires_a_world(tmp_path: Path) -> None:
     library = "(declare-memory-function louder (?a ?b))"
     found = cases(tmp_path, f"{library} (define-test it (expect (memory true)))")
     outcome = run_case(found["it"])

@@ -92,7 +92,7 @@ def test_a_file_with_errors_is_an_error(pytester: pytest.Pytester) -> None:
     result.stdout.fnmatch_lines(["arms.test.rap:1:*: error[[]RAP*"])
 
 
-def test_a_file_that_cannot_be_read_is_an_error(pytester: pytest.Pytester) -> None:
+def test_unreadable_file_is_an_error(pytester: pytest.Pytester) -> None:
     (pytester.path / "arms.test.rap").write_bytes(b"\xff")
     result = _run(pytester)
     result.assert_outcomes(errors=1)

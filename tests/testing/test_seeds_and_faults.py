@@ -100,7 +100,7 @@ def test_faults_are_read(text: str, fault: InjectedFault) -> None:
         ),
     ],
 )
-def test_faults_that_are_none(text: str, message: str) -> None:
+def test_invalid_faults(text: str, message: str) -> None:
     with pytest.raises(TextError) as raised:
         read_fault(text)
     assert str(raised.value) == message
@@ -186,7 +186,7 @@ def test_a_fault_in_the_course_of_other_primitives(tmp_path: Path) -> None:
     assert _run(tmp_path, given + expected, faults) == []
 
 
-def test_faults_that_apply_nowhere_are_told(tmp_path: Path) -> None:
+def test_faults_without_a_request_are_reported(tmp_path: Path) -> None:
     found = list(cases(tmp_path, LIBRARY + "(define-test it)").values())
     faults = (
         InjectedFault(("grab", "?x"), "dropped"),

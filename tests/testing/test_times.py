@@ -62,7 +62,7 @@ def test_at_gives_tasks(tmp_path: Path) -> None:
     assert passes(tmp_path, f"{given} (expect {expected})")
 
 
-def test_at_cancels_all_live_top_level_tasks_that_match(tmp_path: Path) -> None:
+def test_at_cancels_all_matching_top_level_tasks(tmp_path: Path) -> None:
     given = "(task (watch cup)) (task (watch box)) (task (await left))"
     given += " (at 3 (cancel (watch ?)) (cancel (fetch cup)))"
     expected = """
@@ -100,7 +100,7 @@ def test_at_inside_a_slow_primitive_comes_at_its_time(tmp_path: Path) -> None:
     assert passes(tmp_path, f"{given} (expect {expected})")
 
 
-def test_at_comes_before_what_ends_at_its_time(tmp_path: Path) -> None:
+def test_at_precedes_results_of_its_time(tmp_path: Path) -> None:
     trace = """
       (trace (fact-asserted :fact (where cup shelf) :time 10)
              (primitive-ended :time 10))
@@ -110,7 +110,7 @@ def test_at_comes_before_what_ends_at_its_time(tmp_path: Path) -> None:
         assert passes(tmp_path, clauses)
 
 
-def test_what_is_expected_at_a_time_is_judged_as_the_clock_leaves(
+def test_timed_expectation_is_judged_when_the_clock_moves_on(
     tmp_path: Path,
 ) -> None:
     """All that falls on the time has come, requests under way among it."""
@@ -123,7 +123,7 @@ def test_what_is_expected_at_a_time_is_judged_as_the_clock_leaves(
         assert passes(tmp_path, f"{given} (at 10 {done})")
 
 
-def test_what_is_expected_inside_an_atomic_primitive_is_judged_after_it(
+def test_expectation_during_an_atomic_primitive_is_judged_after_it(
     tmp_path: Path,
 ) -> None:
     done = "(expect (memory (have box)) (succeeds (fetch box)))"
@@ -145,14 +145,14 @@ def test_a_failure_at_a_time_shows_the_trace_up_to_it(tmp_path: Path) -> None:
 # --- the end -------------------------------------------------------------------------
 
 
-def test_until_lets_happen_what_is_due_then(tmp_path: Path) -> None:
+def test_messages_due_at_until_are_processed(tmp_path: Path) -> None:
     assert passes(tmp_path, f"{SLOW} (until 10) (expect (succeeds (fetch box)))")
     assert passes(tmp_path, f"{LONG} (until 10) (expect (succeeds (fetch box)))")
     call_at_end = "(at 7 (asserts (have cup))) (expect (memory (have cup)))"
     assert passes(tmp_path, f"(until 7) {call_at_end}")
 
 
-def test_what_ends_after_until_stays_unended(tmp_path: Path) -> None:
+def test_request_ending_after_until_stays_unended(tmp_path: Path) -> None:
     expected = """
       (expect (active (fetch box)) (primitives (grab box)) (memory (not (have box))))
     """
@@ -174,7 +174,7 @@ def test_a_number_of_cycles(tmp_path: Path, limit: str) -> None:
     assert not passes(tmp_path, f"{given} {limit} {more}")
 
 
-def test_an_expectation_that_is_never_reached_fails(tmp_path: Path) -> None:
+def test_unreached_expectation_fails(tmp_path: Path) -> None:
     at = "(at 30 (expect (memory true)))"
     told = ["never reached: the run ended at time 20 (until)"]
     assert happened(run(tmp_path, f"(until 20) {at}")) == told
@@ -184,7 +184,7 @@ def test_an_expectation_that_is_never_reached_fails(tmp_path: Path) -> None:
     assert passes(tmp_path, "(until 20) (at 30 (asserts (have cup)))")
 
 
-def test_what_is_removed_when_the_run_is_over_is_not_judged(tmp_path: Path) -> None:
+def test_task_removed_after_the_run_is_not_judged(tmp_path: Path) -> None:
     gone = "(trace (task-removed :cause run-over))"
     outcome = run(tmp_path, f"(task (watch cup)) (until 5) (expect {gone})")
     assert outcome.status is Status.FAILED
@@ -234,7 +234,7 @@ def test_a_test_without_end_is_stopped_in_the_time_of_its_world_too(
     assert happened(run_case(found["all"])) == []
 
 
-def test_a_test_whose_time_never_comes_is_stopped(
+def test_test_with_an_unreached_time_is_stopped(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Its task tries again and again, and no try takes any time."""

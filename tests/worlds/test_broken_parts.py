@@ -46,7 +46,7 @@ SAVES = {
 
 @pytest.mark.parametrize("faulty", [False, True])
 @pytest.mark.parametrize("case", SAVES)
-def test_world_that_cannot_save_or_restore_is_blamed(case: str, faulty: bool) -> None:
+def test_world_failing_in_save_or_restore_is_named(case: str, faulty: bool) -> None:
     call, code, said = SAVES[case]
     world: Any = type("Bad", (Saved,), {call: code})(None, {})
     if faulty:
@@ -58,7 +58,7 @@ def test_world_that_cannot_save_or_restore_is_blamed(case: str, faulty: bool) ->
     assert going.run() == "done"
 
 
-def test_run_of_a_world_that_breaks_in_save_can_be_stepped() -> None:
+def test_run_of_an_unsavable_world_can_be_stepped() -> None:
     world = type("Bad", (Saved,), {"save": boom})
     session = History.open(rapc.loads(LIBRARY), world, tasks="(compare)")
     session.step(3)
@@ -86,14 +86,14 @@ class Adjusted(Good):
 
 
 @pytest.mark.parametrize("code", [boom, answers(3)])
-def test_world_that_cannot_list_its_options_is_blamed(code: Any) -> None:
+def test_world_failing_in_adjustable_is_named(code: Any) -> None:
     world = type("Bad", (Adjusted,), {"adjustable": code})
     going = rapc.loads(LIBRARY).start(world)
     with pytest.raises(rapc.PortError, match=f"the world `bad` failed.*{HERE}:"):
         changeable_options(going)
 
 
-def test_world_that_breaks_as_an_option_is_changed_is_blamed() -> None:
+def test_world_failing_in_adjust_is_named() -> None:
     world = type("Bad", (Adjusted,), {"adjust": boom})
     going = rapc.loads(LIBRARY).start(world)
     with pytest.raises(rapc.PortError, match=f"the world `bad` failed.*{HERE}:"):
@@ -108,7 +108,7 @@ def test_adjusted_option_of_kind_text_is_a_str() -> None:
 
 
 @pytest.mark.parametrize("code", [boom, answers(3), answers({3: object()})])
-def test_world_that_cannot_count_its_figures_is_blamed(code: Any) -> None:
+def test_world_failing_in_figures_is_named(code: Any) -> None:
     world: Any = type("Bad", (Adjusted,), {"figures": code})
     with pytest.raises(rapc.PortError, match=f"the world `bad` failed.*{HERE}:"):
         figures_of(world(None, {}))

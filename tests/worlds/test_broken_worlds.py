@@ -44,7 +44,7 @@ def test_nothing_is_wrong_with_the_good_one() -> None:
 
 
 @pytest.mark.parametrize("case", RAISING)
-def test_what_an_author_raises_is_told_with_its_place(case: str) -> None:
+def test_exception_of_an_author_has_its_position(case: str) -> None:
     world, whose = RAISING[case]
     with pytest.raises(rapc.PortError) as caught:
         run(world)
@@ -63,7 +63,7 @@ class Mute(ValueError):
 
 
 @pytest.mark.parametrize("ends", [KeyError("pillow"), SystemExit(0)])
-def test_an_error_that_cannot_be_printed_is_told_with_its_place(
+def test_unprintable_error_is_reported_with_its_position(
     ends: BaseException,
 ) -> None:
     def break_down(*args: Any) -> Any:
@@ -90,7 +90,7 @@ def test_a_solver_and_a_default_function_are_told_of_too() -> None:
             run(world, task)
 
 
-def test_a_fact_that_may_not_be_asserted_is_the_handlers_fault() -> None:
+def test_forbidden_fact_is_a_fault_of_the_handler() -> None:
     def assert_nonsense(memory: Any, request: Fact, result: str) -> None:
         memory.assert_fact("nonsense", "a")
 
@@ -101,7 +101,7 @@ def test_a_fact_that_may_not_be_asserted_is_the_handlers_fault() -> None:
 
 
 @pytest.mark.parametrize("case", ARITIES)
-def test_code_that_takes_other_arguments_is_refused_beforehand(case: str) -> None:
+def test_code_with_wrong_arguments_is_refused_before_the_run(case: str) -> None:
     world, said = ARITIES[case]
     with pytest.raises(rapc.RefusedError, match=said) as caught:
         run(world)
@@ -119,7 +119,7 @@ def test_answers_of_the_wrong_type_are_the_worlds_fault(case: str) -> None:
 
 
 @pytest.mark.parametrize("place", [nan, True, None, "A b", "5", Text("\ud800")])
-def test_handler_that_arrives_at_no_atom_is_blamed(place: Any) -> None:
+def test_handler_with_an_invalid_value_is_named(place: Any) -> None:
     def goes(memory: Any, request: Fact, result: str) -> None:
         memory.arrive(place)
 
@@ -129,7 +129,7 @@ def test_handler_that_arrives_at_no_atom_is_blamed(place: Any) -> None:
 
 
 @pytest.mark.parametrize("call", ["introduce", "fix_cardinality", "assert_fact"])
-def test_handler_that_stores_an_odd_symbol_is_blamed(call: str) -> None:
+def test_handler_storing_an_invalid_symbol_is_named(call: str) -> None:
     def stores(memory: Any, request: Fact, result: str) -> None:
         given = {
             "introduce": ("A b", "box", "shelf"),
@@ -152,7 +152,7 @@ def test_world_without_end_of_first_facts_is_blamed(
         run(endless)
 
 
-def test_handler_that_leaves_out_a_value_is_blamed_with_the_declaration() -> None:
+def test_handler_omitting_a_value_is_named_with_the_declaration() -> None:
     def paints(memory: Any, request: Fact, result: str) -> None:
         memory.assert_fact("colour", request[1])
 
@@ -164,7 +164,7 @@ def test_handler_that_leaves_out_a_value_is_blamed_with_the_declaration() -> Non
         run(handlers(paints, ignored))
 
 
-def test_world_whose_first_facts_leave_out_a_value_is_refused() -> None:
+def test_world_with_incomplete_initial_facts_is_refused() -> None:
     short = with_(facts=answers([("colour", "mouse")]))
     said = r"<text>:\d+:\d+: `.colour .thing .colour.` takes all .*colour mouse."
     with pytest.raises(rapc.RefusedError, match=said):
@@ -181,7 +181,7 @@ def test_a_run_in_a_broken_world_is_ended_in_its_trace() -> None:
     assert last.because == caught.value.message
 
 
-def test_results_that_only_the_world_knows_of_are_told_beforehand() -> None:
+def test_results_missing_in_the_library_are_reported_before_the_run() -> None:
     more = with_kit(
         offer=Offer(
             {**OFFER.primitives, "look": (1, ("okay", "dark"))},
@@ -214,12 +214,12 @@ def test_a_solver_returns_methods(value: Any) -> None:
         run(world, "(stuck a)")
 
 
-def test_what_a_listener_raises_is_the_hosts_own() -> None:
+def test_exception_of_a_listener_reaches_the_host() -> None:
     with pytest.raises(KeyError, match="pillow"):
         rapc.run(rapc.loads(LIBRARY), Good, "(compare)", listeners=[boom])
 
 
-def test_what_is_not_atomic_is_not_declared_atomic() -> None:
+def test_non_atomic_primitive_is_not_declared_atomic() -> None:
     late = with_kit(
         offer=Offer(
             OFFER.primitives, OFFER.data, events=OFFER.events, not_atomic=("look",)
@@ -231,7 +231,7 @@ def test_what_is_not_atomic_is_not_declared_atomic() -> None:
 
 
 @pytest.mark.parametrize("value", ["soon", -1, nan, None])
-def test_a_usual_time_that_is_none_is_the_worlds_fault(value: Any) -> None:
+def test_invalid_usual_time_is_a_fault_of_the_world(value: Any) -> None:
     world: Any = with_(usual_time=answers(value))
     faulty = FaultyWorld(
         world(None, {}), [InjectedFault(("look", "?"), "okay")], seed=0
@@ -302,7 +302,7 @@ def test_the_command_line_says_it_in_a_line_with_status_2(
     assert done.stderr.count("\n") == 1
 
 
-def test_a_name_that_ends_the_process_does_not_end_it_well(tmp_path: Path) -> None:
+def test_name_ending_the_process_is_an_error(tmp_path: Path) -> None:
     (tmp_path / "ends.py").write_text(
         "from rapc.world import Offer, Kit, World\n"
         "class Name(str):\n"

@@ -32,9 +32,7 @@ ROCK = '"rock-1":{"name":"rock-1","kind":"rock","place":"quarry-1"'
         (HallwayWorld, '"now":3,"ticks":30', '"now":3,"ticks":-1000000000'),
     ],
 )
-def test_state_that_no_world_has_left_is_refused(
-    kind: type[World], old: str, new: str
-) -> None:
+def test_impossible_state_is_refused(kind: type[World], old: str, new: str) -> None:
     world = build_world(kind, 1, {})
     assert isinstance(world, Savable)
     world.advance(3)

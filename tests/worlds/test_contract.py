@@ -100,7 +100,7 @@ def test_the_truck_with_faults_put_in() -> None:
     assert faults(trials) == []
 
 
-def test_results_that_no_request_had_are_listed() -> None:
+def test_unused_results_are_listed() -> None:
     (before,) = [t.unseen for t in try_world(truck) if t.part == ASKING]
     assert before["truck-move"] == ("okay", "truck-mishap")
     requests = [request for request in REQUESTS if request]
@@ -161,7 +161,7 @@ def test_nothing_is_wrong_with_the_good_one() -> None:
 
 
 @pytest.mark.parametrize("case", TYPES)
-def test_worlds_that_do_not_keep_to_the_port_are_found_out(case: str) -> None:
+def test_worlds_violating_the_port_are_found(case: str) -> None:
     world, _ = TYPES[case]
     found = tried(world)
     assert found
@@ -169,13 +169,13 @@ def test_worlds_that_do_not_keep_to_the_port_are_found_out(case: str) -> None:
 
 
 @pytest.mark.parametrize("case", [case for case in RAISING if case != "a function"])
-def test_worlds_whose_code_raises_are_found_out(case: str) -> None:
+def test_worlds_raising_exceptions_are_found(case: str) -> None:
     world, whose = RAISING[case]
     assert f"{whose} failed at broken_worlds.py:" in " ".join(tried(world))
 
 
 @pytest.mark.parametrize("case", ARITIES)
-def test_code_that_takes_other_arguments_is_found_out(case: str) -> None:
+def test_code_with_wrong_arguments_is_found(case: str) -> None:
     world, said = ARITIES[case]
     assert [line for line in tried(world) if re.search(said, line)]
 
@@ -307,7 +307,7 @@ WORSE: dict[str, tuple[dict[str, Any], str]] = {
 }
 
 
-def test_nothing_is_wrong_with_a_world_that_has_all_parts() -> None:
+def test_complete_world_has_no_errors() -> None:
     assert tried(Whole) == []
 
 
@@ -349,14 +349,14 @@ def test_handlers_do_not_run_without_a_library() -> None:
     assert left_out == [SAVING, PICTURE, TIMES, SKILLS, HANDLERS]
 
 
-def test_handlers_are_held_to_what_is_declared() -> None:
+def test_handlers_are_checked_against_declared_effects() -> None:
     library = LIBRARY.replace(
         "look (?thing) (okay)", "look (?thing) (okay) :on (okay (not (seen ?thing)))"
     )
     assert "which `:on` does not declare" in " ".join(tried(Good, library))
 
 
-def test_what_is_on_offer_is_declared() -> None:
+def test_offer_is_declared() -> None:
     offer = Offer(
         {"look": (2, ("okay", "dark")), "doze": (0, ("okay",))},
         {"seen": 1},

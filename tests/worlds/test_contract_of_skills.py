@@ -110,7 +110,7 @@ def test_nothing_is_wrong_with_the_humming_one() -> None:
 
 
 @pytest.mark.parametrize("case", BROKEN)
-def test_what_is_wrong_with_skills_is_told(case: str) -> None:
+def test_errors_of_skills_are_reported(case: str) -> None:
     parts, said = BROKEN[case]
     told = found(type("Bad", (Humming,), parts))
     assert re.search(said, told), told
@@ -182,7 +182,7 @@ def test_nothing_is_wrong_with_the_tank() -> None:
         ((Smooth, Aimless), "`test` of the class Bare returns 1 value, as `carries`"),
     ],
 )
-def test_what_skills_of_a_tank_do_wrong_is_found(
+def test_errors_of_tank_skills_are_found(
     skills: tuple[type[Skill], ...], said: str
 ) -> None:
     told = found(tank(*skills))

@@ -53,7 +53,7 @@ class Still(World):
         return ()
 
 
-def test_it_is_what_is_behind_it() -> None:
+def test_wrapper_has_attributes_of_the_wrapped_world() -> None:
     world, truck = _truck(), TruckWorld(random.Random("0:world"), {})
     assert world.name == truck.name
     assert world.kit == truck.kit
@@ -69,20 +69,20 @@ def test_a_fault_takes_its_usual_time_and_brings_no_data() -> None:
     assert world.now() == truck.usual_time(SCAN) > 0
 
 
-def test_it_can_do_what_the_world_behind_can_and_no_more() -> None:
+def test_wrapper_has_the_protocols_of_the_wrapped_world() -> None:
     for kind in (Drawable, Savable, Timed):
         assert isinstance(_truck(), kind)
         assert not isinstance(FaultyWorld(Still(), FAULTS, 0), kind)
 
 
-def test_a_fault_in_a_world_that_tells_no_times_takes_none() -> None:
+def test_fault_takes_no_time_in_a_world_without_times() -> None:
     world = FaultyWorld(Still(), [InjectedFault(("wait",), "late")], 0)
     assert world.perform(1, ("wait",)) == Reply("late")
     assert world.now() == 0
 
 
 @pytest.mark.parametrize("state", [b"", b"{}", b'{"world":"","rng":[3,[1],null]}'])
-def test_a_state_that_is_none_is_refused_and_changes_nothing(state: bytes) -> None:
+def test_invalid_state_is_refused_and_changes_nothing(state: bytes) -> None:
     world = _truck()
     before = world.save()
     with pytest.raises(ValueError, match="no state"):

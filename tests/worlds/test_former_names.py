@@ -43,7 +43,7 @@ def test_world_with_methods_for_a_kit_is_told_of_the_kit() -> None:
 
 
 @pytest.mark.parametrize("module", MODULES)
-def test_world_that_imports_a_former_module_is_told_of_the_new_one(
+def test_world_importing_a_former_module_learns_the_new_name(
     module: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     name = f"imports_{module.replace('.', '_')}"
@@ -56,7 +56,7 @@ def test_world_that_imports_a_former_module_is_told_of_the_new_one(
     assert f"`{module}` is replaced by {MODULES[module]}; see" in caught.value.help
 
 
-def test_program_that_imports_the_former_port_is_told_of_the_new_one() -> None:
+def test_import_of_the_former_port_names_the_new_module() -> None:
     former = importlib.import_module("rapc.runtime.world")
     with pytest.raises(ImportError, match=r"is replaced by `rapc\.world`"):
         former.World  # noqa: B018

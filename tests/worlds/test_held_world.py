@@ -73,7 +73,7 @@ def test_a_wrapper_passes_each_method_on(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", METHODS)
-def test_what_each_method_raises_is_laid_at_the_worlds_door(name: str) -> None:
+def test_exception_of_each_method_is_a_fault_of_the_world(name: str) -> None:
     def answer(name: str, given: Sequence[object]) -> object:
         raise Answer
 

@@ -15,7 +15,7 @@ from rapc.world import (
 from tests.worlds.broken_worlds import Good
 
 
-def test_a_kit_is_made_of_what_belongs_into_it() -> None:
+def test_kit_refuses_wrong_parts() -> None:
     wrong: Any = 3
     made: Any
     for made in (
@@ -28,7 +28,7 @@ def test_a_kit_is_made_of_what_belongs_into_it() -> None:
             made()
 
 
-def test_an_offer_is_made_of_what_belongs_into_it() -> None:
+def test_offer_refuses_wrong_parts() -> None:
     wrong: Any
     for wrong, said in (
         (

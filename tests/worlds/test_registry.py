@@ -61,7 +61,7 @@ def test_the_truck_is_found_by_name_and_by_place() -> None:
         ("rapc:", "cannot be loaded: it is not `module:Class`", ""),
     ],
 )
-def test_what_is_no_world_is_refused_in_a_line(
+def test_invalid_world_is_refused_on_one_line(
     name: str, message: str, help_: str
 ) -> None:
     with pytest.raises(WorldError) as caught:

@@ -60,7 +60,7 @@ def test_a_variable_stands_for_one_thing_in_a_row() -> None:
     assert answers(world, "grasp a a", "grasp a b") == ["okay", "dropped"]
 
 
-def test_numbers_and_strings_match_as_what_they_are() -> None:
+def test_numbers_and_strings_match_by_kind() -> None:
     world = ScriptedWorld([Row(("say", Text("hi"), 2)), Row(("say", "?", "?"), "no")])
     assert world.perform(0, ("say", Text("hi"), 2.0)) == Reply("okay")
     assert world.perform(0, ("say", "hi", 2)) == Reply("no")
@@ -105,7 +105,7 @@ def test_effects_come_with_the_result_and_use_the_rows_variables() -> None:
     assert robot.knows("holding arm1 cup")
 
 
-def test_a_primitive_that_is_not_atomic_ends_later() -> None:
+def test_non_atomic_primitive_ends_later() -> None:
     rows = [
         Row(("wait",), takes=1, after=5, asserts=(("foe", "gone"),)),
         Row(("grasp", "?", "?"), takes=2, asserts=(("foe", "here"),)),
@@ -133,7 +133,7 @@ def test_signals_come_with_a_result() -> None:
     assert world.messages() == (Signal((":bump", "left")),)
 
 
-def test_what_happens_at_a_time_comes_as_a_message() -> None:
+def test_timed_event_comes_as_a_message() -> None:
     world = ScriptedWorld(
         [],
         [
@@ -167,7 +167,7 @@ def test_inside_a_primitive_it_happens_before_the_result() -> None:
     assert world.messages() == ()
 
 
-def test_a_time_that_has_come_with_a_primitive_under_way_is_a_message() -> None:
+def test_due_time_during_a_primitive_is_a_message() -> None:
     world = ScriptedWorld(
         [Row(("wait",), takes=5, after=20)], [At(3, asserts=(("foe", "east"),))]
     )
@@ -188,9 +188,7 @@ def test_a_time_that_has_come_with_a_primitive_under_way_is_a_message() -> None:
         (Row(("wait",), data=(("seen", "box", 3),)), "datum `seen` has no handler"),
     ],
 )
-def test_a_script_that_the_library_does_not_know_is_refused(
-    row: Row, message: str
-) -> None:
+def test_script_with_undeclared_names_is_refused(row: Row, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         ScriptedWorld([row], declared=WORDS)
 
@@ -200,7 +198,7 @@ def test_an_entry_at_a_time_is_looked_at_too() -> None:
         ScriptedWorld([], [At(5, asserts=(("foe", "?x"),))])
 
 
-def test_a_script_alone_offers_what_it_mentions() -> None:
+def test_script_offers_only_its_own_requests() -> None:
     rows = [Row(("grasp", "a", "b"), "dropped"), Row(("grasp", "?", "?"))]
     offer = mentioned(rows, [At(1, signals=((":bump", "left"),))])
     assert offer.primitives == {"grasp": (2, ("okay", "dropped"))}
@@ -242,13 +240,13 @@ def test_a_saved_script_goes_on_where_it_was() -> None:
     assert one.save() == two.save()
 
 
-def test_a_script_does_not_put_off_what_is_declared_atomic() -> None:
+def test_script_refuses_after_for_an_atomic_primitive() -> None:
     said = r"row \(grasp .*`grasp` is declared atomic, so it does not end `:after`"
     with pytest.raises(ValueError, match=said):
         ScriptedWorld([Row(("grasp", "?arm", "?x"), after=3)], declared=WORDS)
 
 
-def test_effects_speak_of_an_item_by_the_name_that_memory_has_for_it() -> None:
+def test_effects_use_the_memory_name_of_an_item() -> None:
     """The request is matched as it was sent; its handler gets it as it was made."""
     world = ScriptedWorld(
         [

@@ -79,7 +79,7 @@ def test_a_chance_is_drawn_for_each_signal_from_the_seed() -> None:
     assert counts == [len(heard("(:done) lost p=0.5", seed=seed)) for seed in range(40)]
 
 
-def test_what_is_held_back_is_saved() -> None:
+def test_delayed_signals_are_saved() -> None:
     worlds: list[Any] = [
         FaultyWorld(ScriptedWorld(ROWS), [read_fault("(:seen ?) late by=9")], 0)
         for _ in range(2)
@@ -131,7 +131,7 @@ LIBRARY = rapc.loads(
         ("(:bump) lost", None),
     ],
 )
-def test_what_no_skills_tell_cannot_be_spurious(fault: str, said: str | None) -> None:
+def test_unknown_event_cannot_be_spurious(fault: str, said: str | None) -> None:
     program = LIBRARY.program
     told = told_for_skills(program.library)
     assert problem(read_fault(fault), program.signatures, told) == said

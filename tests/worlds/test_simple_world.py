@@ -108,7 +108,7 @@ def test_simple_world_goes_back_to_a_saved_state() -> None:
     assert world.save() == other.save()
 
 
-def test_simple_world_saves_no_state_that_is_not_plain() -> None:
+def test_simple_world_refuses_a_state_of_other_types() -> None:
     world = build_world(Kettle, 1, {})
     assert isinstance(world, Kettle)
     world.state = {1: "a number is no key of plain data"}

@@ -24,7 +24,7 @@ def test_a_rock_goes_from_the_ground_into_a_bay() -> None:
 
 
 @pytest.mark.parametrize("place", ["nowhere", "arm2", "arm1", "zone-1", "rock-9"])
-def test_an_arm_does_not_find_what_is_no_place_of_its_own(place: str) -> None:
+def test_arm_does_not_find_a_foreign_place(place: str) -> None:
     assert Driver([rock()]).do(f"arm-move arm1 {place}") == "arm-cant-find"
 
 
@@ -40,7 +40,7 @@ def test_the_name_of_the_place_means_outside() -> None:
     assert Driver([rock()]).do("arm-move arm1 depot", "arm-move arm1 rock-1") == "okay"
 
 
-def test_an_arm_that_the_truck_has_not_got_fails() -> None:
+def test_unknown_arm_fails() -> None:
     driver = Driver([rock(), thing("fuel-drum")])
     assert driver.do("arm-move arm3 external") == "arm-cant-find"
     assert driver.do("arm-grasp arm3 rock-1") == "arm-not-at"
@@ -64,7 +64,7 @@ def test_both_arms_at_an_item_are_in_each_others_way() -> None:
     assert driver.do("arm-move arm2 folded", "arm-grasp arm1 rock-1") == "okay"
 
 
-def test_an_arm_stays_at_what_it_put_down() -> None:
+def test_arm_stays_at_the_item_it_put_down() -> None:
     driver = Driver([rock()])
     driver.do(*PICK_ONE, *TO_BAY)
     driver.do("arm-move arm2 bay2", "arm-move arm2 rock-1")
@@ -118,7 +118,7 @@ def test_arms_drop_as_often_as_the_thesis_says(arm: str, per_cent: int) -> None:
     assert abs(drops / 10 - per_cent) < 5
 
 
-def test_putting_down_needs_the_item_in_that_arm() -> None:
+def test_putting_down_requires_the_item_in_the_arm() -> None:
     driver = Driver([rock()])
     assert driver.do("arm-ungrasp arm1 rock-1") == "arm-not-holding"
     driver.do(*PICK_ONE)
@@ -150,7 +150,7 @@ def test_a_drum_poured_into_the_fuel_bay_fills_it() -> None:
     assert driver.world.state.items["fuel-drum-1"].amount == 2
 
 
-def test_what_nothing_takes_in_is_spilt() -> None:
+def test_liquid_without_a_vessel_is_spilt() -> None:
     driver = Driver([thing("fuel-drum"), thing("gun")])
     driver.do("arm-move arm1 external", "arm-move arm1 fuel-drum-1")
     driver.do("arm-grasp arm1 fuel-drum-1", "arm-move arm1 gun-1")
@@ -212,7 +212,7 @@ def test_ladling_fills_an_empty_drum_from_another_and_from_the_fuel_bay() -> Non
     assert driver.data("arm-ladle arm1 fuel-drum-1") == (("fuel-level", 25),)
 
 
-def test_an_arm_feels_what_it_is_at_or_holds() -> None:
+def test_arm_examines_the_item_at_it_or_in_it() -> None:
     driver = Driver([rock(), thing("fuel-drum")])
     assert driver.do("arm-examine arm1 rock-1") == "arm-not-at"
     driver.do("arm-move arm1 external", "arm-move arm1 fuel-drum-1")
@@ -226,7 +226,7 @@ def test_an_arm_feels_what_it_is_at_or_holds() -> None:
     assert driver.data("arm-examine arm1 fuel-drum-1") == felt
 
 
-def test_what_has_left_reach_cannot_be_handled() -> None:
+def test_item_out_of_reach_cannot_be_handled() -> None:
     driver = Driver([rock()])
     driver.do(*PICK_ONE, "arm-ungrasp arm1 rock-1", "arm-move arm1 folded")
     assert driver.drive("north") == "okay"

@@ -31,7 +31,7 @@ def test_an_arm_at_a_container_puts_things_into_it() -> None:
     )
 
 
-def test_what_is_inside_is_reached_by_way_of_the_container_alone() -> None:
+def test_contents_are_reached_only_through_the_container() -> None:
     driver = workshop(rock(), thing("crate"), thing("fuel-drum"))
     driver.do(*IN_CRATE, "arm-move arm1 folded", "arm-move arm1 external")
     assert driver.do("arm-move arm1 rock-1") == "arm-cant-find"
@@ -75,7 +75,7 @@ def test_containers_lie_in_containers() -> None:
     assert driver.place("gun-tool-1") == "tool-box-1"
 
 
-def test_what_a_container_holds_goes_with_it() -> None:
+def test_contents_move_with_their_container() -> None:
     driver = workshop(thing("crate"), rock("crate-1"))
     driver.do(
         "arm-move arm2 external", "arm-move arm2 crate-1", "arm-grasp arm2 crate-1"
@@ -87,7 +87,7 @@ def test_what_a_container_holds_goes_with_it() -> None:
     assert driver.do("arm-grasp arm1 rock-1") == "okay"
 
 
-def test_a_container_that_is_left_behind_keeps_what_is_in_it() -> None:
+def test_abandoned_container_keeps_its_contents() -> None:
     driver = workshop(thing("crate"), rock("crate-1"))
     driver.drive("north")
     assert driver.do("eye-scan crate-1") == "eye-cant-find"
@@ -96,7 +96,7 @@ def test_a_container_that_is_left_behind_keeps_what_is_in_it() -> None:
     assert driver.data("eye-scan crate-1")[0][2] == "rock-1"
 
 
-def test_an_arm_in_a_container_is_in_the_way_of_who_would_lift_it() -> None:
+def test_arm_in_a_container_blocks_its_lifting() -> None:
     driver = workshop(thing("crate"), rock("crate-1"))
     driver.do("arm-move arm1 external", "arm-move arm1 crate-1", "arm-move arm1 rock-1")
     driver.do("arm-move arm2 external", "arm-move arm2 crate-1")
@@ -105,7 +105,7 @@ def test_an_arm_in_a_container_is_in_the_way_of_who_would_lift_it() -> None:
     assert driver.do("arm-grasp arm2 crate-1") == "okay"
 
 
-def test_the_demon_moves_containers_with_all_that_is_in_them() -> None:
+def test_shuffle_moves_containers_with_their_contents() -> None:
     driver = workshop(
         thing("crate"),
         rock("crate-1"),
@@ -182,7 +182,7 @@ def test_memory_knows_which_container_was_too_full(examined: bool) -> None:
     assert not one.knows("too-full-for ? ?")
 
 
-def test_memory_loses_what_is_no_longer_in_the_container() -> None:
+def test_memory_loses_items_absent_from_the_container() -> None:
     driver = workshop(thing("crate"), rock("crate-1"), thing("tool-box"))
     one = robot(driver)
     one.do("eye-scan external", "eye-scan crate-1")
@@ -196,7 +196,7 @@ def test_memory_loses_what_is_no_longer_in_the_container() -> None:
     assert one.where("crate-1") == "depot"
 
 
-def test_a_picture_shows_what_is_inside_where_the_container_is() -> None:
+def test_picture_shows_contents_at_the_container() -> None:
     driver = workshop(
         thing("crate"), thing("tool-box", "crate-1"), thing("gun-tool", "tool-box-1")
     )

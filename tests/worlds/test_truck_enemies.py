@@ -61,7 +61,7 @@ def test_enemies_come_to_the_sectors_named_but_not_to_warehouse_or_depot() -> No
     assert seen == {"factory-1", "zone-1"}
 
 
-def test_a_sector_that_the_map_has_not_is_refused() -> None:
+def test_unknown_sector_is_refused() -> None:
     with pytest.raises(ValueError, match="no sector `wets`; did you mean `west`"):
         Driver(map=with_sectors(), enemy_sectors=Text("wets"))
 
@@ -120,7 +120,7 @@ def test_six_rounds_in_ten_hit() -> None:
     assert 0.55 <= hits / (60 * 15) <= 0.65
 
 
-def test_what_was_shot_is_gone_at_the_next_scan() -> None:
+def test_next_scan_omits_destroyed_enemies() -> None:
     driver = armed(1, gun_hits=100)
     driver.do("eye-scan external", "arm-toggle arm2 gun-1")
     assert driver.data("eye-scan external")[0] == (
@@ -159,7 +159,7 @@ def test_a_captured_truck_goes_nowhere() -> None:
     assert driver.world.state.truck.place == "depot"
 
 
-def test_who_drives_off_or_shoots_them_all_is_not_captured() -> None:
+def test_driving_off_or_shooting_all_prevents_capture() -> None:
     for seed in range(30):
         driver = Driver([thing("enemy-unit")], seed=seed, capture_time=60)
         driver.drive("north")
@@ -233,7 +233,7 @@ def test_a_truck_stops_half_way_where_they_are_and_can_leave() -> None:
     assert [met.how for met in driver.world.encounters] == ["left"]
 
 
-def test_none_come_to_the_road_that_the_truck_is_on() -> None:
+def test_no_enemies_come_to_the_road_of_the_truck() -> None:
     driver = Driver(map=with_sectors(), enemy_interval=1, road_troops=True)
     for _ in range(40):
         driver.drive("north")

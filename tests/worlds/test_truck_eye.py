@@ -16,7 +16,7 @@ def test_a_scan_outside_sees_items_and_roads() -> None:
     )
 
 
-def test_a_scan_of_an_arm_or_bay_sees_what_is_in_it() -> None:
+def test_scan_of_an_arm_or_bay_sees_its_contents() -> None:
     driver = Driver([rock(count=2)])
     driver.do("arm-move arm1 external", "arm-move arm1 rock-1", "arm-grasp arm1 rock-1")
     assert driver.data("eye-scan arm1") == (("object-seen", "arm1", "rock-1", "rock"),)
@@ -30,7 +30,7 @@ def test_a_place_out_of_sight_cannot_be_scanned(place: str) -> None:
     assert Driver([rock()]).do(f"eye-scan {place}") == "eye-cant-find"
 
 
-def test_examining_tells_what_can_be_seen_of_each_kind() -> None:
+def test_examining_reports_visible_properties_of_each_kind() -> None:
     kinds = ("fuel-drum", "ammo-box", "gun", "gun-tool")
     driver = Driver([rock(color="blue"), *(thing(kind) for kind in kinds)])
     assert driver.data("eye-examine external rock-1") == (
@@ -56,7 +56,7 @@ def test_an_item_is_not_found_at_another_place_than_its_own() -> None:
     assert driver.do("eye-examine zone-1 rock-2") == "eye-cant-find"
 
 
-def test_a_later_scan_reports_what_has_gone() -> None:
+def test_later_scan_reports_missing_items() -> None:
     drum = thing("fuel-drum")
     driver = Driver([drum, rock()], depot_interval=10)
     driver.do("eye-scan external")
@@ -80,7 +80,7 @@ def test_a_drum_the_truck_took_itself_is_not_reported_gone() -> None:
     assert driver.data("eye-scan external") == (("road-seen", "north", "road-1"),)
 
 
-def test_the_eye_notices_what_it_looks_out_for() -> None:
+def test_eye_reports_the_monitored_class() -> None:
     driver = Driver([rock("zone-1")], quarry_interval=0)
     assert driver.data("eye-monitor rock") == ()
     driver.do("truck-turn north")
@@ -95,7 +95,7 @@ def test_the_eye_notices_what_it_looks_out_for() -> None:
     assert driver.world.state.monitored == []
 
 
-def test_the_truck_stops_on_the_road_at_what_the_eye_looks_out_for() -> None:
+def test_truck_stops_on_the_road_at_the_monitored_class() -> None:
     driver = Driver([rock("road-1")], fuel_spread=0, time_spread=0)
     driver.do("eye-monitor rock")
     driver.do("truck-turn north")
@@ -119,7 +119,7 @@ def test_without_looking_out_the_truck_passes_by() -> None:
     assert driver.data("truck-move")[0] == ("new-location", "zone-1")
 
 
-def test_names_that_do_not_last_change_with_each_visit() -> None:
+def test_temporary_names_change_with_each_visit() -> None:
     driver = Driver([rock(), thing("gun")], lasting_names=False)
     assert driver.data("eye-scan external")[:2] == (
         ("object-seen", "external", "rock-s1", "rock"),

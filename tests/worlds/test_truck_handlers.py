@@ -22,7 +22,7 @@ def robot(*items: object, **options: object) -> Robot:
     return Robot(Driver(items, **options).world, truck_words())  # type: ignore[arg-type]
 
 
-def test_the_declarations_are_what_the_world_offers() -> None:
+def test_declarations_equal_the_offer_of_the_world() -> None:
     words = truck_words()
     declared = {n: (len(p.args), set(p.results)) for n, p in words.primitives.items()}
     offered = {
@@ -94,7 +94,7 @@ def test_an_item_put_down_outside_is_where_the_truck_is() -> None:
     assert one.where("rock-1") == "bay2"
 
 
-def test_an_empty_arm_that_is_too_small_is_remembered_for_good() -> None:
+def test_too_small_empty_arm_is_remembered() -> None:
     one = robot(rock(), thing("gun-tool"), arm1_capacity=6)
     assert one.do(*PICK) == "arm-too-full"
     assert one.knows("too-small-for arm1 rock-1")
@@ -135,7 +135,7 @@ def test_interference_lasts_until_an_arm_moves() -> None:
     assert one.knows("arm-at arm1 rock-1")
 
 
-def test_what_needs_a_tool_is_remembered() -> None:
+def test_need_of_a_tool_is_remembered() -> None:
     one = robot(thing("gun"), thing("gun-tool"))
     one.do(*SEE, "arm-move arm1 external", "arm-move arm1 gun-1")
     assert one.do("arm-grasp arm1 gun-1") == "arm-cant-grasp"
@@ -160,7 +160,7 @@ def test_an_item_is_not_lost_by_looking_for_it_in_the_wrong_place() -> None:
     assert one.where("rock-1") == "depot"
 
 
-def test_a_scan_that_misses_an_item_loses_it() -> None:
+def test_scan_without_a_known_item_loses_the_item() -> None:
     one = robot(thing("fuel-drum"), rock(), depot_interval=10)
     one.do(*SEE, "arm-move arm1 external", "arm-move arm1 fuel-drum-1")
     one.do("arm-grasp arm1 fuel-drum-1", "arm-pour arm1 fuel-drum-1")
@@ -181,7 +181,7 @@ def test_the_last_place_of_a_delivered_rock_stays_the_factory() -> None:
     assert one.where("rock-1") == "factory-1"
 
 
-def test_elsewhere_a_scan_after_coming_back_shows_what_is_no_longer_there() -> None:
+def test_scan_after_a_return_reports_missing_items() -> None:
     one = robot(thing("fuel-drum"), depot_interval=5)
     one.do(*SEE, "arm-move arm1 external", "arm-move arm1 fuel-drum-1")
     one.do("arm-grasp arm1 fuel-drum-1", "arm-pour arm1 fuel-drum-1")
@@ -210,7 +210,7 @@ def test_after_a_trip_all_must_be_sensed_again() -> None:
     assert one.reaches("rock-1")
 
 
-def test_a_scan_of_an_arm_tells_what_it_holds() -> None:
+def test_scan_of_an_arm_reports_the_held_item() -> None:
     one = robot(rock())
     one.do(*PICK, "arm-move arm1 folded", "truck-move", "eye-scan arm1")
     assert one.knows("arm-holding arm1 rock-1")
@@ -242,7 +242,7 @@ def test_examining_tells_properties() -> None:
         assert one.knows(fact), fact
 
 
-def test_after_pouring_nobody_knows_how_much_is_left() -> None:
+def test_amount_is_unknown_after_pouring() -> None:
     one = robot(thing("fuel-drum", count=2), fuel=29)
     one.do(*SEE, "eye-examine external fuel-drum-1", "eye-examine external fuel-drum-2")
     one.do("arm-move arm1 external", "arm-move arm1 fuel-drum-1")
@@ -266,7 +266,7 @@ def test_toggling_leaves_the_rounds_to_be_counted() -> None:
     assert not one.knows("examined-since-toggle gun-1")
 
 
-def test_an_arm_believed_to_hold_what_it_does_not_is_put_right() -> None:
+def test_wrong_belief_about_a_held_item_is_corrected() -> None:
     one = robot(rock())
     one.do(*SEE)
     one.digest(("arm-grasp", "arm1", "rock-1"), "okay")

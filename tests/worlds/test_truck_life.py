@@ -17,7 +17,7 @@ def kinds_at(driver: Driver, place: str) -> list[str]:
     return [i.kind for i in driver.world.state.items.values() if i.place == place]
 
 
-def test_a_stock_takes_the_place_of_the_rocks_that_the_map_has_at_quarries() -> None:
+def test_stock_replaces_the_rocks_of_the_map() -> None:
     elsewhere = [rock("quarry-1"), rock("quarry-1"), rock("zone-1")]
     driver = Driver(elsewhere, quarry_rocks=8)
     assert kinds_at(driver, "quarry-1") == ["rock"] * 8

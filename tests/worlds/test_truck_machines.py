@@ -76,7 +76,7 @@ def test_a_machine_takes_only_the_liquid_it_works_with() -> None:
     assert (items["fuel-drum-1"].amount, items["ice-machine-1"].amount) == (0, 0)
 
 
-def test_a_machine_uses_up_items_that_are_put_into_it() -> None:
+def test_machine_consumes_inserted_items() -> None:
     driver = workshop(
         thing("assembler"), thing("bandage", "assembler-1", 5), thing("ice", count=2)
     )
@@ -182,7 +182,7 @@ def test_how_often_machines_break_is_chance_of_its_own() -> None:
     assert {ice for ice, _ in made} == {1, 2}
 
 
-def test_a_machine_may_lie_there_broken_and_only_what_mends_it_helps() -> None:
+def test_broken_machine_needs_its_repair_tool() -> None:
     broken = {**thing("ice-machine"), "broken": True}
     driver = workshop(broken, thing("bandage"), thing("wrench"))
     one = Robot(driver.world, truck_words())

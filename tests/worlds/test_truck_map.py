@@ -46,7 +46,7 @@ def sectors(*spots: list[str]) -> str:
     return changed(sectors=rows or [{"name": "s1"}])
 
 
-def test_the_default_map_has_all_that_the_thesis_names() -> None:
+def test_default_map_has_all_places_of_the_thesis() -> None:
     made = read_map(shipped_map("truck", "default"))
     kinds = [place.kind for place in made.places]
     counts = {kind: kinds.count(kind) for kind in kinds}
@@ -156,7 +156,7 @@ def test_opposites_are_half_a_turn_apart() -> None:
         ),
     ],
 )
-def test_a_map_that_makes_no_sense_is_refused(text: str, message: str) -> None:
+def test_invalid_map_is_refused(text: str, message: str) -> None:
     with pytest.raises(MapError, match=r"[^\n]+") as caught:
         read_map(text)
     assert message in str(caught.value)

@@ -51,7 +51,7 @@ def test_speed_trades_fuel_for_time(speed: str, time: float, fuel: float) -> Non
     assert driver.world.state.truck.fuel == fuel
 
 
-def test_trips_vary_about_what_the_map_says() -> None:
+def test_trip_times_vary_around_the_map_value() -> None:
     times, fuels = [], []
     for seed in range(200):
         driver = Driver(seed=seed)
@@ -90,7 +90,7 @@ def test_a_risky_road_punishes_high_speed_alone() -> None:
     assert driver.world.ended() == "mishap on road-1"
 
 
-def test_what_the_truck_carries_comes_along() -> None:
+def test_carried_items_move_with_the_truck() -> None:
     driver = Driver([rock(), thing("fuel-drum")])
     driver.do("arm-move arm1 external", "arm-move arm1 rock-1", "arm-grasp arm1 rock-1")
     driver.do("arm-move arm1 bay2", "arm-ungrasp arm1 rock-1", "arm-move arm1 external")

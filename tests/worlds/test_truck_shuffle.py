@@ -38,7 +38,7 @@ def test_the_demon_comes_at_regular_times() -> None:
         assert all(after[name].place != before[name].place for name in after)
 
 
-def test_efficiency_is_the_chance_that_an_item_is_moved() -> None:
+def test_efficiency_is_the_chance_to_move_an_item() -> None:
     moved = 0
     for seed in range(100):
         driver = Driver(
@@ -94,7 +94,7 @@ def test_the_demon_stops_for_good() -> None:
     assert driver.world.state.items == last
 
 
-def test_what_is_on_the_truck_stays_there() -> None:
+def test_items_on_the_truck_are_not_shuffled() -> None:
     driver = Driver(
         [rock(count=2)], start="depot", shuffle_interval=30, shuffle_efficiency=100
     )
@@ -105,7 +105,7 @@ def test_what_is_on_the_truck_stays_there() -> None:
     assert (driver.place("rock-1"), driver.place("rock-2")) == ("bay2", "arm1")
 
 
-def test_an_arm_at_something_that_is_moved_away_is_at_nothing() -> None:
+def test_arm_at_a_moved_item_is_at_no_item() -> None:
     driver = Driver([rock()], shuffle_interval=10, shuffle_efficiency=100)
     driver.do("eye-scan external", "arm-move arm1 external", "arm-move arm1 rock-1")
     driver.world.advance(10)

@@ -85,7 +85,7 @@ def test_a_saved_world_goes_on_as_if_nothing_had_been(
         assert world.save() == end
 
 
-def test_what_is_saved_is_plain_json() -> None:
+def test_saved_state_is_plain_json() -> None:
     state = json.loads(wanderer(1).world.save())
     assert state["state"]["truck"]["place"] == "depot"
 

@@ -85,7 +85,7 @@ def test_night_falls_at_the_end_of_each_day() -> None:
     assert seen == {50: True, 59: True, 60: False, 97: False, 100: True, 160: False}
 
 
-def test_the_eye_overlooks_things_in_the_dark_but_keeps_what_it_has_found() -> None:
+def test_eye_misses_things_in_the_dark_and_keeps_found_things() -> None:
     dark = land([rock(count=100)], dark=True)
     driver = Driver(map=dark)
     first = items_seen(driver)

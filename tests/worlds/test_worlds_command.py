@@ -21,7 +21,7 @@ def truck(width: int) -> str:
     return describe_world(TruckWorld(random.Random(0), {}), width)
 
 
-def test_installed_worlds_are_listed_with_what_they_are() -> None:
+def test_installed_worlds_are_listed_with_descriptions() -> None:
     done = CliRunner().invoke(worlds, [])
     assert done.exit_code == 0
     assert "truck    A delivery truck among quarries and factories" in done.output
@@ -75,7 +75,7 @@ def test_arguments_are_declared_as_the_offer_calls_them() -> None:
 
 
 @pytest.mark.parametrize("name", ["courier", "truck"])
-def test_the_worlds_that_come_along_call_all_their_arguments_something(
+def test_included_worlds_name_all_arguments(
     name: str,
 ) -> None:
     """As the library that comes with the world calls them, too."""

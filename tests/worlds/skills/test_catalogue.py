@@ -31,7 +31,7 @@ from tests.worlds.skills.tank import (
 )
 
 
-def test_a_compound_tells_and_uses_what_its_parts_do() -> None:
+def test_compound_emits_and_uses_the_same_as_its_parts() -> None:
     hold = catalogue().describe("hold")
     assert hold.events == ("reached",)
     assert hold.uses == ("valve",)
@@ -145,9 +145,7 @@ A, B = Channel("a", float), Channel("b", float)
         ({"State": dict}, "`State` of the class Odd is no msgspec struct"),
     ],
 )
-def test_a_class_that_lacks_something_is_named(
-    has: dict[str, object], fault: str
-) -> None:
+def test_incomplete_class_is_named(has: dict[str, object], fault: str) -> None:
     body = {"name": "odd", "step": Smooth.step, **has}
     odd = type("Odd", (Skill,), body)
     with pytest.raises(CatalogueError, match=re.escape(fault)):
@@ -176,7 +174,7 @@ def _writing(name: str, *inputs: Channel[float], output: Channel[float]) -> type
     return type(name.title(), (Skill,), body)
 
 
-def test_skills_that_need_each_other_need_a_delay() -> None:
+def test_cyclic_skills_require_a_delay() -> None:
     one, other = _writing("one", A, output=B), _writing("other", B, output=A)
     with pytest.raises(CatalogueError, match=r" \(One\) reads .*without a delay"):
         Catalogue([one, other])

@@ -23,7 +23,7 @@ from tests.worlds.skills.tank import FLOW, GOAL, LIMIT, SMOOTH, Tank
 HOLD_TWO = SkillRequest("hold", (2,))
 
 
-def test_a_network_is_wired_from_what_its_skills_declare() -> None:
+def test_network_connects_declared_channels() -> None:
     tank = Tank()
     parts = [SkillRequest("fill"), SkillRequest("aim", (2,)), SkillRequest("smooth")]
     assert tank.runtime.activate(1, parts, ["reached"]) is None
@@ -61,12 +61,12 @@ def test_an_input_without_a_writer_of_the_same_activation_is_refused() -> None:
     assert list(tank.runtime.activations) == [1]
 
 
-def test_an_event_that_no_skill_of_the_activation_tells_is_refused() -> None:
+def test_event_of_no_skill_in_the_activation_is_refused() -> None:
     refused = Tank().runtime.activate(1, [SkillRequest("smooth")], ["reached"])
     assert refused == Refused(reason="no skill of the request emits `reached`")
 
 
-def test_a_conflict_names_what_is_under_way() -> None:
+def test_conflict_names_the_request_under_way() -> None:
     tank = Tank()
     tank.runtime.activate(1, [SkillRequest("watch", (1,))], [])
     tank.runtime.activate(2, [HOLD_TWO], [])
@@ -78,7 +78,7 @@ def test_a_conflict_names_what_is_under_way() -> None:
     assert tank.runtime.activate(3, [SkillRequest("hold", (3,))], []) is None
 
 
-def test_two_skills_that_use_one_thing_are_in_conflict() -> None:
+def test_skills_with_a_common_thing_are_in_conflict() -> None:
     class Flush(Skill):
         """Open the valve wide."""
 
@@ -186,7 +186,7 @@ def test_a_shared_skill_runs_once_until_its_last_activation_ends() -> None:
     assert "watch 0.5" not in tank.runtime.active()
 
 
-def test_arguments_that_are_one_number_are_one_skill() -> None:
+def test_equal_numbers_as_arguments_make_one_skill() -> None:
     tank = Tank()
     tank.runtime.activate(1, [SkillRequest("watch", (2,))], [])
     tank.runtime.activate(2, [SkillRequest("watch", (2.0,))], [])
@@ -211,7 +211,7 @@ def test_an_event_can_be_told_again_while_it_holds() -> None:
     assert [now for now, _, _ in tank.heard] == [0.1, 2.1, 4.1]
 
 
-def test_who_comes_later_hears_what_is_so_already() -> None:
+def test_late_activation_receives_the_current_state() -> None:
     tank = Tank()
     tank.level = 2
     tank.runtime.activate(1, [SkillRequest("watch", (1,))], ["high"])
@@ -221,7 +221,7 @@ def test_who_comes_later_hears_what_is_so_already() -> None:
     assert tank.heard == [(0.1, "high", (1,)), (0.4, "high", (2,))]
 
 
-def test_a_skill_that_goes_off_writes_nothing_more() -> None:
+def test_disabled_skill_writes_nothing() -> None:
     tank = Tank()
     tank.runtime.activate(1, [HOLD_TWO], [])
     tank.run(3)
@@ -232,7 +232,7 @@ def test_a_skill_that_goes_off_writes_nothing_more() -> None:
     assert tank.level == level
 
 
-def test_sensors_that_nobody_reads_are_not_read() -> None:
+def test_unused_sensors_are_not_read() -> None:
     tank = Tank()
     tank.sensors = {}
     tank.runtime.activate(1, [SkillRequest("limit-flow", (1,))], [])
@@ -247,7 +247,7 @@ def test_a_ticket_serves_once() -> None:
         tank.runtime.activate(1, [HOLD_TWO], [])
 
 
-def test_a_skill_reaches_only_what_it_declares() -> None:
+def test_skill_reads_only_declared_channels() -> None:
     a, b = Channel("a", float), Channel("b", float)
 
     class Sneak(Skill):
@@ -277,7 +277,7 @@ def test_a_skill_reaches_only_what_it_declares() -> None:
         tried(lambda ports: ports.__setitem__(a, 1.0))
 
 
-def test_a_required_input_that_was_not_written_is_a_fault_of_its_writer() -> None:
+def test_missing_required_input_is_a_fault_of_its_writer() -> None:
     a = Channel("a", float)
 
     class Silent(Skill):
@@ -340,7 +340,7 @@ def test_a_saved_runtime_goes_on_as_if_nothing_had_been(seed: int) -> None:
 @pytest.mark.parametrize(
     "bad", [b"", b"{}", b'{"activations": 3}', b"[1]", b"\xff\xfe"]
 )
-def test_what_is_no_state_is_refused_and_changes_nothing(bad: bytes) -> None:
+def test_wrong_state_is_refused_and_changes_nothing(bad: bytes) -> None:
     tank = Tank()
     tank.runtime.activate(1, [HOLD_TWO], [])
     tank.run(3)

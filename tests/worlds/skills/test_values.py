@@ -76,7 +76,7 @@ WARM = {"heat": lambda: 20}
     "writes",
     [(WAY, (1.0, 2)), (SAID, "well"), (ANY, object()), (EITHER, None), (EITHER, 3)],
 )
-def test_what_a_channel_is_declared_for_is_written(
+def test_channel_receives_its_declared_value(
     writes: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(Write, "writes", writes)
@@ -91,7 +91,7 @@ def test_what_a_channel_is_declared_for_is_written(
         ((EITHER, "3"), r"writes '3' to `either`, which is int \| None"),
     ],
 )
-def test_what_a_skill_writes_is_of_the_type_of_the_channel(
+def test_skill_output_has_the_type_of_the_channel(
     writes: Any, said: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(Write, "writes", writes)
@@ -107,14 +107,12 @@ def test_what_a_skill_writes_is_of_the_type_of_the_channel(
         ({}, "is given no function that reads it"),
     ],
 )
-def test_what_a_sensor_says_is_of_the_type_of_the_channel(
-    sensors: Any, said: str
-) -> None:
+def test_sensor_value_has_the_type_of_the_channel(sensors: Any, said: str) -> None:
     with pytest.raises(SkillError, match=f"^the sensor `heat` {said}$"):
         tick(sensors)
 
 
-def test_what_an_arbiter_decides_is_of_the_type_of_the_channel() -> None:
+def test_arbiter_result_has_the_type_of_the_channel() -> None:
     with pytest.raises(
         SkillError, match=r"^the class First decides on 3 for `said`, w"
     ):
@@ -131,7 +129,7 @@ def test_what_an_arbiter_decides_is_of_the_type_of_the_channel() -> None:
         (({},), "returns {}: `heat` must be a number"),
     ],
 )
-def test_what_an_event_carries_is_as_declared(
+def test_event_values_have_declared_kinds(
     says: Any, said: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(Hot, "says", says)

@@ -80,7 +80,7 @@ def test_a_whole_number_in_the_state_is_saved_as_it_is_read() -> None:
 @pytest.mark.parametrize(
     "bad", [b"{", b"{}", b'{"now":0,"ticks":0,"sent":[],"rest":3}']
 )
-def test_what_is_no_state_is_refused_and_changes_nothing(bad: bytes) -> None:
+def test_wrong_state_is_refused_and_changes_nothing(bad: bytes) -> None:
     world = _filling()
     before = world.save()
     with pytest.raises(ValueError, match="no state of the world `tank`"):
@@ -99,13 +99,13 @@ def test_there_are_no_primitives() -> None:
 
 
 @pytest.mark.parametrize("returned", [None, 3, ["reached"]])
-def test_a_tick_that_returns_something_else_is_blamed(returned: Any) -> None:
+def test_tick_with_a_wrong_result_is_named(returned: Any) -> None:
     kind: Any = type("Odd", (TankWorld,), {"tick": lambda self: returned})
     with pytest.raises(PortError, match=r"`tick` of the world `tank` .*test_world.py"):
         kind().advance(1)
 
 
-def test_a_world_that_was_not_begun_is_blamed() -> None:
+def test_uninitialised_world_is_named() -> None:
     class Odd(TankWorld):
         def __init__(self) -> None:
             """Forget what SkillWorld needs."""
@@ -116,7 +116,7 @@ def test_a_world_that_was_not_begun_is_blamed() -> None:
         Odd().advance(1)
 
 
-def test_an_event_that_says_yes_is_blamed() -> None:
+def test_event_test_returning_true_is_named() -> None:
     class Said(Event):
         name = "said"
 
