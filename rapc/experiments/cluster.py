@@ -45,9 +45,7 @@ class ClusterWorkers:
         try:
             host, port = get_address_host_port(address)
         except ValueError as error:
-            written = (
-                "is no address of a Dask scheduler: those are like tcp://host:8786"
-            )
+            written = "is not an address of a Dask scheduler such as tcp://host:8786"
             raise WorkersLost(f"`{address}` {written}") from error
         try:
             _knock(host, port, speaks=parse_address(address)[0] == "tcp")

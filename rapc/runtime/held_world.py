@@ -340,7 +340,7 @@ class HeldWorld(Wrapper):
         known = self._results.get(str(asked[0]))
         if known is not None and reply.result not in known:
             told = self._undeclared(str(asked[0]), reply.result)
-            raise self.breach(call, f"returned {told} for {format_list(asked)}")
+            raise self.breach(call, f"ended {format_list(asked)} with {told}")
         tells = self._tells.get(str(asked[0]))
         for content in reply.data:
             self._check_datum(content, call)
@@ -379,8 +379,8 @@ class HeldWorld(Wrapper):
 
     def _undeclared(self, name: str, result: object) -> str:
         known = ", ".join(sorted(self._results.get(name, ())))
-        what = f"`{result}`, which is no result of `{name}`"
-        return f"{what} (those are {known})" if known else what
+        what = f"`{result}`, which is not a result of `{name}`"
+        return f"{what}; expected one of {known}" if known else what
 
     # --- optional protocols: there if the world has them ----------------------------
 

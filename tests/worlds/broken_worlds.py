@@ -318,7 +318,7 @@ TYPES: dict[str, tuple[type[World], str]] = {
     ),
     "a result that nobody declares": (
         with_(perform=answers(Reply("bang"))),
-        r"answered \(look one\) with `bang`, .*those are okay",
+        r"ended \(look one\) with `bang`, .*expected one of okay",
     ),
     "too much in a datum": (
         sends(Datum(("spotted", "a", "b"))),
@@ -351,7 +351,7 @@ TYPES: dict[str, tuple[type[World], str]] = {
     "no list of facts": (with_(facts=answers(None)), "initial facts"),
     "a handler that returns no result": (
         handlers(answers("bang"), lambda m, d: None),
-        "the handler of `look`.* returned `bang`, which is no result of `look`",
+        "the handler of `look`.* returned `bang`, which is not a result of `look`",
     ),
     "a comparator's text": (with_kit(comparators={"by-eye": answers("so")}), "'so'"),
 }

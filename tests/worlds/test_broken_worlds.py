@@ -158,7 +158,7 @@ def test_handler_omitting_a_value_is_named_with_the_declaration() -> None:
 
     said = (
         f"the handler of `look` failed at test_{HERE}:.*: .colour one. has no "
-        r"the value of `.colour .thing .colour.`, declared at <text>:\d+:1; a handler"
+        r"value for `.colour .thing .colour.`, declared at <text>:\d+:1; a handler"
     )
     with pytest.raises(rapc.PortError, match=said):
         run(handlers(paints, ignored))
