@@ -398,17 +398,6 @@ class Bench:
     hood_since: Time = 0
 
 
-@dataclass
-class Figures:
-    """The truth about a shift; `right`, `wrong`, `late` count reports."""
-
-    right: int
-    wrong: int
-    late: int
-    broken: int
-    hood_open: Time
-
-
 def understood(request: Fact) -> bool:
     """Return whether all arguments are values of the laboratory."""
     known: dict[str, Any] = {
@@ -857,7 +846,7 @@ class LaboratoryWorld(SimpleWorld):
         self.state.reports[sample] = [self.time, value]
         return "okay"
 
-    def figures(self) -> Figures:
+    def figures(self) -> dict[str, Atom]:
         """Return the truth about the shift so far."""
         state = self.state
         right = late = 0
@@ -866,8 +855,13 @@ class LaboratoryWorld(SimpleWorld):
             late += time > state.due[sample]
         still_open = self.time - state.hood_since
         hood_open = state.hood_open + still_open * (state.hood == "open")
-        wrong = len(state.reports) - right
-        return Figures(right, wrong, late, state.broken, hood_open)
+        return {
+            "right": right,
+            "wrong": len(state.reports) - right,
+            "late": late,
+            "broken": state.broken,
+            "hood-open": hood_open,
+        }
 
     def picture(self) -> Picture:
         """Return the stations with their samples, and the devices."""
