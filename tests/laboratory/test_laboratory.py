@@ -1,4 +1,4 @@
-"""The laboratory among the examples: its checks, its tests, its world and its shifts."""
+"""The laboratory among the examples: its tests, its world and its shifts."""
 
 from __future__ import annotations
 
