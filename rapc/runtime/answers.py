@@ -30,6 +30,12 @@ class UnknownAnswerError(StateError):
     """A question beyond the kept answers, in a run that may not ask the world."""
 
 
+class Failed(msgspec.Struct, frozen=True):
+    """The exception of a world in place of an answer."""
+
+    error: Exception
+
+
 class Answer(msgspec.Struct, frozen=True):
     """A kept answer."""
 
@@ -103,16 +109,25 @@ class Answers:
         kept = self.kept[at]
         if (kept.call, kept.asked) != (call, asked):
             self._refuse(call)
-        self.position = Position(at + 1, 0, kept.told if call == "now" else time)
-        return kept.told
+        told = kept.told
+        if isinstance(told, Failed):
+            self.position = Position(at + 1, 0, time)
+            raise told.error
+        self.position = Position(at + 1, 0, told if call == "now" else time)
+        return told
 
     def _new(
         self, call: str, asked: tuple[Any, ...], answer: Callable[..., Any]
     ) -> Any:
         if self.closed:
             self._refuse(call)
-        told = answer(*asked)
         at, used, time = self.position
+        try:
+            told = answer(*asked)
+        except Exception as error:
+            if call != "adjust":  # an act that fails is not repeated
+                self._keep(Answer(self.readings, call, asked, Failed(error)), time)
+            raise
         empty = isinstance(told, tuple | list) and not told
         old = {"now": time is not None and told == time, "messages": empty}
         if old.get(call, call == "ended" and told is None):
@@ -121,10 +136,14 @@ class Answers:
             return told
         if isinstance(told, list):
             told = tuple(told)
-        self.kept.append(Answer(self.readings, call, asked, told))
-        self.readings = 0
-        self.position = Position(at + 1, 0, told if call == "now" else time)
+        later = told if call == "now" else time
+        self._keep(Answer(self.readings, call, asked, told), later)
         return told
+
+    def _keep(self, answer: Answer, time: Time | None) -> None:
+        self.kept.append(answer)
+        self.readings = 0
+        self.position = Position(len(self.kept), 0, time)
 
     def _refuse(self, call: str) -> NoReturn:
         """Raise the error for an answer that is not known."""

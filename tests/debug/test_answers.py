@@ -185,6 +185,29 @@ def test_readings_that_say_nothing_new_are_counted() -> None:
     assert sum(one.readings for one in kept) > len(kept)
 
 
+def test_a_machine_that_failed_is_not_asked_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    session, world = _session()
+    perform = Machine.perform
+
+    def fail(self: Machine, ticket: int, request: Fact) -> Any:
+        answer = perform(self, ticket, request)
+        if self.asked["perform"] == 20:
+            raise OSError("the motor is off")
+        return answer
+
+    monkeypatch.setattr(Machine, "perform", fail)
+    first = session.go()
+    assert first.kind == "broken"
+    assert "the motor is off" in first.said
+    asked = Counter(world.asked)
+    session.goto(3)
+    again = session.go()
+    assert (again.kind, "the motor is off" in again.said) == ("broken", True)
+    assert world.asked == asked
+
+
 _OBSERVED = {"picture", "figures", "adjustable"}
 """The methods of worlds that the interpreter never calls in a run."""
 
