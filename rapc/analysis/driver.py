@@ -109,13 +109,15 @@ def _findings(loaded: Loaded, chosen: Selection) -> list[Finding]:
     damage = Damage(loaded.units)
     complete = all(d.rule != UNRESOLVED.name for d in loaded.diagnostics)
     run = Pass(loaded.library, complete, damage.reaches, loaded.required)
-    sure = [
+    certain = [
         diagnostic
         for diagnostic, whole in _found(run, chosen.enabled)
         if not damage.silences(diagnostic, whole)
     ]
     rules = registry.rules(errors_only=registry.are_errors(chosen.enabled))
-    found = _unsuppressed(loaded, [*loaded.diagnostics, *sure], rules, chosen, damage)
+    found = _unsuppressed(
+        loaded, [*loaded.diagnostics, *certain], rules, chosen, damage
+    )
     return [
         Finding(chosen.graded(rules[d.rule]), d) for d in found if chosen.chooses(d)
     ]
@@ -135,7 +137,7 @@ def _merged(
             if at and file in checked[0][0].files and rule not in registry.errors():
                 continue
             if rule == suppressions.UNUSED.name and not (
-                _is_given(file, paths)
+                _is_among(file, paths)
                 and all(one in other for lib, other in checked if file in lib.files)
             ):
                 continue
@@ -143,7 +145,7 @@ def _merged(
     return found.values()
 
 
-def _is_given(file: str, paths: Sequence[str] | None) -> bool:
+def _is_among(file: str, paths: Sequence[str] | None) -> bool:
     """Return whether a file is among the paths or below a path."""
     if paths is None or file == STANDARD_INPUT:
         return True
@@ -167,9 +169,9 @@ def _unsuppressed(
         for name in loaded.files
         if name in units
     ]
-    every = [one for right, _ in written for one in right]
+    every = [one for valid, _ in written for one in valid]
     left, unused = suppressions.apply(found, every)
-    left += [one for _, wrong in written for one in wrong]
+    left += [one for _, invalid in written for one in invalid]
     for one in unused:
         if one.rule in chosen.enabled and not damage.lies_in(one.covers):
             left.append(suppressions.unused(one, loaded.files[one.comment.file]))
@@ -188,27 +190,27 @@ def check_tests(library: Library, tests: Iterable[DefineTest]) -> list[Finding]:
 
 
 def _found(run: Pass, enabled: Collection[str]) -> Iterator[tuple[Diagnostic, Whole]]:
-    """Yield the findings that no finding hides, and the need of each finding.
+    """Yield the findings that no finding hides, each with `Check.needs_whole`.
 
-    A check without an enabled rule runs if its findings may hide a finding.
-    The findings about declarations shared by all tests of a file are yielded once.
+    A check without an enabled rule runs if its findings may hide a finding. Several
+    tests of a file share declarations: equal findings are yielded once.
     """
     found: dict[_Key, Diagnostic] = {}
-    whole: dict[str, Whole] = {}
+    needs_whole: dict[str, Whole] = {}
 
     def find(checks: Iterable[Check]) -> None:
         for check in checks:
-            whole.update((rule.name, check.needs_whole) for rule in check.rules)
+            needs_whole.update((rule.name, check.needs_whole) for rule in check.rules)
             for one in check.find(run):
                 found.setdefault(_key(one), one)
 
-    own = registry.checks_for(enabled)
-    find(own)
+    wanted = registry.checks_for(enabled)
+    find(wanted)
     hiders = with_hiders({one.rule for one in found.values()})
-    find(one for one in registry.checks_for(hiders) if one not in own)
+    find(one for one in registry.checks_for(hiders) if one not in wanted)
     forms = (*run.library.forms, *run.library.tests)
     for one in visible(list(found.values()), [form.span for form in forms]):
-        yield one, whole[one.rule]
+        yield one, needs_whole[one.rule]
 
 
 _Key = tuple[str, Span, str]

@@ -1,8 +1,9 @@
 """Findings that hide others: the cause is reported, its consequences are not.
 
-Checks do not depend on each other. A finding declares its subject (`about`). The rows
-of `HIDES` state which findings with the same subject are consequences. A finding that
-is itself hidden or suppressed still hides others.
+Checks do not depend on each other. A finding declares its subjects (`about`): names
+with their places, or variables that are missing, without names. The rows of `HIDES`
+state which findings with the same subject are consequences. A finding that is itself
+hidden or suppressed still hides others.
 """
 
 from __future__ import annotations
@@ -21,10 +22,13 @@ class Row(NamedTuple):
 
     by: tuple[str, ...]
     hidden: tuple[str, ...]
-    #: The subject that both findings share: the same form; a name in the form; a place
-    #: that contains the other place; or a variable that the first finding lists as
-    #: unbound.
-    same: Literal["form", "name", "place", "lack"]
+    #: The subject that both findings share:
+    #: - `form`: the top-level form of the finding.
+    #: - `name`: a name in the same form.
+    #: - `place`: the place of the hidden finding lies in a subject of the first one.
+    #: - `missing`: the first finding states that variables of a form are missing, but
+    #:   not which. It hides findings about as many different variables of the form.
+    same: Literal["form", "name", "place", "missing"]
 
 
 _CONSTANTS = ("misspelt-constant", "foreign-constant", "mixed-values")
@@ -52,7 +56,7 @@ HIDES = (
     Row(
         ("output-is-input", "wrong-fact-arity", "wrong-step-arity"),
         ("unbound-variable",),
-        "lack",
+        "missing",
     ),
     Row(
         ("unbound-variable",),
@@ -82,45 +86,48 @@ def visible(found: Sequence[Diagnostic], forms: Iterable[Span]) -> list[Diagnost
         found: the findings.
         forms: the spans of the top-level forms; spans do not overlap.
     """
-    there = _Forms(forms)
+    by_position = _Forms(forms)
     hidden: set[int] = set()
     for row in HIDES:
-        by = [one for one in found if one.rule in row.by]
-        if by:
-            left = [one for one in found if one.rule in row.hidden]
-            left = [one for one in left if id(one) not in hidden]
-            hidden.update(id(one) for one in _consequences(row, by, left, there))
-    return [one for one in found if id(one) not in hidden]
+        causes = [finding for finding in found if finding.rule in row.by]
+        if causes:
+            left = [finding for finding in found if finding.rule in row.hidden]
+            left = [finding for finding in left if id(finding) not in hidden]
+            consequences = _consequences(row, causes, left, by_position)
+            hidden.update(id(finding) for finding in consequences)
+    return [finding for finding in found if id(finding) not in hidden]
 
 
 def _consequences(
-    row: Row, by: Iterable[Diagnostic], among: Iterable[Diagnostic], forms: _Forms
+    row: Row, causes: Iterable[Diagnostic], among: Iterable[Diagnostic], forms: _Forms
 ) -> Iterator[Diagnostic]:
+    """Yield the findings of `among` that share a subject with a cause."""
     match row.same:
         case "form":
-            mixed = {forms.at(one.span) for one in by}
-            yield from [one for one in among if forms.at(one.span) in mixed]
+            of_causes = {forms.at(cause.span) for cause in causes}
+            yield from [one for one in among if forms.at(one.span) in of_causes]
         case "name":
-            names = {key for one in by for key in forms.names(one)}
+            names = {key for cause in causes for key in forms.names(cause)}
             yield from [one for one in among if not names.isdisjoint(forms.names(one))]
         case "place":
-            places = [subject.place for one in by for subject in one.about]
-            yield from [one for one in among if any(_holds(p, one) for p in places)]
-        case "lack":
-            lacks = Counter(form for one in by for form in forms.lacks(one))
-            lacking: dict[tuple[Span | None, str], None] = {}
+            places = [subject.place for cause in causes for subject in cause.about]
+            yield from [one for one in among if any(_contains(p, one) for p in places)]
+        case "missing":
+            # How many variables of each form a cause has not yet explained.
+            unexplained = Counter(form for one in causes for form in forms.missing(one))
+            explained: set[tuple[Span | None, str]] = set()
             for one in among:
-                for form in forms.lacks(one):
+                for form in forms.missing(one):
                     ((_, name),) = forms.names(one)
-                    if lacks[form] > 0 and (form, name) not in lacking:
-                        lacks[form] -= 1
-                        lacking[form, name] = None
-                    if (form, name) in lacking:
+                    if unexplained[form] > 0 and (form, name) not in explained:
+                        unexplained[form] -= 1
+                        explained.add((form, name))
+                    if (form, name) in explained:
                         yield one
 
 
-def _holds(place: Span, one: Diagnostic) -> bool:
-    inner = one.span
+def _contains(place: Span, finding: Diagnostic) -> bool:
+    inner = finding.span
     return (
         place.file == inner.file
         and place.start <= inner.start
@@ -144,10 +151,10 @@ class _Forms:
         at = bisect_right(own, place.start, key=lambda form: form.start) - 1
         return own[at] if at >= 0 else None
 
-    def names(self, one: Diagnostic) -> set[tuple[Span | None, str]]:
+    def names(self, finding: Diagnostic) -> set[tuple[Span | None, str]]:
         """Return the names that a finding is about, with the form of each name."""
-        return {(self.at(s.place), s.name) for s in one.about if s.name}
+        return {(self.at(s.place), s.name) for s in finding.about if s.name}
 
-    def lacks(self, one: Diagnostic) -> list[Span | None]:
-        """Return, for each unbound variable that a finding lists, its form."""
-        return [self.at(s.place) for s in one.about if not s.name]
+    def missing(self, finding: Diagnostic) -> list[Span | None]:
+        """Return the form of each missing variable that a finding declares."""
+        return [self.at(s.place) for s in finding.about if not s.name]
