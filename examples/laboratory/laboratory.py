@@ -664,8 +664,7 @@ class LaboratoryWorld(SimpleWorld):
         state.degrees, state.degrees_at = self.temperature(), self.time
         state.target = degrees
         self.forget("gauge")
-        if state.degrees != degrees:
-            self.plan(STEP / HEATS, "gauge")
+        self.plan(STEP / HEATS, "gauge")
         self.end_all(("incubate",), "too-cold")
 
     def gauge(self, about: str) -> None:
