@@ -70,7 +70,7 @@ def test_a_worker_killed_in_the_middle_changes_nothing(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("address", ["nobody", "10.0.0.5", "http://127.0.0.1:8787", ""])
 def test_invalid_address_is_reported(address: str) -> None:
-    said = f"^`{re.escape(address)}` is no address of a Dask scheduler"
+    said = f"^`{re.escape(address)}` is not an address of a Dask scheduler"
     with pytest.raises(WorkersLost, match=said):
         ClusterWorkers(address, 1)
 
