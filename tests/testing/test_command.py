@@ -117,7 +117,7 @@ def test_findings_in_a_library_of_several_files_of_tests_are_told_once(
         (("nowhere",), "`nowhere` does not exist"),
         ((), "missing a file or folder with tests"),
         (("none",), "no tests found in `none`"),
-        ((".", "--fault", "(grab ?x)"), "--fault: the result is missing"),
+        ((".", "--fault", "(grab ?x)"), "--fault: missing result after"),
         ((".", "--fault", "(grip ?x) x"), "unknown primitive `grip`"),
         ((".", "--seeds", "0"), "--seeds"),
         ((".", "--junit", "no/where.xml"), "cannot write `no/where.xml`"),
