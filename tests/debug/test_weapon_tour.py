@@ -25,7 +25,7 @@ pytestmark = pytest.mark.xdist_group("tour")
 def tour() -> History:
     """The run of the trace, at its end."""
     file = STDLIB / "truck" / "weapon.test.rap"
-    [case] = [c for c in find([file]).cases if c.test.name.startswith("trace-1")]
+    [case] = [c for c in find([file]).cases if c.test.name.startswith("thesis-trace-1")]
     test, library = case.test, case.library
     assert test.world is not None
     helper = registry.build_world(registry.find_world(test.world), 0, {})
