@@ -26,7 +26,7 @@ TRACES = {"trace-1": "weapon", "trace-2": "enemies"}
 def told(name: str) -> str:
     """The text trace of a run; the first line, which names a path, left out."""
     file = STDLIB / "truck" / f"{TRACES[name]}.test.rap"
-    [case] = [c for c in find([file]).cases if c.test.name.startswith(name)]
+    [case] = [c for c in find([file]).cases if c.test.name.startswith(f"thesis-{name}")]
     stream = io.StringIO()
     outcome = run_case(case, listener=TextTrace(stream))
     assert outcome.status is Status.PASSED
