@@ -50,10 +50,10 @@ def effects(file: str) -> str:
 def memory(file: str) -> str:
     """Return the table of the propositions and properties of a library."""
     known = _loaded(file)
-    forms = {**known.propositions, **known.properties}.values()
+    forms = [*known.propositions.values(), *known.properties.values()]
     rows = []
     for form in sorted(forms, key=lambda form: form.span.start):
-        words = [form.name, *(one.variable.name for one in form.args)]
+        words = [form.name, *(one.variable.name for one in form.args or ())]
         rows.append((f"`({' '.join(words)})`", form.doc or ""))
     return table(("fact", "meaning"), rows)
 

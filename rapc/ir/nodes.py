@@ -453,13 +453,13 @@ class DeclareProposition(Node, frozen=True, eq=False):
 class DeclareProperty(Node, frozen=True, eq=False):
     """`(declare-memory-property name (arg... value) default ["doc"])`.
 
-    `default` is `unknown`, `true`, `false` or the name of a registered function;
+    `default` is a value or the name of a declared function, which computes the value;
     `args` is None in T's form without the list, else the value comes last.
     """
 
     name: str
     args: tuple[Argument, ...] | None
-    default: str
+    default: Atom
     excludes: tuple[Exclusion, ...]
     doc: str
 

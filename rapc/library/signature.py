@@ -5,14 +5,14 @@ Not here: the table of all names and the check of uses (`rapc.library.signatures
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from typing import Literal
 
 import msgspec
 
 from rapc.base.names import plural
 from rapc.base.source import NOWHERE, Span
-from rapc.base.values import format_list
+from rapc.base.values import Atom, format_list
 from rapc.ir import nodes
 
 Kind = Literal[
@@ -40,9 +40,6 @@ Declared = (
 )
 """Declarations of names with arguments."""
 
-CONSTANT_DEFAULTS = ("unknown", "true", "false")
-"""Property defaults that are values; any other default is a registered function."""
-
 
 class Signature(msgspec.Struct, frozen=True):
     """The signature of a declared name."""
@@ -61,8 +58,10 @@ class Signature(msgspec.Struct, frozen=True):
     outputs: int = 0
     #: The results of a primitive.
     results: tuple[str, ...] = ()
-    #: A property's default value, or the name of the function that computes it.
-    default: str | None = None
+    #: The default value of a property; None for all other kinds.
+    default: Atom | None = None
+    #: The function that computes the default value of a property.
+    default_function: str | None = None
     #: The predicates that a function reads; None if not declared.
     reads: tuple[str, ...] | None = None
     #: The formula of a query; None for all other kinds.
@@ -72,11 +71,6 @@ class Signature(msgspec.Struct, frozen=True):
     def is_property(self) -> bool:
         """Whether the name is a property: its last argument is its value."""
         return self.kind == "property"
-
-    @property
-    def default_function(self) -> str | None:
-        """The name of the default function, if the default is not a value."""
-        return None if self.default in CONSTANT_DEFAULTS else self.default
 
     @property
     def written(self) -> str:
@@ -118,11 +112,16 @@ class Signature(msgspec.Struct, frozen=True):
 # --- from declarations ----------------------------------------------------------------
 
 
-def of_declaration(kind: Kind, form: Declared) -> Signature:
+def of_declaration(
+    kind: Kind, form: Declared, functions: Container[object] = ()
+) -> Signature:
     """Return the signature of a declaration.
 
-    The value of a property may be left out after an argument [L 2.11].
+    The value of a property may be left out after an argument [L 2.11]. The default of a
+    property is the name of a function if it is in `functions`.
     """
+    default = getattr(form, "default", None)
+    is_computed = default in functions
     count = None if form.args is None else len(form.args)
     is_property = isinstance(form, nodes.DeclareProperty)
     return Signature(
@@ -133,7 +132,8 @@ def of_declaration(kind: Kind, form: Declared) -> Signature:
         form.args,
         getattr(form, "name_span", form.span),
         results=getattr(form, "results", ()),
-        default=getattr(form, "default", None),
+        default=None if is_computed else default,
+        default_function=default if is_computed else None,
         reads=getattr(form, "reads", None),
         formula=getattr(form, "formula", None),
     )

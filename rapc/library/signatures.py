@@ -124,7 +124,10 @@ class Signatures:
         for field, space, word in KINDS.values():
             if space in SPACES and space != "RAP":
                 forms: Mapping[str, Declared] = getattr(library, field)
-                found = {n: of_declaration(cast(Kind, word), forms[n]) for n in forms}
+                found = {
+                    name: of_declaration(cast(Kind, word), form, library.functions)
+                    for name, form in forms.items()
+                }
                 tables.setdefault(space, {}).update(found)
         raps = Lazy(library.raps, lambda name: of_rap(library.raps[name]))
         return cls({**tables, "RAP": raps}, Kinds(library.kinds))

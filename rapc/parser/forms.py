@@ -17,13 +17,23 @@ from typing import Any, cast
 import msgspec
 
 from rapc.base.source import Span
+from rapc.base.values import Atom
 from rapc.ir import nodes, schema
 from rapc.ir.schema import declared, parts, unsaid
 from rapc.language.grammar import GRAMMAR, RULES
 from rapc.language.heads import METHOD_CLAUSES, RAP_CLAUSES, heads, often, rules_by_head
 from rapc.language.shapes import Shape, is_word, leaves
 from rapc.parser.context import Context, Read, head_of, kind_of
-from rapc.parser.syntax import Datum, Keyword, List, String, Symbol, Variable
+from rapc.parser.syntax import (
+    Datum,
+    Keyword,
+    List,
+    Numeral,
+    String,
+    Symbol,
+    Variable,
+)
+from rapc.parser.terms import constant
 
 
 def arguments(ctx: Context, datum: Datum) -> tuple[nodes.Argument, ...]:
@@ -40,6 +50,14 @@ def valued(ctx: Context, datum: Datum) -> tuple[nodes.Argument, ...]:
     if isinstance(datum, List) and not datum.items:
         ctx.wrong("valued", datum)
     return made
+
+
+def default(ctx: Context, datum: Datum) -> Atom | None:
+    """Read the default of a property: a symbol, a number or a function's name."""
+    if isinstance(datum, Symbol | Numeral):
+        return constant(datum)
+    ctx.wrong("default", datum)
+    return None
 
 
 def parameters(
@@ -416,7 +434,7 @@ def _add_operands(
 _ASSUMED: Mapping[str, Any] = {
     "arguments": (),
     "results": ("okay",),
-    "DEFAULT": "unknown",
+    "default": "unknown",
 }
 """The default values of missing required operands."""
 

@@ -15,7 +15,6 @@ from rapc.compiler.program import Program
 from rapc.errors import RefusedError
 from rapc.ir import nodes
 from rapc.library.library import Library
-from rapc.library.signature import CONSTANT_DEFAULTS
 from rapc.library.signatures import Signatures, Use
 from rapc.runtime.authors import wrong_arities
 from rapc.runtime.held_world import HeldWorld
@@ -117,10 +116,6 @@ def misfitting(program: Program, world: HeldWorld) -> list[str]:
         if declared.name in functions and declared.args is not None:
             one = {declared.name: functions[declared.name]}
             found += wrong_arities("the function", one, 1 + len(declared.args))
-    for prop in library.properties.values():
-        if prop.default in functions and prop.default not in library.functions:
-            one = {prop.default: functions[prop.default]}
-            found += wrong_arities("the default function", one, 2)
     return list(dict.fromkeys(found))
 
 
@@ -185,11 +180,12 @@ def _untellable(
 def _unregistered(library: Library, functions: Mapping[str, object]) -> Iterator[str]:
     for declared in library.properties.values():
         default = declared.default
-        if default not in CONSTANT_DEFAULTS and default not in functions:
+        if default in functions and default not in library.functions:
             place = _place(library, declared.span)
             yield (
-                f"{place}unknown default function `{default}`: a default "
-                "is `unknown`, `true`, `false` or a function"
+                f"{place}the default `{default}` of `{declared.name}` is a constant, "
+                "but a function has the same name: add "
+                f"`(declare-memory-function {default} (?index))`"
             )
     for function in library.functions.values():
         if function.name not in functions:

@@ -22,7 +22,6 @@ _GIVEN = {
     "the handler of the datum": ("memory", "datum"),
     "the solver of": ("goal", "memory"),
     "the comparator": ("one", "other"),
-    "the default function": ("memory", "index"),
 }
 """The arguments of a call, by the kind of callable."""
 

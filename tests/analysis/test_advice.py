@@ -94,10 +94,10 @@ def context(text: str) -> str:
             "expected a plain proposition",
         ),
         (
-            "(declare-memory-property count-of (?room ?number) 0)",
+            "(declare-memory-property count-of (?room ?number) ?n)",
             "malformed-form",
-            "write `unknown`, `true`, `false` or the name of a function; other first "
-            "values are initial facts of the world, a test or `--fact`",
+            "write `unknown`, another symbol, a number or the name of a declared "
+            "function",
         ),
         (
             "//",

@@ -48,6 +48,7 @@ _DECLARATIONS = "\n".join(
             for name, count in PROPOSITIONS.items()
         ],
         "(declare-memory-function odd :reads ())",
+        "(declare-memory-function zero (?index) :reads ())",
         "(declare-memory-function next-to :reads ())",
     ]
 )

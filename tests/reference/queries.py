@@ -251,8 +251,8 @@ class Asker(Terms):
         if len(index) < len(slots) - 1:
             return
         value = declared.default
-        if value not in ("unknown", "true", "false"):
-            value = self.functions[value](self.memory, index)
+        if value in self.memory.library.functions:
+            value = self.functions[str(value)](self.memory, index)
         found = self.unify(slots[-1:], (value,), env)
         if found is not None:
             yield found

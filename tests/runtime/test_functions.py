@@ -13,6 +13,7 @@ from .helpers import play
 
 TEXT = """
 (declare-memory-function made (?x) :reads (p))
+(declare-memory-function made-weight (?index))
 (declare-memory-property weight (?item ?value) made-weight)
 (define-rap (top ?x)
   (succeed (last-result okay))

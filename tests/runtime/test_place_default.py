@@ -12,6 +12,7 @@ from rapc.worlds.scripted import ScriptedWorld
 
 LIBRARY = """\
 (declare-memory-property lies (?thing ?place) unknown)
+(declare-memory-function working-by-place (?index))
 (declare-memory-property works (?thing ?value) working-by-place)
 
 (define-rap (judge ?thing ?value)

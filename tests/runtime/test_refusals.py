@@ -79,9 +79,9 @@ def reasons(
             "t.rap:11:1: unknown function `near`",
         ),
         (
+            "(declare-memory-function weigh (?index))"
             "(declare-memory-property weight (?x ?value) weigh)",
-            "t.rap:11:1: unknown default function `weigh`: a default is "
-            "`unknown`, `true`, `false` or a function",
+            "t.rap:11:1: unknown function `weigh`",
         ),
         (
             "(declare-indistinct-class cup looks)",
@@ -124,6 +124,7 @@ def test_complete_library_is_not_refused() -> None:
         (declare-primitive wave (?x) (okay))
         (declare-event :bump (?side))
         (declare-memory-function near (?x))
+        (declare-memory-function weigh (?index))
         (declare-memory-property weight (?x ?value) weigh)
         """
     functions = {"near": lambda view, thing: True, "weigh": lambda view, index: 0}
@@ -168,3 +169,12 @@ def test_skills_are_refused_in_a_world_without_skills() -> None:
 )
 def test_task_without_rap(task: str, reason: str) -> None:
     assert reasons(STEPS, task) == (reason,)
+
+
+def test_default_that_is_the_name_of_an_undeclared_function_is_refused() -> None:
+    text = "(declare-memory-property weight (?x ?value) weigh)"
+    [reason] = reasons(text, functions={"weigh": lambda view, index: 0})
+    assert reason == (
+        "t.rap:11:1: the default `weigh` of `weight` is a constant, but a function has "
+        "the same name: add `(declare-memory-function weigh (?index))`"
+    )

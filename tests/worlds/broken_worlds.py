@@ -24,6 +24,7 @@ from rapc.world import (
 
 LIBRARY = """
 (declare-memory-proposition seen (?thing))
+(declare-memory-function usual-weight (?index))
 (declare-memory-property weight (?thing ?kilos) usual-weight)
 (declare-memory-property class (?item ?class ?value) false)
 (declare-memory-property colour (?thing ?colour) unknown)

@@ -24,7 +24,7 @@ from rapc.base.values import format_atom, is_number
 from rapc.ir import nodes
 from rapc.language.heads import CALLS
 from rapc.library.kinds import said_of
-from rapc.library.signature import CONSTANT_DEFAULTS, Signature
+from rapc.library.signature import Signature
 from rapc.library.signatures import Fault
 
 UNKNOWN = Rule(
@@ -134,7 +134,7 @@ def _defaults(run: Pass) -> Iterator[Diagnostic]:
     kinds = run.signatures.kinds
     for form in run.library.properties.values():
         kind = form.args[-1].kind if form.args else None
-        if kind is None or form.default not in CONSTANT_DEFAULTS:
+        if kind is None or form.default in run.library.functions:
             continue
         if not kinds.holds(kind, form.default):
             place = form.args[-1].span if form.args else form.span

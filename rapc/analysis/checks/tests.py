@@ -13,7 +13,6 @@ from rapc.base.names import Suggestions
 from rapc.base.source import Span
 from rapc.ir import nodes
 from rapc.library.library import Library, word_span
-from rapc.library.signature import CONSTANT_DEFAULTS
 
 WORLDLESS_TEST = Rule(
     code="RAP167",
@@ -46,12 +45,6 @@ def _lacking(library: Library, test: nodes.DefineTest) -> Iterator[tuple[Span, s
                 message = f"datum `{datum.name}` has no handler"
                 yield datum.span, message
     answered = {answer.call.function for answer in test.answers}
-    for declared in library.properties.values():
-        default = declared.default
-        known = default in CONSTANT_DEFAULTS or default in library.functions
-        if not known and default not in answered:
-            message = f"unknown default function `{default}`"
-            yield test.name_span, message
     for name in library.functions:
         if name not in answered:
             yield test.name_span, f"unknown function `{name}`"

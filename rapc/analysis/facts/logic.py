@@ -38,7 +38,7 @@ from rapc.ir.printer import format_formula
 from rapc.ir.schema import operands
 from rapc.ir.walk import subformulas, substitute, variable_names
 from rapc.library.library import Library
-from rapc.library.signature import CONSTANT_DEFAULTS, Signature
+from rapc.library.signature import Signature
 from rapc.library.signatures import Signatures
 
 
@@ -330,7 +330,7 @@ class _Search:
         value = terms[-1] if len(terms) == declared.most else None
         return (
             isinstance(value, nodes.Const)
-            and declared.default in CONSTANT_DEFAULTS
+            and declared.default_function is None
             and value.value != declared.default
         )
 
@@ -726,4 +726,4 @@ class Always:
 
 
 def _has_default(declared: Signature) -> bool:
-    return declared.is_property and declared.default in CONSTANT_DEFAULTS
+    return declared.is_property and declared.default_function is None

@@ -177,7 +177,7 @@ def _either(fn: FunctionWriter, query: _Query, fact: str, parts: Sequence[str]) 
 
 
 def _note_look_up(fn: FunctionWriter, query: _Query, must_exist: bool) -> None:
-    size = len(query.args)
+    size, relation = len(query.args), query.relation
     last = query.known[-1] is not None
     fn.code.note(
         query.formula,
@@ -185,7 +185,7 @@ def _note_look_up(fn: FunctionWriter, query: _Query, must_exist: bool) -> None:
         by=tuple(range(1, size)),
         tested=(size,) if last else (),
         binds=_binds(fn, query),
-        default=None if must_exist else query.relation.default,
+        default=None if must_exist else relation.default_function or relation.default,
     )
 
 

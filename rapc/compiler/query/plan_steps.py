@@ -10,6 +10,7 @@ from enum import Enum
 
 import msgspec
 
+from rapc.base.values import Atom
 from rapc.ir import nodes
 
 
@@ -46,7 +47,7 @@ class PlanStep(msgspec.Struct, frozen=True):
     by: tuple[int, ...] = ()
     tested: tuple[int, ...] = ()
     binds: tuple[str, ...] = ()
-    default: str | None = None
+    default: Atom | None = None
 
     @property
     def most(self) -> int | None:

@@ -37,6 +37,7 @@ SPECIAL: Mapping[str, Read] = {
     # operands and options of declarations
     "arguments": forms.arguments,
     "valued": forms.valued,
+    "default": forms.default,
     "results": declarations.results,
     "kind_values": declarations.kind_values,
     "excludes": declarations.excludes,
