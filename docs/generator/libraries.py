@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from generator.markdown import sentence, table
+from rapc.ir import nodes
 from rapc.ir.printer import format_node
 from rapc.library.library import Library
 from rapc.library.loader import load
@@ -50,7 +51,10 @@ def effects(file: str) -> str:
 def memory(file: str) -> str:
     """Return the table of the propositions and properties of a library."""
     known = _loaded(file)
-    forms = [*known.propositions.values(), *known.properties.values()]
+    forms: list[nodes.DeclareProposition | nodes.DeclareProperty] = [
+        *known.propositions.values(),
+        *known.properties.values(),
+    ]
     rows = []
     for form in sorted(forms, key=lambda form: form.span.start):
         words = [form.name, *(one.variable.name for one in form.args or ())]
