@@ -259,7 +259,7 @@ def test_profiles_are_of_the_whole_way_of_a_firing_and_a_task() -> None:
     for part in (shares[:LINES], shares[LINES:]):
         assert part == sorted(part, reverse=True)
         assert 30 < sum(part) <= 100
-    for name in ("turn", "run_cycle", "try_method"):
+    for name in ("run_loop", "run_cycle", "try_method"):
         assert name in text(True)
 
 

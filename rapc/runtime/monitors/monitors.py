@@ -273,7 +273,11 @@ class Monitors:
             wait is None
             or wait.after_method
             or not (state is BLOCKED or state is UNTESTED or state is ELIGIBLE)
-            or (state is BLOCKED and task.number in self._thing_waits)
+            or (
+                self._thing_waits
+                and task.number in self._thing_waits
+                and state is BLOCKED
+            )
         ):
             return
         if self.holds(task, wait):

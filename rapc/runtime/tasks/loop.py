@@ -39,17 +39,24 @@ def run_loop(run: Run, most: int | None, wait: bool, choose: bool = True) -> str
         PortError: if the world breaks.
     """
     state, port, cost = run.state, run.port, run.settings.cycle_cost
-    recorder, eligible, monitors = run.recorder, run.eligible, run.monitors
-    to_test, things_to_test = monitors.to_test, run.things.to_test
-    timers, unsettled = run.host_timers, run.recognizer.unsettled
+    (
+        recorder,
+        eligible,
+        monitors,
+        to_test,
+        things_to_test,
+        timers,
+        unsettled,
+    ) = run.read_by_loop
     off, cycle = state.activations.off, recorder.cycle
     clock, receive = port.clock, port.receive
     # In each pass, the loop queries a world that may end the run by itself.
-    ended, may_end = port.ended, port.may_end
+    may_end = port.may_end
     last = -1 if most is None else cycle + most
     # The last cycle in which the run is not yet idle for too long, as far as the loop
     # knows: `why_over` looks at the present state.
-    idle_limit = state.moved_at + run.settings.idle_cycles
+    idle_cycles = run.settings.idle_cycles
+    idle_limit = state.moved_at + idle_cycles
     reason: str | None = None
     run.in_loop = True
     try:
@@ -75,18 +82,18 @@ def run_loop(run: Run, most: int | None, wait: bool, choose: bool = True) -> str
             if (
                 cycle > idle_limit
                 or not state.foreground
-                or (may_end and ended() is not None)
+                or (may_end and port.ended() is not None)
             ):
                 reason = why_over(run)
                 if reason is not None:
                     break
-                idle_limit = state.moved_at + run.settings.idle_cycles
+                idle_limit = state.moved_at + idle_cycles
             task = eligible.choose() if choose else None
             if task is None:
                 if not wait or len(eligible):
                     break
                 reason = _wait(run)
-                idle_limit = state.moved_at + run.settings.idle_cycles
+                idle_limit = state.moved_at + idle_cycles
                 if reason is not None:
                     break
                 continue
