@@ -170,6 +170,8 @@ class MethodPlan:
         self.activation: ActivationPlan | None = activation_of(compiler, node)
         #: The things that the method requests before it starts.
         self.things: tuple[ThingPlan, ...] = things_of(compiler, node)
+        #: Whether the requested things depend on the solution of the choice [L 8.30].
+        self.things_vary = bool(self.things) and _depends_on_choice(rap, node)
         #: Whether the end of the method releases anything except things: notations,
         #: skills, the goal key of a task for the test of recursion.
         self.gives_back = (
@@ -277,7 +279,11 @@ class RapPlan:
         )
         #: The only method, if its choice depends on its context alone.
         self.sole: MethodPlan | None = None
-        if len(self.methods) == 1 and self.repeat_while is None:
+        if (
+            len(self.methods) == 1
+            and self.repeat_while is None
+            and not self.methods[0].things_vary
+        ):
             self.sole = self.methods[0]
 
 
@@ -305,6 +311,20 @@ def _choice(
         return None
     formula = parts[0] if len(parts) == 1 else nodes.And(tuple(parts))
     return compiler.query(formula, f"context of method `{method}`", span)
+
+
+def _depends_on_choice(rap: nodes.DefineRap, method: nodes.Method) -> bool:
+    """Return whether claims, request or skills use variables that the choice binds."""
+    given = {one.name for one in rap.inputs}
+    given.update(one.variable.name for one in rap.resources)
+    chosen = (rap.repeat_while, method.context)
+    bound = set(variable_names(*[one for one in chosen if one is not None])) - given
+    asked: tuple[nodes.Pattern, ...] = (*method.claims, *method.skills)
+    if isinstance(method.body, nodes.Primitive):
+        asked += (method.body.request,)
+    elif isinstance(method.body, nodes.Skills):
+        asked += method.body.enable
+    return not bound.isdisjoint(variable_names(*asked))
 
 
 def _without_otherwise(context: nodes.Formula | None) -> nodes.Formula | None:

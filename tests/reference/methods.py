@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from itertools import islice
+
 import msgspec
 
 from rapc import events
@@ -98,7 +101,15 @@ def choose_method(run: Run, task: Task) -> None:
     held = [row for row in held if task.failures.get(row[0].position, 0) == least]
     least = min(tries(task, method) for method, _ in held)
     held = [row for row in held if tries(task, row[0]) == least]
-    free = [row for row in held if not in_the_way(run, task, *row)]
+    free, waiting = [], []
+    for row in held:
+        before: Held = []
+        for one in solutions(run, task, *row):
+            if not in_the_way(run, task, *one):
+                free.append(one)
+                break
+            before.append(one)
+        waiting += before
     held = free or held
     drawn = held[0]
     if len(held) > 1:
@@ -119,7 +130,30 @@ def choose_method(run: Run, task: Task) -> None:
         task.times[method.position] = tries(task, method) + 1
         start(run, running)
     else:
-        put_back(run, task, drawn, held)
+        put_back(run, task, drawn, waiting)
+
+
+def solutions(
+    run: Run, task: Task, method: nodes.Method, found: Bindings
+) -> Iterator[tuple[nodes.Method, Bindings]]:
+    """The first solution of a choice and, if its things vary with them, all others."""
+    yield method, found
+    parts = [task.rap.repeat_while, plain(method.context)]
+    formula = nodes.And(tuple(part for part in parts if part is not None))
+    asking = [*method.claims, *method.skills]
+    if isinstance(method.body, nodes.Primitive):
+        asking.append(method.body.request)
+    elif isinstance(method.body, nodes.Skills):
+        asking += method.body.enable
+    given = {*(one.name for one in task.rap.inputs)}
+    given |= {one.variable.name for one in task.rap.resources}
+    names = {one.name for one in variables(formula)} - given
+    if not names & {one.name for pattern in asking for one in variables(pattern)}:
+        return
+    clause = f"context of method `{method_name(method)}`"
+    where = formula.parts[0] if len(formula.parts) == 1 else method
+    others = run.every(task, formula, task.own, clause, where)
+    yield from ((method, other) for other in islice(others, 1, None))
 
 
 def in_the_way(
@@ -133,8 +167,11 @@ def put_back(
     run: Run, task: Task, drawn: tuple[nodes.Method, Bindings], pool: Held
 ) -> None:
     """Nothing was chosen; the task waits for what it would have asked for."""
-    others = [row for row in pool if row is not drawn]
-    task.wanted = [asks(run, task, *row) or [] for row in (drawn, *others)]
+    task.wanted = []
+    for row in (drawn, *pool):
+        wanted = asks(run, task, *row) or []
+        if wanted not in task.wanted:
+            task.wanted.append(wanted)
     hold_up(run, task, obstacles(run, task, task.wanted[0])[0])
 
 

@@ -80,6 +80,15 @@ class Asker(Terms):
             self.faults.append(Faulted("", told))
             return None
 
+    def every(self, formula: nodes.Formula, env: Bindings) -> Iterator[Bindings]:
+        """All solutions of a whole question; it may be given up."""
+        self.left = self.steps
+        try:
+            yield from self.solutions(formula, env, Before(frozenset(env), 0))
+        except GivenUp:
+            told = f"given up after {self.steps} steps back: see `rapc.query-steps`"
+            self.faults.append(Faulted("", told))
+
     def solutions(
         self, formula: nodes.Formula, env: Bindings, before: Before
     ) -> Iterator[Bindings]:

@@ -5,8 +5,9 @@ What happens in a run is in `interpreter`, `waking`, `cycle`, `signals` and `end
 
 from __future__ import annotations
 
+import itertools
 import random
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from rapc import events
@@ -146,6 +147,24 @@ class Run:
         for within, message in asker.faults:
             self.fault(task, within + clause, where or formula, message)
         return found
+
+    def every(
+        self,
+        task: Task,
+        formula: nodes.Formula,
+        env: Bindings,
+        clause: str,
+        where: nodes.Node,
+    ) -> Iterator[Bindings]:
+        """All solutions of a formula that a task states, faults traced as they come."""
+        asker = self.asker(task)
+        found: Bindings | None
+        for found in itertools.chain(asker.every(formula, env), [None]):
+            for within, message in asker.faults:
+                self.fault(task, within + clause, where, message)
+            asker.faults.clear()
+            if found is not None:
+                yield found
 
     def value(
         self, task: Task | None, term: nodes.Term, env: Bindings

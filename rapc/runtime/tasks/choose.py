@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
+from itertools import islice
 from typing import TypeVar
 
 from rapc.base.chance import below
@@ -35,7 +36,10 @@ The key contains resources by value.
 
 
 Choice = tuple[MethodPlan, Env, Sequence[Held]]
-"""The method to try, its first bindings, and all methods of the draw."""
+"""The method to try, its bindings, and all choices for whose things the task may wait.
+
+The latter are empty if the things of the method are available.
+"""
 
 
 def choose(run: Run, task: Task, asked: bool = False) -> Choice | None:
@@ -62,7 +66,7 @@ def choose(run: Run, task: Task, asked: bool = False) -> Choice | None:
             holding.append((method, found))
         if listener is not None and method.node.context is not None:
             listener(plan.name, method.name, found is not None)
-    if len(holding) > 1:
+    if len(holding) > 1 or (holding and holding[0][0].things_vary):
         return _draw(run, task, holding)
     if holding:
         return (*holding[0], ())
@@ -76,11 +80,31 @@ def _draw(run: Run, task: Task, holding: list[Held]) -> Choice:
     holding = _least(holding, [task.failures_of(method) for method, _ in holding])
     if len(holding) > 1:
         holding = _least(holding, [task.times_tried(method) for method, _ in holding])
-    if len(holding) > 1 and any(method.things for method, _ in holding):
-        free = [held for held in holding if not must_wait(run, task, *held)]
+    waiting: list[Held] = []
+    if any(method.things for method, _ in holding):
+        found = [_available(run, task, *held) for held in holding]
+        free = [held for held, _ in found if held is not None]
+        waiting = [] if free else [one for _, before in found for one in before]
         holding = free or holding
     at = below(run.rng, len(holding)) if len(holding) > 1 else 0
-    return (*holding[at], holding)
+    return (*holding[at], waiting)
+
+
+def _available(
+    run: Run, task: Task, method: MethodPlan, found: Env
+) -> tuple[Held | None, Sequence[Held]]:
+    """Return the first solution whose things are available, and those before it."""
+    first = (method, found)
+    if not must_wait(run, task, *first):
+        return first, ()
+    waiting = [first]
+    if method.things_vary:
+        solutions = run.context.bound[method.choice].solutions(task.env)
+        for solution in islice(solutions, 1, None):
+            if not must_wait(run, task, method, solution):
+                return (method, solution), waiting
+            waiting.append((method, solution))
+    return None, waiting
 
 
 def choice_key(method: MethodPlan, env: Env, found: Env) -> Key:

@@ -76,7 +76,7 @@ def hold_or_wait(
     Args:
         run: the run.
         method_run: the method.
-        others: the methods of the same draw, each with its bindings.
+        others: all choices for whose things the task may wait, each with its bindings.
 
     Return `HOLDS`, `WAITS`, or `UNFILLED` for a method that is to start and end badly.
     """
@@ -89,11 +89,10 @@ def hold_or_wait(
         give_way(run, task, asks)
         run.things.take(method_run, asks)
         return HOLDS
-    alternatives = [asks]
+    alternatives = {asks: None}
     for other, found in others:
-        if other is not method:
-            env = {**task.env, **found}
-            alternatives.append(asks_of(run, task, other, env) or ())
+        env = {**task.env, **found}
+        alternatives[asks_of(run, task, other, env) or ()] = None
     task.forget_choice()
     _block(run, task, tuple(alternatives), obstacle)
     return WAITS
