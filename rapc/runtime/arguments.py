@@ -50,6 +50,14 @@ def need_task(task: object) -> None:
         raise ArgumentError(f"`background` of a task is {kind(task.background)}")
 
 
+def need_part(value: object, part: type, what: str, source: str) -> None:
+    """Raise ArgumentError unless `value` is a `part` of a run, returned by `source`."""
+    if not isinstance(value, part):
+        raise ArgumentError(
+            f"{what} is {kind(value)}", f"it takes a part of `{source}`"
+        )
+
+
 def need_seed(value: object) -> None:
     """Raise ArgumentError unless `value` is a whole number: the seed of a run."""
     need_count(value, "`seed`")

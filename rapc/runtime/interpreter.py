@@ -35,6 +35,7 @@ from rapc.runtime.answers import Answers, RecordedWorld
 from rapc.runtime.arguments import (
     need_call,
     need_count,
+    need_part,
     need_program,
     need_seed,
     need_settings,
@@ -542,6 +543,7 @@ class Interpreter(Run):
         Raises:
             PortError: for a world that violates the port.
         """
+        need_fact(request, "the request")
         self.state.tickets = ticket = self.state.tickets + 1
         answer = self.port.perform(ticket, request)
         if not isinstance(answer, Refused):
@@ -721,15 +723,18 @@ class Interpreter(Run):
 
     def methods(self, rap: RapPlan) -> tuple[MethodPlan, ...]:
         """Return the methods of a RAP, then those that solvers have added."""
+        need_part(rap, RapPlan, "a RAP", "run.library")
         return self.state.methods(rap)
 
     def notations(self, task: Task) -> list[Fact]:
         """Return the facts that the method of a task has noted."""
+        need_part(task, Task, "a task", "run.tasks()")
         noted = () if task.run is None else task.run.notations
         return self.beliefs.notations.facts(noted)
 
     def monitored(self, task: Task) -> str:
         """Return the formula of a task's monitors, as text."""
+        need_part(task, Task, "a task", "run.tasks()")
         return self.monitors.reason(task)
 
     def requests(self) -> dict[int, tuple[Task | None, Fact]]:
@@ -767,11 +772,13 @@ class Interpreter(Run):
 
         This call changes the task: use it only in a run that is restored afterwards.
         """
+        need_part(task, Task, "a task", "run.tasks()")
         if not task.bound:
             read_inputs(self, task)
 
     def conditions(self, task: Task) -> Iterator[Condition]:
         """Yield the conditions of a task in the order of a cycle [L 3]."""
+        need_part(task, Task, "a task", "run.tasks()")
         return conditions(task)
 
     def explain(
@@ -785,14 +792,21 @@ class Interpreter(Run):
             env: the bindings before the evaluation.
             most: the highest number of solutions to find for each conjunct.
         """
+        need_part(query, Query, "a query", "task.plan")
+        if task is not None:
+            need_part(task, Task, "a task", "run.tasks()")
         return ask_in_parts(self, query, task, env, most)
 
     def solution(self, query: Query, task: Task, env: Env) -> Mapping[str, Value]:
         """Return the first solution of a query of a task; empty without a solution."""
+        need_part(query, Query, "a query", "task.plan")
+        need_part(task, Task, "a task", "run.tasks()")
         return query.first(context_of(self, task), env) or {}
 
     def obstacle(self, task: Task, method: MethodPlan, env: Env) -> Claim | None:
         """Return the claim for which a method would wait, or None."""
+        need_part(task, Task, "a task", "run.tasks()")
+        need_part(method, MethodPlan, "a method", "run.methods(rap)")
         asks = asks_of(self, task, method, env)
         hold = None if asks is None else self.things.obstacle(task, asks)
         return None if hold is None else snapshot.claim(self, hold)

@@ -141,7 +141,13 @@ def mild_method(words: Words, sketches: Sequence[Sketch], at: int) -> Datum:
         clauses.append(("context", wanted))
     elif words.among("deep", 0.3):
         clauses.append(("context", ("or", deep(own), "true")))
-    if words.among("claims", 0.25):
+    elif words.among("claims", 0.4):
+        shared = words.pick((("q", "?d"), ("p", "?d", "?"), ("r", "?", "?d")))
+        clauses.append(("context", ("or", shared, ("is", "?d", "a"))))
+        clauses.append(("claims", (words.pick(("arm", "arm", "way")), "?d")))
+        if clauses[-1][1][0] == "way":
+            clauses[-1] = ("claims", ("way", "a", "?d"))
+    if not any(one[0] == "claims" for one in clauses) and words.among("claims", 0.25):
         clauses.append(("claims", *(_thing(own) for _ in range(own.pick((1, 1, 2))))))
     if at < len(sketches) - 1 and words.chance(0.95 if at == 0 else 0.6):
         if words.among("skills", 0.6):

@@ -10,7 +10,7 @@ from rapc.base.values import Atom, Fact, format_list
 from rapc.errors import FactError
 from rapc.events import ItemEvent, ItemIntroduced, ItemLost, ItemMoved
 from rapc.ir.nodes import Formula
-from rapc.language.atoms import need_atoms
+from rapc.language.atoms import need_atoms, need_fact
 from rapc.library.library import Library
 from rapc.library.signatures import Signatures, kind_tests
 from rapc.runtime.events.recorder import Recorder
@@ -69,10 +69,12 @@ class MemoryView:
 
     def facts(self, name: str) -> dict[Fact, Time | None]:
         """Return the facts of a name, oldest first, each with its time as `since`."""
+        need_atoms((name,), "the name of a fact")
         return {f: self.since(f) for f in self._memory.facts.table(name).stamps}
 
     def since(self, fact: Fact) -> Time | None:
         """Return the time of a fact's last assertion; None if nobody asserted it."""
+        need_fact(fact, "the fact")
         stamp = self._memory.facts.stamp(fact)
         return None if stamp is None or stamp == NEVER else stamp
 
