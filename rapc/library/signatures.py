@@ -249,6 +249,8 @@ class Signatures:
 
     def _meant_elsewhere(self, use: Use, name: str) -> str:
         """Return the help for a name that is valid for a different use, or nothing."""
+        if use == "goal" and name == "wait-for":
+            return "add it to a step with a task: `(t1 (TASK) (wait-for (:event)))`"
         if use == "goal" and name in self.primitives:
             return (
                 f"`{name}` is a primitive, not a RAP; define a RAP with the "

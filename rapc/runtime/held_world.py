@@ -475,8 +475,16 @@ class HeldWorld(Wrapper):
         return PortError(f"{said}, not {wanted}; see {self._method(call)}")
 
     def _method(self, call: str) -> str:
-        """Return the method of a world with its place in the author's code, as text."""
-        return f"`{call}`{place_of(getattr(innermost(self), call))}"
+        """Return the method of a world with its place in the author's code, as text.
+
+        A method that the author's class inherits from rapc is named with this class.
+        """
+        world = innermost(self)
+        method = getattr(world, call)
+        kind = type(world)
+        if _is_own(kind) or not _is_own(method):
+            return f"`{call}`{place_of(method)}"
+        return f"`{call}` of `{kind.__name__}`{place_of(kind.__init__)}"
 
     @contextmanager
     def _laid(self, call: str, *allowed: type[Exception]) -> Iterator[None]:
@@ -574,3 +582,8 @@ def is_signal(value: Signal) -> bool:
 def is_time(value: object) -> bool:
     """Return whether `value` is a time: a number from 0 to `LATEST`."""
     return type(value) in (int, float) and 0 <= value <= LATEST  # type: ignore[operator]
+
+
+def _is_own(what: object) -> bool:
+    """Whether a class or a method is rapc's own."""
+    return str(getattr(what, "__module__", "")).partition(".")[0] == "rapc"

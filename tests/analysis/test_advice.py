@@ -49,6 +49,11 @@ def context(text: str) -> str:
             "undeclared-primitive",
             "`go-to` is a RAP; call the RAP in a step: `(task-net (t1 (go-to ...)))`",
         ),
+        (
+            step("(t1 (wait-for ?room))"),
+            "unknown-rap",
+            "add it to a step with a task: `(t1 (TASK) (wait-for (:event)))`",
+        ),
         (context("(!= ?room hall)"), "undeclared-predicate", "write `n=`"),
         (context("(<> ?room hall)"), "undeclared-predicate", "write `n=`"),
         (context("(== ?room hall)"), "undeclared-predicate", "write `=`"),

@@ -303,7 +303,7 @@ def of_result(run: Run, method_run: MethodRun, result: str) -> Cause | None:
 
 
 @_if_told
-def of_refusal(run: Run, method_run: MethodRun) -> Cause | None:
+def of_refusal(run: Run, method_run: MethodRun, reason: str) -> Cause | None:
     """Return the world's refusal in a conflict that the method cannot wait for."""
     plan, skills = method_run.plan.request, method_run.plan.activation
     asked = plan if skills is None else skills.skills[0]
@@ -311,6 +311,8 @@ def of_refusal(run: Run, method_run: MethodRun) -> Cause | None:
         return None
     what = "primitive" if skills is None else "skill"
     note = "the world refused it, and nothing could be waited for"
+    if reason:
+        note = f"the world refused it: {reason}"
     return _of_method(run, method_run, what, asked.node, note)
 
 

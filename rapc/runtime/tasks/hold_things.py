@@ -266,7 +266,7 @@ def _resume(run: Run, method_run: MethodRun, wait: ThingWait) -> None:
             return
         shared = _share(run, method_run, done)
         if shared is None:
-            because = of_refusal(run, method_run)
+            because = of_refusal(run, method_run, done.reason)
             end_method(run, method_run, INTERFERENCE, because)
             return
         asks = (*asks, shared)

@@ -143,18 +143,19 @@ def start_method(run: Run, method_run: MethodRun, unfilled: bool = False) -> Non
         return
     result, because = request(run, method_run, method.request), None
     if result != OKAY and isinstance(result, Refused):
+        reason = result.reason
         result = settle_refusal(run, method_run, result)
-        because = _of_refusal(run, method_run, result)
+        because = _of_refusal(run, method_run, result, reason)
     if result is not None:
         end_method(run, method_run, result, because)
 
 
 def _of_refusal(
-    run: Run, method_run: MethodRun, result: str | Refused | None
+    run: Run, method_run: MethodRun, result: str | Refused | None, reason: str
 ) -> Cause | None:
     """Return why a refused method ends; None if the method goes on or waits."""
     failed = method_run.task.run is method_run and result == INTERFERENCE
-    return causes.of_refusal(run, method_run) if failed else None
+    return causes.of_refusal(run, method_run, reason) if failed else None
 
 
 def _begins_well(run: Run, method_run: MethodRun, unfilled: bool) -> bool:
@@ -180,8 +181,9 @@ def _switch_on(
     result = activate(run, method_run, plan, unfilled)
     because = None
     if result is not None and not isinstance(result, str):
+        reason = result.reason
         result = settle_refusal(run, method_run, result)
-        because = _of_refusal(run, method_run, result)
+        because = _of_refusal(run, method_run, result, reason)
     if method_run.task.run is not method_run:
         return
     if result is not None:

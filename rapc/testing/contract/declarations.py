@@ -76,7 +76,7 @@ def _of_catalogue(
         yield nodes.DeclareSkill(
             f":{name}",
             _parameters(of.parameters),
-            tuple(f":{event}" for event in of.events) or None,
+            tuple(f":{event}" for event in of.events),
             tuple(nodes.Thing(thing, ()) for thing in of.uses),
             of.doc and f"{of.doc}.",
         )

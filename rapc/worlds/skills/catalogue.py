@@ -81,6 +81,8 @@ class Catalogue(Periphery):
                 raise CatalogueError(
                     f"the class {type(arbiter).__name__} has no `channel`"
                 )
+            if channel in self.arbiters:
+                raise CatalogueError(f"two arbiters for the channel `{channel.name}`")
             self.arbiters[channel] = arbiter
         #: The skills that a library may enable, by name.
         self.entries: dict[str, type[Skill] | Compound] = {}
@@ -113,6 +115,7 @@ class Catalogue(Periphery):
             if isinstance(entry, Compound):
                 self._check_compound(entry)
             self._check_wiring(self.parts(entry.name))
+        self._check_readers()
 
     def parts(self, name: str) -> tuple[type[Skill], ...]:
         """Return the single skills of `name`.
@@ -153,18 +156,27 @@ class Catalogue(Periphery):
                     f"{name}: unknown kind `{parameter.kind}` of `{parameter.name}`; "
                     "expected one of " + ", ".join(KINDS)
                 )
+            if wrong := parameter.wrong_bounds():
+                raise CatalogueError(f"{name}: {wrong}")
         if len({parameter.name for parameter in parameters}) < len(parameters):
             raise CatalogueError(f"{name} has duplicate parameters")
 
     def _check_channels(self) -> None:
-        """Check that each input has a possible writer and each name one channel."""
+        """Check that each channel has a writer, a reader and a name of its own."""
         written = set(self.sensors)
+        owners: dict[Channel[Any], str] = {}
         channels = {channel.name: channel for channel in self.sensors}
         reads: list[tuple[str, Channel[Any], set[Channel[Any]]]] = []
         for skill in self._singles.values():
             self._know(channels, skill, skill.outputs)
             own = {channel for channel in skill.outputs if channel.own}
+            owners.update(dict.fromkeys(own, label_of(skill)))
             written |= set(skill.outputs) - own
+            for channel in set(skill.outputs) & set(self.sensors):
+                raise CatalogueError(
+                    f"{label_of(skill)} writes the sensor `{channel.name}`, which only "
+                    "the world writes"
+                )
             nodes: tuple[type[NetworkNode], ...] = (skill, *skill.events)
             for node in nodes:
                 inputs = [as_input(reads_).channel for reads_ in node.inputs]
@@ -176,8 +188,17 @@ class Catalogue(Periphery):
                 raise CatalogueError(f"no skill writes the actuator `{channel.name}`")
         for name, channel, mine in reads:
             if channel not in written and channel not in mine:
+                told = "which nothing writes"
+                if channel in owners:
+                    told = (
+                        "an `own` channel, which only the events of "
+                        f"{owners[channel]} can read"
+                    )
+                raise CatalogueError(f"{name} reads `{channel.name}`, {told}")
+        for channel in self.arbiters:
+            if channel not in written:
                 raise CatalogueError(
-                    f"{name} reads `{channel.name}`, which nothing writes"
+                    f"no skill writes `{channel.name}`, which has an arbiter"
                 )
 
     def _know(
@@ -189,14 +210,40 @@ class Catalogue(Periphery):
         for channel in new:
             known = channels.setdefault(channel.name, channel)
             if known is not channel:
+                told = f"{channel.kind} instead of {known.kind}"
+                if channel.kind == known.kind:
+                    told = "use the same `Channel` object in all classes"
                 raise CatalogueError(
-                    f"{label_of(node)} means another channel `{channel.name}` than "
-                    f"others do: {channel.kind} instead of {known.kind}"
+                    f"{label_of(node)} has another channel `{channel.name}` than "
+                    f"other classes: {told}"
                 )
+
+    def _check_readers(self) -> None:
+        """Check that each output of a skill has a possible reader."""
+        read = set(self.actuators)
+        for skill in self._singles.values():
+            for node in (skill, *skill.events):
+                read |= {as_input(wanted).channel for wanted in node.inputs}
+        for skill in self._singles.values():
+            for channel in skill.outputs:
+                if channel not in read:
+                    raise CatalogueError(
+                        f"{label_of(skill)} writes `{channel.name}`, which nothing "
+                        "reads; a channel that the world reads is an actuator"
+                    )
 
     def _check_compound(self, compound: Compound) -> None:
         self._check_parameters(f"`{compound.name}`", compound.parameters)
         by_name = {parameter.name: parameter for parameter in compound.parameters}
+        twice = [one.name for one in compound.parts if compound.parts.count(one) > 1]
+        if twice:
+            raise CatalogueError(f"`{compound.name}` has the part `{twice[0]}` twice")
+        taken = {one.name for part in compound.parts for one in part.parameters}
+        for name in by_name:
+            if name not in taken:
+                raise CatalogueError(
+                    f"no part of `{compound.name}` has a parameter `{name}`"
+                )
         for part in compound.parts:
             for wanted in part.parameters:
                 given = by_name.get(wanted.name)
@@ -207,8 +254,9 @@ class Catalogue(Periphery):
                     )
                 if (given.kind, given.unit) != (wanted.kind, wanted.unit):
                     raise CatalogueError(
-                        f"`{wanted.name}` of `{compound.name}` is not what its part "
-                        f"`{part.name}` takes"
+                        f"`{wanted.name}` of `{compound.name}` is a {given.measure}, "
+                        f"but `{wanted.name}` of its part `{part.name}` is a "
+                        f"{wanted.measure}"
                     )
 
     def _check_wiring(self, parts: Sequence[type[Skill]]) -> None:

@@ -16,6 +16,7 @@ both are active. Not here: wiring (`network`) and checks of a whole set (`catalo
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from types import UnionType
 from typing import Any, ClassVar, Generic, TypeVar, Union, get_args, get_origin
@@ -40,7 +41,7 @@ class Channel(Generic[T_co]):
     A channel holds the value of the present tick, or no value.
     """
 
-    __slots__ = ("doc", "name", "own", "type", "types", "unit")
+    __slots__ = ("_entries", "_types", "doc", "name", "own", "type", "unit")
 
     def __init__(
         self,
@@ -59,8 +60,18 @@ class Channel(Generic[T_co]):
         #: Whether each skill that writes the channel has its own slot, which only the
         #: skill's own events read.
         self.own = own
-        #: The classes of the channel's values, for a fast check.
-        self.types = _classes(type)
+        self._types = _classes(type)
+        #: The classes of the entries, if a value is a tuple of any length or a list.
+        self._entries = _classes_of_entries(type)
+
+    def fits(self, value: object) -> bool:
+        """Whether `value`, with its entries, is of the channel's type."""
+        if not _is_of(type(value), self._types):
+            return False
+        return self._entries is None or all(
+            _is_of(kind, self._entries)
+            for kind in set(map(type, value))  # type: ignore[call-overload]  # a list
+        )
 
     @property
     def kind(self) -> str:
@@ -88,6 +99,20 @@ def _classes(type_: Any) -> tuple[type, ...]:
     return (float, int) if found is float else (found,)
 
 
+def _classes_of_entries(type_: Any) -> tuple[type, ...] | None:
+    args = get_args(type_)
+    if get_origin(type_) is list or (get_origin(type_) is tuple and ... in args):
+        return _classes(args[0])
+    return None
+
+
+def _is_of(kind: type, classes: tuple[type, ...]) -> bool:
+    """Whether values of a class are of one of `classes`; a boolean is no number."""
+    if kind is bool and object not in classes:
+        return bool in classes
+    return issubclass(kind, classes)
+
+
 class Input(msgspec.Struct, frozen=True, eq=False):
     """A channel that a skill reads."""
 
@@ -113,6 +138,20 @@ class Parameter(msgspec.Struct, frozen=True):
     #: Bounds of a number, inclusive.
     low: float | None = None
     high: float | None = None
+
+    @property
+    def measure(self) -> str:
+        """Name of kind and unit for messages: `number in m`."""
+        return f"{self.kind} in {self.unit}" if self.unit else self.kind
+
+    def wrong_bounds(self) -> str | None:
+        """Return the fault of the bounds, or None if they are valid."""
+        bounds = [bound for bound in (self.low, self.high) if bound is not None]
+        if any(map(math.isnan, bounds)):
+            return f"a bound of `{self.name}` is not a number"
+        if bounds != sorted(bounds):
+            return f"`low` of `{self.name}` is above `high`"
+        return None
 
     def fault(self, value: object) -> str | None:
         """Return the fault of `value`, or None if it is valid."""
@@ -184,7 +223,7 @@ class Ports:
         Raises:
             SkillError: if `value` is not of the channel's type.
         """
-        if not isinstance(value, channel.types):
+        if not channel.fits(value):
             raise SkillError(
                 f"{self._node} writes {value!a:.60} to `{channel.name}`, which is "
                 f"{channel.kind}"

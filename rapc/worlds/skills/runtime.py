@@ -191,7 +191,7 @@ class SkillRuntime:
         given = [values[slot] for slot in work.slots if slot in values]
         if given:
             value, channel = work.arbiter.decide(given), work.arbiter.channel
-            if not isinstance(value, channel.types):
+            if not channel.fits(value):
                 raise SkillError(
                     f"the class {type(work.arbiter).__name__} decides on {value!a:.60} "
                     f"for `{channel.name}`, which is {channel.kind}"
@@ -224,7 +224,7 @@ def _sensed(channel: Channel[Any], sensors: Sensors) -> Any:
             told = f"is read by calling a function, not {read!a:.60}"
         raise SkillError(f"the sensor `{channel.name}` {told}")
     value = read()
-    if not isinstance(value, channel.types):
+    if not channel.fits(value):
         raise SkillError(
             f"the sensor `{channel.name}` is {value!a:.60}, and the channel "
             f"{channel.kind}"

@@ -23,6 +23,7 @@ from tests.worlds.skills.tank import (
     GOAL,
     HOLD,
     LEVEL,
+    SMOOTH,
     Aim,
     Fill,
     LowestLimit,
@@ -71,7 +72,7 @@ def test_a_compound_has_the_parameters_of_its_parts() -> None:
     with pytest.raises(CatalogueError, match="no parameter `height` for its part"):
         Catalogue([bare], [LEVEL])
     feet = Compound("feet", (Smooth, Aim), (Parameter("height", "number", "ft"),))
-    with pytest.raises(CatalogueError, match="`height` of `feet` is not what"):
+    with pytest.raises(CatalogueError, match=r"number in ft, but .* number in m$"):
         Catalogue([feet], [LEVEL])
 
 
@@ -179,15 +180,68 @@ def test_cyclic_skills_require_a_delay() -> None:
     with pytest.raises(CatalogueError, match=r" \(One\) reads .*without a delay"):
         Catalogue([one, other])
     thirds = (_writing("third", output=A), _writing("fourth", output=B))
-    Catalogue([one, other, *thirds])
+    Catalogue([one, other, *thirds], [], [A, B])
 
 
 def test_parts_of_a_compound_write_a_channel_each_or_have_an_arbiter() -> None:
     both = (_writing("one", output=A), _writing("other", output=A))
-    Catalogue(both)
+    Catalogue(both, [], [A])
     fault = r"`one` \(One\) and `other` \(Other\), which come on together, both write"
     with pytest.raises(CatalogueError, match=fault):
         Catalogue([Compound("both", both)])
+
+
+def _skill(**has: object) -> type[Skill]:
+    return type("Odd", (Skill,), {"name": "odd", "step": Smooth.step, **has})
+
+
+class _Twice(LowestLimit):
+    channel = A
+
+
+_OWN = Channel("own-one", float, own=True)
+_NAN = float("nan")
+_WRONG: list[tuple[tuple[Any, ...], str]] = [
+    (([_skill(outputs=(LEVEL,))], [LEVEL]), "writes the sensor `level`"),
+    (([_skill(outputs=(A,))],), "writes `a`, which nothing reads; a channel that"),
+    (([_writing("one", output=A)], [], [A], [_Twice(), _Twice()]), "two arbiters for"),
+    (([Smooth], [LEVEL], [SMOOTH], [_Twice()]), "no skill writes `a`, which has an"),
+    (
+        ([_skill(inputs=(Channel("level", float, "m"),))], [LEVEL]),
+        "another channel `level` than other classes: use the same `Channel` object",
+    ),
+    (
+        ([_writing("one", output=_OWN), _skill(inputs=(_OWN,))],),
+        "`odd` (Odd) reads `own-one`, an `own` channel, which only the events of "
+        "`one` (One) can read",
+    ),
+    (
+        ([_skill(parameters=(Parameter("x", "number", low=2, high=1),))],),
+        "`odd` (Odd): `low` of `x` is above `high`",
+    ),
+    (
+        ([_skill(parameters=(Parameter("x", "number", high=_NAN),))],),
+        "`odd` (Odd): a bound of `x` is not a number",
+    ),
+    (
+        ([Compound("both", (Smooth, Smooth))], [LEVEL]),
+        "`both` has the part `smooth` twice",
+    ),
+    (
+        ([Compound("only", (Smooth,), Aim.parameters)], [LEVEL]),
+        "no part of `only` has a parameter `height`",
+    ),
+]
+
+
+@pytest.mark.parametrize(("given", "fault"), _WRONG)
+def test_wrong_network_is_refused(given: tuple[Any, ...], fault: str) -> None:
+    with pytest.raises(CatalogueError, match=re.escape(fault)):
+        Catalogue(*given)
+
+
+def test_arbiter_is_allowed_for_one_writer() -> None:
+    Catalogue([_writing("one", output=A)], [], [A], [_Twice()])
 
 
 @pytest.mark.parametrize(

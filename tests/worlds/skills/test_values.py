@@ -63,7 +63,7 @@ class First(Arbiter):
 
 def tick(sensors: Any, arbiters: tuple[Arbiter, ...] = ()) -> SkillRuntime:
     """Return a runtime after one tick."""
-    runtime = SkillRuntime(Catalogue([Write], [HEAT], [SAID], arbiters))
+    runtime = SkillRuntime(Catalogue([Write], [HEAT], Write.outputs, arbiters))
     assert runtime.activate(1, [SkillRequest("write")], ["hot"]) is None
     runtime.tick(0.1, sensors)
     return runtime
@@ -89,6 +89,9 @@ def test_channel_receives_its_declared_value(
         ((SAID, 3), "writes 3 to `said`, which is str"),
         ((WAY, 1.0), r"writes 1.0 to `way`, which is tuple\[float, ...\] in m"),
         ((EITHER, "3"), r"writes '3' to `either`, which is int \| None"),
+        ((WAY, (1.0, "2")), r"writes \(1.0, '2'\) to `way`, which is tuple.* in m"),
+        ((WAY, (True,)), r"writes \(True,\) to `way`, which is tuple.* in m"),
+        ((EITHER, True), r"writes True to `either`, which is int \| None"),
     ],
 )
 def test_skill_output_has_the_type_of_the_channel(
@@ -103,6 +106,7 @@ def test_skill_output_has_the_type_of_the_channel(
     ("sensors", "said"),
     [
         ({"heat": lambda: "hot"}, "is 'hot', and the channel float in degrees"),
+        ({"heat": lambda: True}, "is True, and the channel float in degrees"),
         ({"heat": 20}, "is read by calling a function, not 20"),
         ({}, "is given no function that reads it"),
     ],

@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from typing import Any
 
 import msgspec
 import pytest
 
+from rapc.base.source import SourceFile
 from rapc.base.values import Atom
+from rapc.compiler.program import Program
 from rapc.errors import PortError
+from rapc.events import MethodEnded
+from rapc.library.library import link
+from rapc.parser.parse import parse
+from rapc.runtime.held_world import HeldWorld
+from rapc.runtime.interpreter import Interpreter
 from rapc.world import NOT_KNOWN, Kit, Signal
 from rapc.worlds.skills.catalogue import Catalogue
 from rapc.worlds.skills.declarations import Event, Ports, Skill
@@ -135,3 +143,30 @@ def test_event_test_returning_true_is_named() -> None:
     world.activate(1, [(":say",)], [":said"])
     with pytest.raises(PortError, match="`test` of the class Said returns a tuple"):
         world.advance(1)
+
+
+def test_refusal_gives_its_reason_as_the_cause_of_the_failure() -> None:
+    library = """
+        (declare-skill :fill () :uses (valve))
+        (declare-event :full ())
+        (define-rap (top)
+          (method (primitive (enable (:fill)) (wait-for (:full) :succeed))))"""
+    ended: list[MethodEnded] = []
+    parsed, wrong = link([parse(SourceFile("t.rap", library))])
+    assert not wrong
+    interpreter = Interpreter(Program(parsed, "t"), TankWorld(), 0)
+    interpreter.listen(ended.append, MethodEnded)  # type: ignore[arg-type]
+    interpreter.start()
+    interpreter.submit("(top)")
+    interpreter.run(until=5)
+    cause = ended[0].because
+    assert cause is not None
+    assert cause.note == (
+        "the world refused it: `fill` reads `smooth-level`, which no skill that comes "
+        "on with it writes"
+    )
+
+
+def test_breach_of_an_inherited_method_names_the_class_of_the_author() -> None:
+    message = str(HeldWorld(TankWorld()).breach("restore", "goes wrong"))
+    assert re.search(r"see `restore` of `TankWorld` \(test_world.py:\d+\)$", message)
