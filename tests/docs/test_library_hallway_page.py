@@ -1,4 +1,4 @@
-"""docs/libraries/hallway.md names tests of each paragraph."""
+"""docs/research/hallway.md names tests of each paragraph."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 from tests.docs.pages import rows, ticked
 
 ROOT = Path(__file__).parents[2]
-FILE = ROOT / "docs" / "libraries" / "hallway.md"
+FILE = ROOT / "docs" / "research" / "hallway.md"
 PAGE = FILE.read_text(encoding="utf-8")
 
 

@@ -38,8 +38,6 @@ WIDE = frozenset(
         "language/2-queries",
         "language/8-things",
         "language/9-skills",
-        "libraries/hallway",
-        "libraries/truck-beyond",
         "reference/cli",
         "research/chapter6",
         "research/fidelity",

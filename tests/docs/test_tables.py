@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from pathlib import Path
 
 import msgspec
 import pytest
@@ -13,10 +12,9 @@ import rapc
 from rapc.experiments.definition import Experiment, Reference, Series
 from rapc.experiments.measures import LABELS
 from rapc.language.heads import heads, rules_by_head
-from rapc.library.loader import load
 from rapc.testing.coverage import COLUMNS
 
-from .pages import CHECKOUT, first_words, page, rows, section, ticked
+from .pages import first_words, page, section, ticked
 
 TESTING, EXPERIMENTS = page("reference/tests"), page("how-to/experiments")
 _KEY = r"`([a-z-]+)`"
@@ -55,27 +53,9 @@ def _of_python() -> Iterator[tuple[str, object, object]]:
     yield "errors", {*first_words(text, r"`(\w+Error)")}, errors
 
 
-def _of_libraries() -> Iterator[tuple[str, object, object]]:
-    """The RAPs of each library by their files."""
-    for name, first, column in (
-        ("truck", "layer", 2),
-        ("hallway", "layer", 2),
-        ("truck-beyond", "file", 1),
-    ):
-        told: dict[str, str] = {}
-        file = ""
-        for row in rows(page(f"libraries/{name}"), first):
-            file = "".join(ticked(row[column - 1])) or file
-            told |= dict.fromkeys(ticked(row[column]), file)
-        raps = load([CHECKOUT / "stdlib" / name]).library.raps
-        places = {rap: Path(form.span.file) for rap, form in raps.items()}
-        own = {rap: p.name for rap, p in places.items() if p.parent.name == name}
-        yield f"RAPs of {name}", told, own
-
-
 TABLES = [
     pytest.param(told, known, id=name)
-    for tables in (_of_tests, _of_experiments, _of_python, _of_libraries)
+    for tables in (_of_tests, _of_experiments, _of_python)
     for name, told, known in tables()
 ]
 
