@@ -118,7 +118,7 @@ SECTIONS: Mapping[str, str] = {
     "Explanation": "index how-raps-work memory rap-or-tree checker determinism",
     "Language": "index words",
     "Reference": "index cli rules repl tests trace python-api worlds-api settings "
-    "formats limits truck hallway courier glossary",
+    "formats limits truck hallway courier laboratory glossary",
     "Libraries": "index truck truck-beyond hallway",
     "Research": "index chapter6 rounds hallway fidelity",
     "Developers": "index architecture performance slips",

@@ -158,7 +158,7 @@ def test_a_fault_may_lie(tmp_path: Path) -> None:
     )
 
 
-def test_the_chance_of_a_fault_comes_from_its_own_stream(tmp_path: Path) -> None:
+def test_faults_are_drawn_from_their_own_stream(tmp_path: Path) -> None:
     """With a chance of 0 everything is as if there were no fault."""
     given = f"(script {GRAB}) (task (tidy))"
     never = [InjectedFault(("grab", "?"), "dropped", 0.0)]
