@@ -11,7 +11,13 @@ import click
 
 from rapc.cli.common import load_checked, width_of
 from rapc.cli.options import command, fail, settings
-from rapc.cli.run_options import prepared, read_spec, run_options
+from rapc.cli.run_options import (
+    end_time,
+    prepared,
+    read_spec,
+    run_options,
+    until_option,
+)
 from rapc.compiler.program import Program
 from rapc.debug.history import History
 from rapc.debug.log import EventLog
@@ -26,6 +32,7 @@ from rapc.repl.script import inputs, run_script
 from rapc.repl.shell import Shell
 from rapc.runtime.interpreter import Interpreter
 from rapc.spec import RunSpec
+from rapc.world import Time
 from rapc.worlds.registry import find_world
 from rapc.worlds.scripted import ScriptedWorld
 
@@ -46,6 +53,7 @@ Examples:
 @click.argument("path", required=False, type=click.Path())
 @click.option("--world", "world_name", help="World to run against.")
 @run_options
+@until_option
 @click.option(
     "-c",
     "--command",
@@ -62,6 +70,7 @@ def repl(
     world_name: str | None,
     given: Sequence[str],
     as_json: bool,
+    until: float | None,
     **more: Any,
 ) -> None:
     """Debug a run of the library at PATH in a world, or a recorded run.
@@ -73,14 +82,15 @@ def repl(
 
     Exit status: 0; 1 if a command of a script failed; 2 if the run could not start.
     """
+    end = end_time(until)
     if path is None:
-        if world_name or any({**more, "seed": 0}.values()):
+        if world_name or any({**more, "seed": 0, "until": until}.values()):
             fail("missing PATH of a library", "options of a run require a library")
         library = loads("", TYPED)
         world = ScriptedWorld([], declared=library.program.library)
         shell = Shell(History.open(library, world, seed=more["seed"]), commands())
     elif path.endswith(RECORDED):
-        if any(more.values()):
+        if any((*more.values(), until)):
             fail(
                 "cannot change the start of a recorded run",
                 "use only --world, -c and --json",
@@ -93,8 +103,9 @@ def repl(
                 "missing --world",
                 "list the installed worlds with `rapc worlds`",
             )
-        ready = prepared(program, read_spec(world_name, **more), world_name)
-        shell = Shell(_session(ready), commands(), [path])
+        spec = read_spec(world_name, until=end, **more)
+        ready = prepared(program, spec, world_name)
+        shell = Shell(_session(ready, end), commands(), [path])
     color = settings().colored()
     if sys.stdin.isatty() and sys.stdout.isatty() and not (given or as_json):
         from rapc.repl.prompt import Prompt, history_file
@@ -124,7 +135,10 @@ def _recorded(path: Path, world_name: str | None) -> Shell:
     if begun.digest != digest(found.library):
         _tell("warning: the library has changed since the recording")
     named = world_name or (None if begun.world == ScriptedWorld.name else begun.world)
-    session = _session(prepared(found, begun, named))
+    ready = prepared(found, begun, named)
+    # The limit keeps background tasks going; another run may go on after the recording.
+    alone = all(task.background for task in ready.first_tasks)
+    session = _session(ready, begun.until if alone else None)
     Replay(session, recording)
     return Shell(session, commands(), [begun.library], str(recording))
 
@@ -159,9 +173,9 @@ def _at_hand(begun: RunSpec, world_name: str | None, path: Path) -> Program | st
     return program
 
 
-def _session(ready: Interpreter) -> History:
-    """Start the run under a debugger."""
+def _session(ready: Interpreter, end: Time | None) -> History:
+    """Start the run, which ends at the time `end`, under a debugger."""
     log = EventLog()
     ready.listen(log)
-    ready.start()
+    ready.start(end)
     return History(ready, log)

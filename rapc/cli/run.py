@@ -13,11 +13,17 @@ import click
 from rapc.analysis.facts.effects import endless, reached
 from rapc.base.interrupts import interrupts_held
 from rapc.base.outputs import TRACE
-from rapc.base.values import format_list, number, readable
+from rapc.base.values import format_list, readable
 from rapc.base.visible import visible, visible_lines
 from rapc.cli.common import PIPED_WIDTH, load_checked, refuse_output
 from rapc.cli.options import WholeNumber, command, fail, settings
-from rapc.cli.run_options import prepared, read_spec, run_options
+from rapc.cli.run_options import (
+    end_time,
+    prepared,
+    read_spec,
+    run_options,
+    until_option,
+)
 from rapc.errors import reason
 from rapc.events import Deadlock, Event, TaskResult
 from rapc.library.library import Library
@@ -47,7 +53,7 @@ _MOST_FRAMES = 1_000_000
 @click.argument("path", type=click.Path())
 @click.option("--world", "world_name", required=True, help="World to run against.")
 @run_options
-@click.option("--until", type=float, metavar="TIME", help="Stop the run at TIME.")
+@until_option
 @click.option(
     "--trace", type=click.Path(dir_okay=False), help="Write the trace to FILE."
 )
@@ -94,7 +100,7 @@ def run(
     if more["agenda"] is None and not more["tasks"]:
         fail("missing --task or --agenda")
     library = load_checked(path)
-    end = _time(until)
+    end = end_time(until)
     spec = read_spec(world_name, until=end, **more)
     interpreter = prepared(library, spec, world_name)
     world = interpreter.world
@@ -127,10 +133,12 @@ def _tell_what_ends_it(
     asked: Sequence[TaskRequest], library: Library, end: Time | None
 ) -> None:
     """Note on standard error that a run ends at once, or never."""
+    if end is not None:
+        return
     if all(request.background for request in asked):
         said = "note: the run ends at once: all tasks are in the background"
-        click.echo(f"{said} are given", err=True)
-    elif end is None:
+        click.echo(f"{said}; use --until", err=True)
+    else:
         _tell_endless(asked, library)
 
 
@@ -184,16 +192,6 @@ class _Shown:
     def flush(self) -> None:
         """Flush the stream."""
         self._stream.flush()
-
-
-def _time(until: float | None) -> Time | None:
-    if until is None:
-        return None
-    try:
-        end = number(until)
-    except ValueError:
-        fail("--until must be finite")
-    return end if end >= 0 else fail("--until must not be negative")
 
 
 def _opened(trace: str, files: Iterable[str], world: World) -> TextIO:

@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 
 import click
 
+from rapc.base.values import number
 from rapc.cli.options import fail
 from rapc.compiler.program import Program
 from rapc.errors import FactError, RefusedError, SettingError, TextError
@@ -74,6 +75,23 @@ def run_options(command: F) -> F:
     for option in reversed(options):
         command = option(command)
     return command
+
+
+until_option = click.option(
+    "--until", type=float, metavar="TIME", help="Stop the run at TIME."
+)
+"""The option for the time limit of a run."""
+
+
+def end_time(until: float | None) -> Time | None:
+    """Return the value of `--until` as a time; an error ends the command."""
+    if until is None:
+        return None
+    try:
+        end = number(until)
+    except ValueError:
+        fail("--until must be finite")
+    return end if end >= 0 else fail("--until must not be negative")
 
 
 def read_spec(  # the options of `run_options`, and of `run`

@@ -508,16 +508,22 @@ class Interpreter(Run):
             self.end("broken", told.message)
             raise
 
-    def start(self) -> None:
+    def start(self, until: Time | None = None) -> None:
         """Begin the run: emit `run-started`, assert first facts, submit first tasks.
 
         The first task or step also begins the run if necessary.
+
+        Args:
+            until: the time limit of a run by steps; `run` sets a limit of its own.
 
         Raises:
             PortError: if the world breaks.
         """
         if self.state.started:
             return
+        if until is not None:
+            need_time(until, "`until`")
+            self.state.until = until
         self.state.started = True
         if self.recorder.on and self.recorder.wants(RunStarted):
             self.recorder.emit(RunStarted, format=TRACE_FORMAT, spec=self.spec)

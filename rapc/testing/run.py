@@ -183,7 +183,10 @@ class _Run:
             for number, at in enumerate(test.ats):
                 interpreter.call_at(at.time, self._action(number, at))
             self.interpreter.start()
-            interpreter.run(until=until.time, cycles=cycles)
+            # A limit that the test does not state keeps no background task going.
+            tasks = interpreter.first_tasks
+            alone = test.until is None and all(task.background for task in tasks)
+            interpreter.run(None if alone else until.time, cycles=cycles)
         except (UnansweredRequest, UnansweredQuestion) as error:
             self._fail(test.name_span, str(error))
             return

@@ -42,6 +42,15 @@ def test_answers_come_as_json() -> None:
     }
 
 
+def test_background_tasks_alone_go_on_until_the_limit(tmp_path: Path) -> None:
+    library = tmp_path / "signs.rap"
+    library.write_text("(define-rap (tick) (succeed nil) (monitor-time now 10 20))")
+    args = ("repl", str(library), "--task", "(tick) :background true")
+    for more, end in (((), "time 0, run ended (done)"), (("--until", "35"), "(until)")):
+        done = rapc(*args, *more, "-c", ":show none", "-c", ":run")
+        assert (done.returncode, end in done.stdout) == (0, True), done.stdout
+
+
 def test_library_without_primitives_needs_no_world(tmp_path: Path) -> None:
     library = tmp_path / "signs.rap"
     text = "(declare-memory-proposition lit (?lamp))\n"

@@ -225,8 +225,14 @@ def test_tasks_in_the_background_alone_are_noted_for_the_run_is_over(
     guard = "(define-rap (guard) (succeed nil) (monitor-state (rested)))"
     (bed / "doze.rap").write_text(f"{LIBRARY}{guard}\n")
     note = "note: the run ends at once: all tasks are in the background"
-    alone = _run(bed, "--until", "3", task="(guard) :background true")
+    alone = _run(bed, task="(guard) :background true")
     assert alone.stderr.startswith(note)
+    assert "Run over (done) at time 0" in alone.stdout
+    guard = "(define-rap (guard) (succeed nil) (monitor-time now 2 2))"
+    (bed / "doze.rap").write_text(f"{LIBRARY}{guard}\n")
+    limited = _run(bed, "--until", "3", task="(guard) :background true")
+    assert note not in limited.stderr
+    assert "Run over (until) at time 3" in limited.stdout
     beside = _run(bed, "--task", "(guard) :background true", task="(turn)")
     assert note not in beside.stderr
 

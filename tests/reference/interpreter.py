@@ -168,7 +168,10 @@ class Reference:
         waiting = [task for task in run.given if task.live and not task.background]
         coming = [later for later in self._later if not later.background]
         if not (waiting or coming or run.appointments):
-            return "done"
+            left = self._later or [task for task in run.given if task.live]
+            alone = all(task.background for task in run.given)
+            if run.limits.until is None or not left or not alone:
+                return "done"
         if run.idle > run.limits.idle_cycles:
             return "runaway"
         return None

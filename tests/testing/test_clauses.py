@@ -234,13 +234,19 @@ def test_defaults_hold_for_all_tests_of_a_file(tmp_path: Path) -> None:
 BACKGROUND = "(task (watch mug) :background true)"
 
 
-@pytest.mark.parametrize("until", ["", "(until 60)", "(cycles 40)"])
+@pytest.mark.parametrize("until", ["", "(cycles 40)"])
 def test_end_with_only_background_tasks_is_reported(tmp_path: Path, until: str) -> None:
     ended = run(tmp_path, f"{BACKGROUND} {until} (expect (memory (have mug)))")
     assert ended.note == (
         "the test was over at time 0: only background tasks were left"
     )
     assert any(ended.note in line.text for line in explain.failure_lines(ended))
+
+
+def test_background_tasks_alone_go_on_until_a_stated_time(tmp_path: Path) -> None:
+    ended = run(tmp_path, f"{BACKGROUND} (until 60) (expect (ends-before 60))")
+    assert ended.note == ""
+    assert any("60" in line.text for line in explain.failure_lines(ended))
 
 
 def test_nothing_is_told_of_background_tasks_where_they_made_no_end(

@@ -115,10 +115,21 @@ def why_over(run: Run) -> str | None:
         return "until"
     if run.port.ended() is not None:
         return "world"
-    if not (state.foreground or state.expected or run.host_timers):
+    going = state.foreground or state.expected or run.host_timers
+    if not (going or (state.until is not None and _only_background(run))):
         return "done"
     idle = run.recorder.cycle - state.moved_at
     return "runaway" if idle > run.settings.idle_cycles else None
+
+
+def _only_background(run: Run) -> bool:
+    """Whether the run has tasks left, and never had one that is not in the background.
+
+    Such a run goes on until its time limit.
+    """
+    state = run.state
+    left = bool(state.live_top or state.scheduled)
+    return left and all(given.background for given in state.top_level)
 
 
 def _wake(run: Run) -> None:

@@ -147,10 +147,10 @@ def test_event_test_returning_true_is_named() -> None:
 
 def test_refusal_gives_its_reason_as_the_cause_of_the_failure() -> None:
     library = """
-        (declare-skill :fill () :uses (valve))
-        (declare-event :full ())
+        (declare-skill :aim (?height))
+        (declare-event :reached (?level))
         (define-rap (top)
-          (method (primitive (enable (:fill)) (wait-for (:full) :succeed))))"""
+          (method (primitive (enable (:aim 1)) (wait-for (:reached ?) :succeed))))"""
     ended: list[MethodEnded] = []
     parsed, wrong = link([parse(SourceFile("t.rap", library))])
     assert not wrong
@@ -162,7 +162,7 @@ def test_refusal_gives_its_reason_as_the_cause_of_the_failure() -> None:
     cause = ended[0].because
     assert cause is not None
     assert cause.note == (
-        "the world refused it: `fill` reads `smooth-level`, which no skill that comes "
+        "the world refused it: `aim 1` reads `smooth-level`, which no skill that comes "
         "on with it writes"
     )
 
