@@ -44,7 +44,11 @@ def test_answers_come_as_json() -> None:
 
 def test_background_tasks_alone_go_on_until_the_limit(tmp_path: Path) -> None:
     library = tmp_path / "signs.rap"
-    library.write_text("(define-rap (tick) (succeed nil) (monitor-time now 10 20))")
+    library.write_text(
+        "(define-rap (rest) (succeed true))"
+        "(define-rap (tick) (succeed nil) (monitor-time now 10 20)"
+        "  (method (task-net (t1 (rest)))))"
+    )
     args = ("repl", str(library), "--task", "(tick) :background true")
     for more, end in (((), "time 0, run ended (done)"), (("--until", "35"), "(until)")):
         done = rapc(*args, *more, "-c", ":show none", "-c", ":run")

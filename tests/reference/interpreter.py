@@ -168,7 +168,7 @@ class Reference:
         waiting = [task for task in run.given if task.live and not task.background]
         coming = [later for later in self._later if not later.background]
         if not (waiting or coming or run.appointments):
-            left = self._later or [task for task in run.given if task.live]
+            left = self._later or any(task.live for task in run.given)
             alone = all(task.background for task in run.given)
             if run.limits.until is None or not left or not alone:
                 return "done"
