@@ -106,7 +106,7 @@ def run(
     world = interpreter.world
     _tell_what_ends_it(interpreter.first_tasks, library.library, end)
     drawn = _drawable(interpreter.port, world_name) if show else None
-    report = RunReport()
+    report = RunReport(world.kit.offer.sensors)
     with ExitStack() as stack, _ended_by_interrupts(interpreter):
         with interrupts_held():
             if trace is not None:

@@ -235,6 +235,18 @@ def test_tasks_in_the_background_alone_are_noted_for_the_run_is_over(
     assert note not in beside.stderr
 
 
+def test_report_has_the_numbers_of_figure_6_7_where_sensors_are_known() -> None:
+    asked = ("--task", "(rock-order red 1)", "--task", "(rock-order red 1) :at 5000")
+    where = ("run", "examples/rock-order.rap", "--world", "truck", "-q")
+    lines = rapc(*where, *asked, "--until", "400").stdout.splitlines()
+    assert "Tasks: 1 completed, 0 given up, 0 pending." in lines
+    [line] = [line for line in lines if line.startswith("Primitives: ")]
+    found = re.match(r"Primitives: (\d+) \((\d+) effector, (\d+) sensor\), of", line)
+    assert found is not None
+    total, effector, sensor = map(int, found.groups())
+    assert (effector + sensor, sensor > 0) == (total, True)
+
+
 DEADLOCK = """\
 (require "world")
 (define-rap (go) (method (primitive (drive pharmacy))))

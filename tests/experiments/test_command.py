@@ -90,7 +90,7 @@ def test_a_run_is_repeated_by_hand(finished: Path) -> None:
     command = lines[lines.index("# slow 4") + 1].replace("--seed 0", "--seed 3")
     done = rapc(*shlex.split(command)[1:], "-q", cwd=finished)
     found = re.search(
-        r"\(done\) at time ([\d.]+) .*Primitives: (\d+), of which (\d+) failed",
+        r"\(done\) at time ([\d.]+) .*Primitives: (\d+) .*, of which (\d+) failed",
         done.stdout,
         re.S,
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 
 from rapc import events
 from rapc.base.values import readable
@@ -26,6 +26,10 @@ class RunReport:
 
     A report needs only the events of its `kinds`; it also counts the successes of
     tasks, if it receives them.
+
+    Args:
+        sensors: the names of the world's sensor primitives, if the world tells them
+            apart; then the report also has the numbers of T figure 6.7.
     """
 
     kinds = (
@@ -36,7 +40,8 @@ class RunReport:
         events.RunEnded,
     )
 
-    def __init__(self) -> None:
+    def __init__(self, sensors: Collection[str] = ()) -> None:
+        self._sensors = sensors
         #: Primitives that ended, by name; those that failed by name and result.
         self.primitives: Counter[str] = Counter()
         self.failures: Counter[tuple[str, str]] = Counter()
@@ -88,7 +93,15 @@ class RunReport:
             yield "Left over:"
             yield from (f"  {line}" for line in end.waiting[:_LEFT_OVER])
         total, failed = self.primitives.total(), self.failures.total()
-        yield f"Primitives: {total}, of which {failed} failed."
+        apart = ""
+        if self._sensors:
+            counted = [one.outcome for one in end.results if not one.background]
+            done, given_up = counted.count("succeeded"), counted.count("failed")
+            pending = len(counted) - done - given_up
+            yield f"Tasks: {done} completed, {given_up} given up, {pending} pending."
+            looked = sum(self.primitives[name] for name in set(self._sensors))
+            apart = f" ({total - looked} effector, {looked} sensor)"
+        yield f"Primitives: {total}{apart}, of which {failed} failed."
         for name in sorted(self.primitives):
             yield f"  {name:<20} {self.primitives[name]:>6}{self._failed(name)}"
         for kind, word in _COUNTED.items():
