@@ -170,7 +170,7 @@ GRAMMAR: Mapping[str, Production] = {
     "define_test_defaults": Production(('list', '"define-test-defaults"', ('*', '_test_clause')), says='clauses for all tests of a file', breaks='malformed-form', pages=('1-text.md#tests',)),
     "_test_clause": Production(('or', '_once_test_clause', 'require', 'facts', 'script', 'at', 'task', 'expect', 'answers', 'options'), short='clause'),
     "_once_test_clause": Production(('or', 'world', 'until', 'cycles', 'seed', 'agenda')),
-    "world": Production(('list', '"world"', ('or', 'WORLD', 'STRING')), says='the world of the test', takes='the name of a world', more='an installed world, or `"module:Class"` of a permitted module; it provides the handlers, functions and problem solvers'),
+    "world": Production(('list', '"world"', ('or', 'WORLD', 'STRING')), says='the world of the test', takes='the name of a world', more='an installed world, or `"module:Class"` of a permitted module; without a script, the test runs in this world; with a script, the world provides only handlers, functions and problem solvers'),
     "seed": Production(('list', '"seed"', 'COUNT'), says='the seed of the random numbers', takes='a whole number', more='it overrides `--seed` and `--seeds`'),
     "agenda": Production(('list', '"agenda"', 'AGENDA'), says='an agenda whose tasks are submitted', takes='the name of an agenda', more='its tasks come before those of `task`'),
     "answers": Production(('list', '"answers"', ('*', 'answer')), says='results of declared functions', more='for the functions that the world of the test does not register'),

@@ -1,4 +1,4 @@
-"""Run one test against the scripted world and return the outcome.
+"""Run one test in the scripted world or in a simulator, and return the outcome.
 
 This module reads no file and prints nothing. Cases come from `rapc.testing.discover`;
 `rapc.console.testing.explain` prints outcomes.
@@ -26,10 +26,11 @@ from rapc.testing.judge import Evidence, judge
 from rapc.testing.patterns import atom, flat
 from rapc.testing.record import Record
 from rapc.testing.setting import (
+    ObservedWorld,
     UnansweredQuestion,
     Unmet,
-    borrowed_kit,
     functions,
+    named_world,
     problems,
     row_of,
 )
@@ -100,11 +101,12 @@ def run_case(
     if case.faults:
         return _error(case, seed, [_problem(f) for f in case.faults])
     try:
-        kit, found = borrowed_kit(test, seed, modules)
+        world, found = named_world(test, seed, modules)
+        kit = Kit() if world is None else world.kit
         found = found or problems(test, case.library.library, kit)
         if found:
             return _error(case, seed, found)
-        running = _Run(case, seed, kit, wrap)
+        running = _Run(case, seed, world, wrap)
     except WorldError as error:
         return _error(case, seed, [Unmet(place, (in_a_line(error),))])
     except (FactError, PortError) as error:
@@ -141,7 +143,9 @@ class _Run:
         FactError: for a fact that the declarations do not allow.
     """
 
-    def __init__(self, case: Case, seed: int, kit: Kit, wrap: Wrap | None) -> None:
+    def __init__(
+        self, case: Case, seed: int, named: World | None, wrap: Wrap | None
+    ) -> None:
         self.test = case.test
         self._case = case
         self._seed = seed
@@ -151,20 +155,24 @@ class _Run:
         self._unreached: dict[int, nodes.At] = dict(enumerate(case.test.ats))
         self._broken = False
         self._note = ""
-        scripted = ScriptedWorld(
-            [row_of(row, case.library.signatures) for row in case.test.script],
-            declared=case.library.library,
-            kit=kit,
-            leaving=self._leaving,
-        )
         test = case.test
+        world: World
+        if named is not None and not test.script:
+            world = ObservedWorld(named, self._leaving)
+        else:
+            world = ScriptedWorld(
+                [row_of(row, case.library.signatures) for row in test.script],
+                declared=case.library.library,
+                kit=Kit() if named is None else named.kit,
+                leaving=self._leaving,
+            )
         spec = RunSpec(
             seed=seed,
             agenda=test.agenda,
             tasks=tuple([as_text(of_node(task)) for task in test.tasks]),
             facts=tuple([format_list(flat(fact)) for fact in test.facts]),
         )
-        world = scripted if wrap is None else wrap(scripted, seed)
+        world = world if wrap is None else wrap(world, seed)
         later, known = _later_tasks(test), functions(test.answers)
         self.interpreter = Interpreter.prepared(
             case.library, world, spec, later=later, functions=known

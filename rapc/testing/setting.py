@@ -1,4 +1,4 @@
-"""The setting of a test: borrowed parts of a world, script, answers.
+"""The setting of a test: its world or the borrowed parts of one, script, answers.
 
 A library may call functions that nobody registered, because the functions belong to a
 world that the test does not use. Answers of the test replace these functions.
@@ -22,7 +22,7 @@ from rapc.library.library import Library
 from rapc.library.signatures import Signatures
 from rapc.testing.coverage import traced_name
 from rapc.testing.patterns import atom, flat
-from rapc.world import Kit, World
+from rapc.world import Kit, Refused, Reply, Time, World, Wrapper
 from rapc.worlds import registry
 from rapc.worlds.script import Row
 
@@ -81,21 +81,40 @@ def _function(name: str, table: Sequence[tuple[Fact, Atom]]) -> Callable[..., An
 # --- the world ------------------------------------------------------------------------
 
 
-def borrowed_kit(
+class ObservedWorld(Wrapper):
+    """A wrapper of a simulator that calls `leaving` before the clock may move."""
+
+    def __init__(self, world: World, leaving: Callable[[], None]) -> None:
+        super().__init__(world)
+        self._leaving = leaving
+
+    def perform(self, ticket: int, request: Fact) -> Reply | Refused | None:
+        """Call `leaving`, then pass the request on."""
+        self._leaving()
+        return super().perform(ticket, request)
+
+    def advance(self, to: Time) -> None:
+        """Call `leaving` if the clock moves, then advance the world."""
+        if to > self.now():
+            self._leaving()
+        super().advance(to)
+
+
+def named_world(
     test: nodes.DefineTest, seed: int, modules: Collection[str]
-) -> tuple[Kit, list[Unmet]]:
-    """Return the kit of the world that a test names, or why it is unavailable.
+) -> tuple[World | None, list[Unmet]]:
+    """Return the world that a test names, or why it is unavailable.
 
     Raises:
         WorldError: if the world is unknown, or may not be used.
     """
     if test.world is None:
-        return Kit(), []
+        return None, []
     found = registry.find_permitted(test.world, modules)
     options, wrong = _options(test, found)
     if wrong:
-        return found.kit, wrong
-    return registry.build_world(found, seed, options).kit, []
+        return None, wrong
+    return registry.build_world(found, seed, options), []
 
 
 def _options(
