@@ -1,11 +1,15 @@
 """Which single slips in real libraries `check` finds, how near, and in how many words.
 
-    python -m bench.mutation [KIND]... [--each N] [--seed N] [--missed]
-    python -m bench.mutation --store --each 40
+    python -m bench.mutation [KIND]... [--library PATH...]... [--each N] [--missed]
+    python -m bench.mutation --harmless 200
+    python -m bench.mutation --store --each 10
 
 Each slip is made in a library in which nothing is found before; what is found then is
 due to the slip. A slip that leaves the nodes of the library as they were is none, and
-one that is not found and changes no trace of the library's own tests is none either.
+one that changes no trace of the library's tests, and does not keep the library from
+running, is none either: found or not, it is left out, and another is made in its place.
+A slip in a test always counts. `--harmless` makes changes that are no slips
+(`bench.mutation_harmless`), and prints what is found all the same.
 The place of a finding is where its span begins; it names the cause if it, or one of its
 labels, is on a line of the slip, or if it names what the slip took away.
 """
@@ -14,20 +18,29 @@ from __future__ import annotations
 
 import argparse
 import random
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 import msgspec
 
-from bench import mutation_sense, mutation_taken, mutation_whole, mutation_words
+from bench import (
+    mutation_harmless,
+    mutation_plans,
+    mutation_sense,
+    mutation_taken,
+    mutation_tests,
+    mutation_whole,
+    mutation_words,
+)
 from bench.mutation_base import Base, Edit, Kind
 from bench.mutation_runs import Runs
 from rapc.analysis.driver import CheckReport, check_library
-from rapc.base.diagnostics import Diagnostic
+from rapc.base.diagnostics import Diagnostic, Severity
+from rapc.base.files import lies_in
 from rapc.base.source import SourceFile
 from rapc.ir import nodes
 from rapc.library import library
-from rapc.library.loader import Loaded, Units, load
+from rapc.library.loader import TEST_SUFFIX, Loaded, Units, load, read_tests
 from rapc.parser.parse import parse
 from rapc.parser.unit import SourceUnit
 
@@ -36,6 +49,8 @@ KINDS: Mapping[str, tuple[str, Kind]] = {
     **mutation_sense.KINDS,
     **mutation_taken.KINDS,
     **mutation_whole.KINDS,
+    **mutation_plans.KINDS,
+    **mutation_tests.KINDS,
 }
 """Every kind of slip, with the group that it is of."""
 
@@ -101,10 +116,11 @@ NOT_SURE: Mapping[str, str] = {
 ROOT = Path(__file__).parent.parent
 LIBRARIES: Sequence[Sequence[str]] = (
     ("stdlib/truck",),
-    ("examples/greenhouse.rap",),
-    ("bench/porter.rap",),
+    ("stdlib/truck-beyond",),
     ("stdlib/hallway",),
     ("examples/courier",),
+    ("examples/greenhouse.rap", "bench/greenhouse.test.rap"),
+    ("bench/porter.rap", "bench/porter.test.rap"),
 )
 """The libraries in which slips are made, each by its paths from the root."""
 
@@ -120,6 +136,8 @@ class Outcome(msgspec.Struct, frozen=True):
     distance: int | None
     #: Whether the first finding, or a label of it, is on a line of the slip.
     named: bool
+    #: Whether the slip keeps the library from running.
+    breaks: bool = False
     #: The file with the slip.
     file: SourceFile | None = None
 
@@ -128,11 +146,21 @@ class Bench:
     """A library with its parsed files, of which a slip changes one.
 
     Args:
-        paths: its files and folders.
+        paths: its files and folders; the tests in them are not part of the library.
+        of_tests: make slips in the tests, and not in the library.
     """
 
-    def __init__(self, paths: Sequence[str]) -> None:
-        self._paths = [ROOT / path for path in paths]
+    def __init__(self, paths: Sequence[str], of_tests: bool = False) -> None:
+        self.name = paths[0]
+        self._given = [ROOT / path for path in paths]
+        named = [one.name for one in read_tests(map(str, self._given))]
+        tests = [Path(name) for name in named if name.endswith(TEST_SUFFIX)]
+        self._paths = [path for path in self._given if path not in tests]
+        self._own = self._paths
+        if of_tests:
+            self._own = tests
+            self._paths = [*self._paths, *tests]
+        self._of_tests = of_tests
         self._units = Units()
         self.loaded = load(self._paths, parser=self._units)
         report = check_library(self.loaded)
@@ -140,10 +168,24 @@ class Bench:
             raise ValueError([f.diagnostic.message for f in report.findings])
         self.base = Base(self.loaded.library)
         self.units = {unit.file.name: unit for unit in self.loaded.units}
-        self._folder = ROOT / paths[0]
         self._runs: Runs | None = None
-        #: How many slips were neither found nor told by any trace.
-        self.idle = 0
+        #: How many slips no trace told, and how many of these were found.
+        self.idle = self.idle_found = 0
+
+    def edits(self, kind: str) -> list[Edit]:
+        """Return the places of a kind of slip in the files of the bench."""
+        group, make = KINDS[kind]
+        if (group == "tests") is not self._of_tests:
+            return []
+        return self.own(make(self.base))
+
+    def own(self, edits: Iterable[Edit]) -> list[Edit]:
+        """Return the edits of the files of the bench, not those of required files."""
+        return [
+            one
+            for one in edits
+            if any(lies_in(one.span.file, str(path)) for path in self._own)
+        ]
 
     def outcome(self, edit: Edit) -> Outcome | None:
         """Make a slip and check; None if the library means what it meant."""
@@ -152,7 +194,8 @@ class Bench:
         file = SourceFile(name, before[:start] + edit.content + before[end:])
         unit = parse(file)
         old = self.units[name]
-        if unit.forms == old.forms and not unit.diagnostics:
+        same = unit.forms == old.forms and unit.tests == old.tests
+        if same and not unit.diagnostics:
             return None
         report = check_library(self._with(file, unit))
         rows = range(file.row(start), file.row(start + len(edit.content)) + 1)
@@ -171,14 +214,14 @@ class Bench:
         return Loaded(linked, tuple(units), found, self.loaded.required)
 
     def is_idle(self, slip: Outcome) -> bool:
-        """Whether a slip is not found and leaves all traces of the tests as they were.
+        """Whether a slip leaves all traces of the tests as they were.
 
         Where a library has no tests nobody can tell, and the slip counts.
         """
-        if slip.found or slip.file is None:
+        if slip.breaks or slip.file is None or self._of_tests:
             return False
         if self._runs is None:
-            self._runs = Runs(self._folder)
+            self._runs = Runs(self._given)
         return self._runs.are_the_same(slip.file) is True
 
 
@@ -188,6 +231,7 @@ def _requires(unit: SourceUnit) -> list[nodes.Require]:
 
 def _judged(report: CheckReport, edit: Edit, rows: range) -> Outcome:
     found = tuple([f.diagnostic for f in report.findings])
+    breaks = report.worst() is Severity.ERROR
     if not found:
         return Outcome(edit, rows[0], (), None, False)
     places = [found[0].span, *(label.span for label in found[0].labels)]
@@ -201,29 +245,33 @@ def _judged(report: CheckReport, edit: Edit, rows: range) -> Outcome:
     about = f"`{edit.about}`"
     said = found[0].message + found[0].help
     named = any(row in rows for row in here) or about in said
-    return Outcome(edit, rows[0], found, 0 if first in rows else distance, named)
+    distance = 0 if first in rows else distance
+    return Outcome(edit, rows[0], found, distance, named, breaks)
 
 
 def outcomes(
     kind: str, benches: Sequence[Bench], each: int, seed: int
 ) -> Iterator[tuple[Bench, Outcome]]:
-    """Yield what becomes of some slips of a kind, drawn from all libraries.
+    """Yield what becomes of some slips of a kind in each library.
 
     Those that change nothing are left out, and others made in their place.
     """
-    _, make = KINDS[kind]
-    places = [(bench, edit) for bench in benches for edit in make(bench.base)]
-    random.Random(f"{seed}:{kind}").shuffle(places)
-    made = 0
-    for bench, edit in places:
-        if made == each:
-            return
-        outcome = bench.outcome(edit)
-        if outcome is not None and bench.is_idle(outcome):
-            bench.idle += 1
-        elif outcome is not None:
-            made += 1
-            yield bench, outcome
+    for bench in benches:
+        places = bench.edits(kind)
+        random.Random(f"{seed}:{kind}").shuffle(places)
+        made = 0
+        for edit in places[: each * TRIES]:
+            outcome = bench.outcome(edit) if made < each else None
+            if outcome is not None and bench.is_idle(outcome):
+                bench.idle += 1
+                bench.idle_found += bool(outcome.found)
+            elif outcome is not None:
+                made += 1
+                yield bench, outcome
+
+
+TRIES = 5
+"""How many places are tried for each slip that is to count."""
 
 
 def row(kind: str, made: Sequence[Outcome]) -> str:
@@ -271,15 +319,20 @@ def stored(benches: Sequence[Bench], each: int, seed: int) -> Mapping[str, objec
 
 
 def main() -> None:
-    """Read the command line and print a table."""
+    """Read the command line and print tables."""
     parser = argparse.ArgumentParser(description="Which slips a check finds.")
-    parser.add_argument("kind", nargs="*", help="part of the name of a kind")
-    parser.add_argument("--each", type=int, default=10, help="slips of each kind")
+    parser.add_argument("kind", nargs="*", help="part of the name of a kind or group")
+    parser.add_argument("--library", nargs="*", action="append", help="paths of one")
+    parser.add_argument("--each", type=int, default=4, help="slips of each kind")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--store", action="store_true", help=f"write {STORED.name}")
     parser.add_argument("--missed", action="store_true", help="print what is missed")
+    parser.add_argument("--harmless", type=int, help="make so many harmless changes")
     args = parser.parse_args()
-    benches = [Bench(paths) for paths in LIBRARIES]
+    benches = all_benches(args.library or LIBRARIES)
+    if args.harmless:
+        print_harmless(benches, args.harmless, args.seed)
+        return
     if args.store:
         counts = msgspec.json.encode(stored(benches, args.each, args.seed))
         STORED.write_bytes(msgspec.json.format(counts, indent=1) + b"\n")
@@ -288,20 +341,64 @@ def main() -> None:
         "| group | slip | made | found | cause named | one finding | lines off | by |"
     )
     print("|---|---|---:|---:|---:|---:|---:|---|")
-    total: list[Outcome] = []
-    for kind in KINDS:
-        if args.kind and not any(word in kind for word in args.kind):
+    total: list[tuple[str, str, Outcome]] = []
+    for kind, (group, _) in KINDS.items():
+        if args.kind and not any(w == group or w in kind for w in args.kind):
             continue
         made = list(outcomes(kind, benches, args.each, args.seed))
         print(row(kind, [one for _, one in made]), flush=True)
-        total += [one for _, one in made]
+        total += [(group, bench.name, one) for bench, one in made]
         for bench, one in made if args.missed else ():
             if not one.named or len(one.found) != 1:
                 print(_told(bench, one))
-    found = [one for one in total if one.found]
+    for title, at in (("group", 0), ("library", 1)):
+        print(f"\n| {title} | slips | found | named | one finding | per cent |")
+        print("|---|---:|---:|---:|---:|---:|")
+        for key in dict.fromkeys(one[at] for one in total):
+            print(_sum(str(key), [one[2] for one in total if one[at] == key]))
+        print(_sum("all", [one[2] for one in total]))
+    idle = sum(bench.idle for bench in benches)
+    found = sum(bench.idle_found for bench in benches)
+    print(f"\n{idle} slips more changed no trace; {found} of them were found")
+
+
+def all_benches(libraries: Iterable[Sequence[str]]) -> Sequence[Bench]:
+    """Return a bench for each library, and one for the tests of each."""
+    every = list(libraries)
+    return [
+        *map(Bench, every),
+        *(Bench(paths, of_tests=True) for paths in every),
+    ]
+
+
+def _sum(title: str, made: Sequence[Outcome]) -> str:
+    found = [one for one in made if one.found]
     named = sum(one.named for one in found)
     single = sum(len(one.found) == 1 for one in found)
-    print(f"\n{len(total)} slips, {len(found)} found, {named} named, {single} by one")
+    share = 100 * len(found) / len(made) if made else 0
+    return (
+        f"| {title} | {len(made)} | {len(found)} | {named} | {single} | {share:.0f} |"
+    )
+
+
+def print_harmless(benches: Sequence[Bench], count: int, seed: int) -> None:
+    """Make harmless changes in all libraries and print what is found."""
+    places = [
+        (bench, kind, edit)
+        for bench in benches
+        for kind, make in mutation_harmless.KINDS.items()
+        for edit in bench.own(make(bench.base))
+    ]
+    random.Random(seed).shuffle(places)
+    made = alarms = 0
+    for bench, kind, edit in places:
+        outcome = bench.outcome(edit) if made < count else None
+        if outcome is not None:
+            made += 1
+            if outcome.found:
+                alarms += 1
+                print(f"{kind}:\n{_told(bench, outcome)}")
+    print(f"{made} harmless changes, {alarms} with a finding")
 
 
 def _told(bench: Bench, one: Outcome) -> str:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from os.path import commonpath
 from pathlib import Path
 
 import msgspec
@@ -16,31 +17,35 @@ from rapc.testing.run import Case, run_case
 
 
 class Runs:
-    """The tests of one library folder, and the traces they had before any slip.
+    """The tests of one library, and the traces they had before any slip.
 
     Args:
-        folder: the folder; a file, or a folder without tests, tells nothing.
+        paths: the files and folders of the library and of its tests; without tests
+            nothing is told.
     """
 
-    def __init__(self, folder: Path) -> None:
-        self._folder = folder
+    def __init__(self, paths: Sequence[Path]) -> None:
+        self._paths = [path.resolve() for path in paths]
         self._before: dict[str, list[str]] = {}
-        if folder.is_dir():
-            with tempfile.TemporaryDirectory() as place:
-                for case in _cases(folder, Path(place), None):
-                    self._before[case.test.name] = _trace(case, place)
+        with tempfile.TemporaryDirectory() as place:
+            for case in _cases(self._paths, Path(place), None):
+                self._before[_name(case, place)] = _trace(case, place)
 
     def are_the_same(self, changed: SourceFile) -> bool | None:
         """Return whether all traces stay the same; None if there is no test.
 
-        Each test is run up to the first event that differs.
+        Each test is run up to the first event that differs, those first whose file is
+        called as the changed one.
         """
         if not self._before:
             return None
+        stem = Path(changed.name).name.removesuffix(".rap")
         with tempfile.TemporaryDirectory() as place:
             try:
-                for case in _cases(self._folder, Path(place), changed):
-                    before = self._before[case.test.name]
+                cases = list(_cases(self._paths, Path(place), changed))
+                cases.sort(key=lambda case: f"/{stem}." not in case.test.span.file)
+                for case in cases:
+                    before = self._before[_name(case, place)]
                     if len(_trace(case, place, before)) != len(before):
                         return False
             except _DiffersError:
@@ -48,18 +53,30 @@ class Runs:
         return True
 
 
+def _name(case: Case, place: str) -> str:
+    return f"{case.test.span.file.replace(place, '')}:{case.test.name}"
+
+
 class _DiffersError(Exception):
     """A trace is not what it was."""
 
 
-def _cases(folder: Path, place: Path, changed: SourceFile | None) -> Iterator[Case]:
-    """Yield the tests of a copy of a folder, with one file changed."""
-    copy = place / "library"
-    shutil.copytree(folder, copy)
+def _cases(
+    paths: Sequence[Path], place: Path, changed: SourceFile | None
+) -> Iterator[Case]:
+    """Yield the tests of a copy of some paths, with one file changed."""
+    root = Path(commonpath([path.parent for path in paths]))
+    copies = [place / "library" / path.relative_to(root) for path in paths]
+    for path, copy in zip(paths, copies, strict=True):
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        if path.is_dir():
+            shutil.copytree(path, copy)
+        else:
+            shutil.copy(path, copy)
     if changed is not None:
-        name = Path(changed.name).resolve().relative_to(folder.resolve())
-        (copy / name).write_text(changed.text, encoding="utf-8")
-    found = find([copy])
+        name = Path(changed.name).resolve().relative_to(root)
+        (place / "library" / name).write_text(changed.text, encoding="utf-8")
+    found = find(copies)
     if found.reports:
         raise _DiffersError(found.reports)
     yield from found.cases

@@ -65,13 +65,13 @@ def test_a_slip_that_changes_no_trace_is_told_from_others(
     file.write_text(_LAMP, encoding="utf-8")
     assert _LAMP.count(old) == 1
     changed = SourceFile(str(file), _LAMP.replace(old, new))
-    assert Runs(tmp_path).are_the_same(changed) is same
+    assert Runs([tmp_path]).are_the_same(changed) is same
 
 
 def test_without_tests_nobody_can_tell_what_a_slip_changes(tmp_path: Path) -> None:
     file = tmp_path / "lamp.rap"
     file.write_text("(define-rap (wait))\n", encoding="utf-8")
-    assert Runs(tmp_path).are_the_same(SourceFile(str(file), "")) is None
+    assert Runs([tmp_path]).are_the_same(SourceFile(str(file), "")) is None
 
 
 @pytest.mark.slow
