@@ -11,7 +11,7 @@ from pathlib import Path
 import msgspec
 
 from rapc.base.source import SourceFile
-from rapc.events import Event, RunStarted
+from rapc.events import Event, RunStarted, TaskCreated
 from rapc.testing.discover import find
 from rapc.testing.run import Case, run_case
 
@@ -26,26 +26,41 @@ class Runs:
 
     def __init__(self, paths: Sequence[Path]) -> None:
         self._paths = [path.resolve() for path in paths]
-        self._before: dict[str, list[str]] = {}
+        #: The traces by the file, relative to the copy, and the name of the test.
+        self._before: dict[tuple[str, str], list[str]] = {}
+        #: The goals of the tasks of each test.
+        self._goals: dict[tuple[str, str], set[str]] = {}
         with tempfile.TemporaryDirectory() as place:
             for case in _cases(self._paths, Path(place), None):
-                self._before[_name(case, place)] = _trace(case, place)
+                key = _key(case, place)
+                goals: set[str] = set()
+                self._before[key] = _trace(case, place, goals=goals)
+                self._goals[key] = goals
 
-    def are_the_same(self, changed: SourceFile) -> bool | None:
+    def are_the_same(self, changed: SourceFile, rap: str = "") -> bool | None:
         """Return whether all traces stay the same; None if there is no test.
 
         Each test is run up to the first event that differs, those first whose file is
         called as the changed one.
+
+        Args:
+            changed: the file with the slip.
+            rap: the RAP that has the slip: only its tests are run.
         """
         if not self._before:
             return None
+        keys = [key for key, goals in self._goals.items() if not rap or rap in goals]
         stem = Path(changed.name).name.removesuffix(".rap")
         with tempfile.TemporaryDirectory() as place:
             try:
-                cases = list(_cases(self._paths, Path(place), changed))
+                files = sorted({file for file, _ in keys})
+                cases = list(_cases(self._paths, Path(place), changed, files))
                 cases.sort(key=lambda case: f"/{stem}." not in case.test.span.file)
                 for case in cases:
-                    before = self._before[_name(case, place)]
+                    key = _key(case, place)
+                    if key not in keys:
+                        continue
+                    before = self._before[key]
                     if len(_trace(case, place, before)) != len(before):
                         return False
             except _DiffersError:
@@ -53,8 +68,9 @@ class Runs:
         return True
 
 
-def _name(case: Case, place: str) -> str:
-    return f"{case.test.span.file.replace(place, '')}:{case.test.name}"
+def _key(case: Case, place: str) -> tuple[str, str]:
+    file = Path(case.test.span.file).relative_to(Path(place) / "library")
+    return str(file), case.test.name
 
 
 class _DiffersError(Exception):
@@ -62,9 +78,19 @@ class _DiffersError(Exception):
 
 
 def _cases(
-    paths: Sequence[Path], place: Path, changed: SourceFile | None
+    paths: Sequence[Path],
+    place: Path,
+    changed: SourceFile | None,
+    files: Sequence[str] | None = None,
 ) -> Iterator[Case]:
-    """Yield the tests of a copy of some paths, with one file changed."""
+    """Yield the tests of a copy of some paths, with one file changed.
+
+    Args:
+        paths: the files and folders.
+        place: the folder of the copy.
+        changed: the file with the slip.
+        files: the files whose tests are wanted, relative to the copy; None for all.
+    """
     root = Path(commonpath([path.parent for path in paths]))
     copies = [place / "library" / path.relative_to(root) for path in paths]
     for path, copy in zip(paths, copies, strict=True):
@@ -76,14 +102,22 @@ def _cases(
     if changed is not None:
         name = Path(changed.name).resolve().relative_to(root)
         (place / "library" / name).write_text(changed.text, encoding="utf-8")
-    found = find(copies)
+    named = None if files is None else [place / "library" / name for name in files]
+    found = find(copies if named is None else named)
     if found.reports:
         raise _DiffersError(found.reports)
     yield from found.cases
 
 
-def _trace(case: Case, place: str, before: list[str] | None = None) -> list[str]:
+def _trace(
+    case: Case,
+    place: str,
+    before: list[str] | None = None,
+    goals: set[str] | None = None,
+) -> list[str]:
     """Run a test and return its events as text, without the place of the copy.
+
+    The names of the goals of its tasks are added to `goals`.
 
     Raises:
         _DiffersError: at the first event that is not the one of `before`.
@@ -91,6 +125,8 @@ def _trace(case: Case, place: str, before: list[str] | None = None) -> list[str]
     events: list[str] = []
 
     def note(event: Event) -> None:
+        if goals is not None and isinstance(event, TaskCreated):
+            goals.add(str(event.goal[0]))
         events.append(repr(_done(event)).replace(place, ""))
         if before is not None and events[-1:] != before[len(events) - 1 : len(events)]:
             raise _DiffersError
