@@ -126,7 +126,7 @@ def _trace(
 
     def note(event: Event) -> None:
         if goals is not None and isinstance(event, TaskCreated):
-            goals.add(str(event.goal[0]))
+            goals.add(str(event.goal).strip("()").split()[0])
         events.append(repr(_done(event)).replace(place, ""))
         if before is not None and events[-1:] != before[len(events) - 1 : len(events)]:
             raise _DiffersError
