@@ -36,11 +36,11 @@ from bench.mutation_base import Base, Edit, Kind
 from bench.mutation_runs import Runs
 from rapc.analysis.driver import CheckReport, check_library
 from rapc.base.diagnostics import Diagnostic, Severity
-from rapc.base.files import lies_in
+from rapc.base.files import TEST_SUFFIX, lies_in
 from rapc.base.source import SourceFile
 from rapc.ir import nodes
 from rapc.library import library
-from rapc.library.loader import TEST_SUFFIX, Loaded, Units, load, read_tests
+from rapc.library.loader import Loaded, Units, load, read_tests
 from rapc.parser.parse import parse
 from rapc.parser.unit import SourceUnit
 
