@@ -69,6 +69,21 @@ HIDES = (
     # A RAP that succeeds at once never chooses a method.
     Row(("succeeds-at-once",), ("unreachable-method", "hopeless-goal"), "form"),
     Row(("unheard-monitor",), ("endless-reaction",), "form"),
+    Row(("unheard-monitor",), ("idle-net",), "form"),
+    # Methods that were copied and then spoilt are reported for the spoilt part.
+    Row(("unreachable-method",), ("copied-method",), "form"),
+    # A goal that nothing brings about is found with its cause.
+    Row(
+        (
+            "hopeless-goal",
+            "unreachable-method",
+            "vain-protection",
+            "endless-reaction",
+        ),
+        ("contrary-step", "needless-step"),
+        "form",
+    ),
+    Row(("kinds-apart",), ("unordered-steps", "copied-step"), "form"),
 )
 """The findings that are consequences of other findings."""
 

@@ -38,6 +38,7 @@ _OTHERS = (
     "goals",
     "loops",
     "monitors",
+    "nets",
     "protections",
     "required_files",
     "settled",

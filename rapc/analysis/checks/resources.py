@@ -487,3 +487,25 @@ def _way(change: nodes.ResourceChange) -> int:
     if amount is None or amount <= 0:
         return 0
     return 1 if change.op == "counter-add" else -1
+
+
+IDLE_AMOUNT = Rule(
+    code="RAP172",
+    name="idle-amount",
+    severity=Severity.WARNING,
+    summary="a counter changes by 0",
+    ignore="never: remove the change if the counter must not change",
+    source="T 4.8.2",
+)
+
+
+@check(IDLE_AMOUNT)
+def idle_amount(run: Pass) -> Iterator[Diagnostic]:
+    """Find changes of counters by 0."""
+    for change in run.result(INDEX).of(nodes.ResourceChange):
+        if number_of(change.node.amount) == 0:
+            yield IDLE_AMOUNT.at(
+                change.node.span,
+                "a change by 0 leaves the counter as it is",
+                help="give the amount of the change",
+            )

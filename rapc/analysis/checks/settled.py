@@ -30,6 +30,7 @@ from rapc.ir.printer import format_formula
 from rapc.ir.walk import (
     given_names,
     subformulas,
+    variable_names,
     ways,
 )
 
@@ -113,6 +114,35 @@ def _copies(rap: nodes.DefineRap) -> Iterator[Diagnostic]:
                 labels=(Label(other.span, "the first method"),),
                 help="change or remove the method",
             )
+
+    *others, last = rap.methods
+    names = given_names(rap)
+    same = all(_acts(method) == _acts(last) for method in others)
+    same = same and not any(_asks_history(method.context) for method in rap.methods)
+    if same and len(first) > 1 and names.issuperset(variable_names(last.body)):
+        yield COPY.at(
+            last.body.span,
+            f"all methods of `{rap.name}` do the same",
+            labels=(Label(others[0].body.span, "the first method"),),
+            help="change the steps, or join the contexts in one method",
+        )
+
+
+def _asks_history(formula: nodes.Formula | None) -> bool:
+    """Return whether a context shows in the trace how often a task has tried."""
+    parts = subformulas(formula) if formula is not None else ()
+    return any(isinstance(part, nodes.HistoryTest) for part in parts)
+
+
+def _acts(method: nodes.Method) -> object:
+    """Return what a method does when it has been chosen."""
+    return (
+        method.notations,
+        method.constraints,
+        method.claims,
+        method.skills,
+        method.body,
+    )
 
 
 def _settled(

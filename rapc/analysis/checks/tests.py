@@ -154,3 +154,68 @@ def unknown_event(run: Pass) -> Iterator[Diagnostic]:
                 )
                 help_ = known.did_you_mean(key)
                 yield UNKNOWN_EVENT.at(place, message, help=help_, fix=fix)
+
+
+NO_EXPECTATION = Rule(
+    code="RAP174",
+    name="no-expectation",
+    severity=Severity.WARNING,
+    summary="a test with a script expects nothing",
+    ignore="where the test only has to run without an unknown request",
+    source="L 9",
+)
+
+VAIN_NEVER = Rule(
+    code="RAP175",
+    name="vain-never",
+    severity=Severity.WARNING,
+    summary="a test expects that a request with an unused constant is never made",
+    ignore="where a handler of the world or a function makes the constant",
+    source="L 9",
+)
+
+
+@check(NO_EXPECTATION, VAIN_NEVER, needs_whole="form")
+def expectations(run: Pass) -> Iterator[Diagnostic]:
+    """Find tests without expectations, and expectations that cannot fail."""
+    index = run.result(INDEX)
+    named = [one.node.args for one in index.of(nodes.Goal)]
+    for kind in _WITH_TERMS:
+        named += [
+            one.node.args
+            for one in index.of(kind)
+            if type(one.parent) is not nodes.Never
+        ]
+    used = {
+        term.value for args in named for term in args if isinstance(term, nodes.Const)
+    }
+    for test in run.library.tests:
+        later = [action for at in test.ats for action in at.actions]
+        nested = [action for action in later if isinstance(action, nodes.Expect)]
+        if test.script and not test.expectations and not nested:
+            yield NO_EXPECTATION.at(
+                test.name_span,
+                f"the test `{test.name}` expects nothing",
+                help="add `(expect ...)`",
+            )
+    for never in index.of(nodes.Never):
+        owner = never.owner
+        if not isinstance(owner, nodes.DefineTest) or owner.world is not None:
+            continue
+        for term in never.node.request.args:
+            if isinstance(term, nodes.Const) and term.value not in used:
+                yield VAIN_NEVER.at(
+                    term.span,
+                    f"`{term.value}` is used nowhere else, so no request has it",
+                    help="name a constant of the test or of the library",
+                )
+
+
+_WITH_TERMS: tuple[type[nodes.Pattern], ...] = (
+    nodes.Proposition,
+    nodes.Request,
+    nodes.Signal,
+    nodes.Skill,
+    nodes.Datum,
+)
+"""The nodes with arguments that may become arguments of a request."""

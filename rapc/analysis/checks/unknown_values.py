@@ -185,3 +185,84 @@ def _asks(rap: nodes.DefineRap, method: nodes.Method) -> bool:
         if clause.required
         for part in subformulas(formula)
     )
+
+
+BELIEVED_UNKNOWN = Rule(
+    code="RAP173",
+    name="believed-unknown",
+    severity=Severity.WARNING,
+    summary="the default `unknown` of a property counts as a fresh belief",
+    ignore="where something always asserts a value before the formula is evaluated",
+    source="T 4.1.1",
+)
+
+
+@check(BELIEVED_UNKNOWN)
+def believed_unknown(run: Pass) -> Iterator[Diagnostic]:
+    """Find beliefs of any value of a property whose default is `unknown`."""
+    for form in run.library.forms:
+        if isinstance(form, nodes.DefineRap | nodes.DefineQuery | nodes.MemoryRule):
+            for formula, given in whole_formulas(form, run.library.functions):
+                yield from _beliefs(run, form, formula, given)
+
+
+def _beliefs(
+    run: Pass, form: nodes.Node, formula: nodes.Formula, given: Container[str]
+) -> Iterator[Diagnostic]:
+    every = list(subformulas(formula))
+    asked = {
+        one.name
+        for one in every
+        if isinstance(one, nodes.Proposition) and one.args[-1:] == (_UNKNOWN,)
+    }
+    for one in every:
+        if not isinstance(one, nodes.Believe) or not _may_be_unknown(run, one):
+            continue
+        value = one.pattern.args[-1]
+        if not isinstance(value, nodes.Var) or one.pattern.name in asked:
+            continue
+        if not value.anonymous and (
+            value.name in given or _is_used(form, value, every)
+        ):
+            continue
+        name = "?x" if value.anonymous else value.name
+        yield BELIEVED_UNKNOWN.at(
+            one.pattern.span,
+            f"the default of `{one.pattern.name}` is `unknown`, and is believed at any "
+            "age",
+            help=f"name the value and add `(n= {name} unknown)`",
+        )
+
+
+def _may_be_unknown(run: Pass, one: nodes.Formula) -> bool:
+    """Return whether a formula is a belief with an age and an unknown default."""
+    if not isinstance(one, nodes.Believe) or isinstance(one.age, nodes.Var):
+        return False
+    declared = run.signatures.relations.get(one.pattern.name)
+    return (
+        declared is not None
+        and declared.is_property
+        and declared.default == "unknown"
+        and len(one.pattern.args) == declared.most
+    )
+
+
+def _is_used(
+    form: nodes.Node, value: nodes.Var, every: Sequence[nodes.Formula]
+) -> bool:
+    """Return whether anything but `n=` with another constant needs a known value."""
+    tests = [
+        one
+        for one in every
+        if isinstance(one, nodes.Compare)
+        and one.op == "n="
+        and one.left == value
+        and isinstance(one.right, nodes.Const)
+    ]
+    if any(one.right == _UNKNOWN for one in tests):
+        return True
+    often = sum(1 for variable in variables(form) if variable == value)
+    return often > len(tests) + 1
+
+
+_UNKNOWN = nodes.Const("unknown")
