@@ -34,8 +34,10 @@ LIBRARIES = {
 """Libraries that cannot be linked into one: both have `light` and `switch`."""
 
 TESTS = [
-    '(require "lamps") (script ((switch l1))) (task (light l1)) (expect (succeeds (light l1)))',
-    '(require "doors") (script ((switch d1 on))) (task (light d1)) (expect (succeeds (light d1)))',
+    '(require "lamps") (script ((switch l1))) (task (light l1)) '
+    "(expect (succeeds (light l1)))",
+    '(require "doors") (script ((switch d1 on))) (task (light d1)) '
+    "(expect (succeeds (light d1)))",
     '(require "lamps") (script ((switch l1) burnt)) (task (light l1))',
     '(require "lamps") (script ((switch l1 on))) (task (light l1))',
     '(require "doors") (script ((switch d1 on) broken)) (task (light d1))',
