@@ -45,6 +45,8 @@ def members_of(
             if key not in members:
                 made = old[key].node if key in old else node(arguments)
                 members[key] = Member(key, made, host)
+            if members[key].node.arguments != arguments:  # of a single skill
+                members[key].node.arguments = arguments
             if activation.ticket not in members[key].tickets:
                 members[key].tickets.append(activation.ticket)
     return members
@@ -59,7 +61,8 @@ def _wanted(
         given = dict(zip(names, request.arguments, strict=True))
         for part in catalogue.parts(request.skill):
             arguments = {one.name: given[one.name] for one in part.parameters}
-            key = " ".join([part.name, *map(written, arguments.values())])
+            values = () if part.single else arguments.values()
+            key = " ".join([part.name, *map(written, values)])
             yield key, part, arguments, None
             for event in part.events:
                 if event.name in activation.events:

@@ -303,6 +303,9 @@ class Skill(NetworkNode):
     events: ClassVar[tuple[type[Event], ...]] = ()
     #: Things that only one skill at a time can use, for example `wheels`.
     uses: ClassVar[tuple[str, ...]] = ()
+    #: Whether all activations share the skill: it runs once, with the arguments of the
+    #: newest activation. So enabling it again changes its arguments [S 2].
+    single: ClassVar[bool] = False
 
     def step(self, now: float, ports: Ports) -> None:
         """Do the work of one tick.

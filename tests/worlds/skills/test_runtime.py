@@ -5,19 +5,23 @@ from __future__ import annotations
 import random
 from typing import Any
 
+import msgspec
 import pytest
 
+from rapc.base.values import Atom
 from rapc.console.graphs import NETWORK, dot, mermaid
 from rapc.world import Refused
 from rapc.worlds.skills.catalogue import Catalogue, SkillRequest
 from rapc.worlds.skills.declarations import (
     Channel,
+    Event,
     Input,
+    Parameter,
     Ports,
     Skill,
     SkillError,
 )
-from rapc.worlds.skills.runtime import SkillRuntime
+from rapc.worlds.skills.runtime import EventTold, SkillRuntime
 from tests.worlds.skills.tank import FLOW, GOAL, LIMIT, SMOOTH, Tank
 
 HOLD_TWO = SkillRequest("hold", (2,))
@@ -384,3 +388,63 @@ def test_a_delayed_edge_is_drawn_dashed() -> None:
     drawing = runtime.network.graph()
     assert '"other" -> "one" [label="right", style=dashed];' in dot(drawing, NETWORK)
     assert '-.->|"right"|' in mermaid(drawing, NETWORK)
+
+
+class Ticks(msgspec.Struct):
+    """How often a skill has been stepped."""
+
+    ticks: int = 0
+
+
+class Dialled(Event):
+    """The valve is open; with the opening and the ticks so far."""
+
+    name = "dialled"
+    inputs = (FLOW,)
+    carries = (Parameter("most", "number"), Parameter("flow", "number"))
+
+    def test(self, now: float, ports: Ports) -> tuple[Atom, ...] | None:
+        return (self.arguments["most"], ports[FLOW])
+
+
+class Dial(Skill):
+    """Open the valve as far as told, and count the ticks."""
+
+    name = "dial"
+    outputs = (FLOW,)
+    parameters = (Parameter("most", "number", "m/s"),)
+    events = (Dialled,)
+    uses = ("valve",)
+    single = True
+    State = Ticks
+    state: Ticks
+
+    def step(self, now: float, ports: Ports) -> None:
+        self.state.ticks += 1
+        ports[FLOW] = float(self.arguments["most"])
+
+
+def test_single_skill_has_the_arguments_of_the_newest_activation() -> None:
+    runtime = SkillRuntime(Catalogue([Dial], [], [FLOW]))
+    flows = []
+
+    def tick(now: float) -> list[EventTold]:
+        told = runtime.tick(now, {})
+        flows.append(runtime.value(FLOW))
+        return told
+
+    assert runtime.activate(1, [SkillRequest("dial", (1,))], ["dialled"]) is None
+    [told] = tick(0.1)
+    assert (told.arguments, told.tickets) == ((1, 1), (1,))
+    assert runtime.activate(2, [SkillRequest("dial", (3,))], ["dialled"]) is None
+    assert runtime.active() == ("dial",)
+    [told] = tick(0.2)
+    assert (told.arguments, told.tickets) == ((3, 3), (2,))
+    other = SkillRuntime(Catalogue([Dial], [], [FLOW]))
+    other.restore(runtime.save())
+    other.tick(0.3, {})
+    assert (other.value(FLOW), other.save()) == (3, (tick(0.3), runtime.save())[1])
+    runtime.deactivate(2)
+    assert tick(0.4) == []
+    assert '"ticks":4' in runtime.save().decode()
+    assert flows == [1, 3, 3, 1]
