@@ -122,8 +122,8 @@ class Kit(msgspec.Struct, frozen=True):
     #: Problem solvers `(goal, memory)` by the name of the RAP they solve [T 7.4.1];
     #: they return methods (see `rapc.methods`).
     solvers: Callables = {}
-    #: Comparators `(one, other)` of descriptions, by name [T A.5]: each returns a
-    #: number, 0 or less if the two cannot be the same item.
+    #: Comparators `(one, other)` or `(one, other, memory)` of descriptions, by name
+    #: [T A.5]: each returns a number, 0 or less if the two cannot be the same item.
     comparators: Callables = {}
 
     def __post_init__(self) -> None:

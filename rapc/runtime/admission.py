@@ -16,7 +16,7 @@ from rapc.errors import RefusedError
 from rapc.ir import nodes
 from rapc.library.library import Library
 from rapc.library.signatures import Signatures, Use
-from rapc.runtime.authors import wrong_arities
+from rapc.runtime.authors import takes, wrong_arities
 from rapc.runtime.held_world import HeldWorld
 from rapc.world import Skilled, World, innermost, methods_of
 
@@ -107,10 +107,13 @@ def misfitting(program: Program, world: HeldWorld) -> list[str]:
         ("the handler of", 3),
         ("the handler of the datum", 2),
         ("the solver of", 2),
-        ("the comparator", 2),
     )
     for what, given in counts:
         found += wrong_arities(what, code[what], given)
+    comparators = code["the comparator"].items()
+    with_memory = {name for name, call in comparators if _takes_memory(call)}
+    without = {name: call for name, call in comparators if name not in with_memory}
+    found += wrong_arities("the comparator", without, 2)
     functions, library = code["the function"], program.library
     for declared in library.functions.values():
         if declared.name in functions and declared.args is not None:
@@ -191,6 +194,10 @@ def _unregistered(library: Library, functions: Mapping[str, object]) -> Iterator
         if function.name not in functions:
             place = _place(library, function.span)
             yield f"{place}unknown function `{function.name}`"
+
+
+def _takes_memory(comparator: object) -> bool:
+    return callable(comparator) and takes(comparator, 3)
 
 
 def _uncompared(library: Library, comparators: Mapping[str, object]) -> Iterator[str]:

@@ -6,6 +6,7 @@ import pytest
 
 from rapc import events
 from rapc.errors import FactError
+from rapc.runtime.memory.access import MemoryView
 from rapc.runtime.memory.recognition.scoring import DescribedItem
 
 from .sightings import DRUMS, WORDS, bench, leave, merges, names, see, the_set, values
@@ -48,6 +49,27 @@ def test_a_comparator_in_python_compares_by_name_and_place() -> None:
     assert new == [old[1], old[0]]
     assert set(asked) == {("drum", "depot")}
     assert {score for _, _, score, _ in merges(memory)} == {50}
+
+
+def test_comparator_of_three_arguments_sees_memory_and_ages() -> None:
+    def by_news(one: DescribedItem, other: DescribedItem, memory: MemoryView) -> int:
+        age = memory.age("shuffled", "depot")
+        return 50 if age is None or age > 5 else 0
+
+    text = WORDS + (
+        "(declare-memory-proposition shuffled (?place))\n"
+        "(declare-indistinct-class drum by-news)\n"
+    )
+    for shuffled, same in (("never", True), ("before", True), ("just now", False)):
+        memory = bench(text, comparators={"by-news": by_news})
+        (old,) = see(memory, "drum", "depot", {"mark": "x"})
+        if shuffled == "before":
+            memory.assert_fact("shuffled", "depot")
+        leave(memory)  # takes 10 time units
+        if shuffled == "just now":
+            memory.assert_fact("shuffled", "depot")
+        (new,) = see(memory, "drum", "depot", {"mark": "x"})
+        assert (new == old) == same
 
 
 def test_a_comparator_for_a_place_goes_before_that_of_the_class() -> None:

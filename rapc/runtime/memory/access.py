@@ -216,7 +216,8 @@ class MemoryAccess(MemoryView):
         declared = library.properties.values()
         memory = Memory(signatures, recorder, declared, classes, sets)
         super().__init__(memory, recorder)
-        scores = Scores(classes.values(), library.comparators, comparators)
+        view = MemoryView(memory, recorder)
+        scores = Scores(classes.values(), library.comparators, comparators, view)
         self._files = library.files
         self.memory = memory
         self.recognizer = Recognizer(

@@ -17,6 +17,7 @@ from rapc.base.code_places import place_of
 from rapc.base.values import Atom, Fact, Number
 from rapc.errors import PortError
 from rapc.ir import nodes
+from rapc.runtime.authors import takes
 from rapc.runtime.memory.recognition.sets import Description
 
 SHARED = 10
@@ -37,11 +38,12 @@ class DescribedItem(msgspec.Struct, frozen=True):
     properties: Mapping[Fact, Atom]
 
 
-Comparator = Callable[[DescribedItem, DescribedItem], Number]
-"""A comparator in Python, registered under a name.
+Comparator = Callable[..., Number]
+"""A comparator in Python, registered under a name, of two or three arguments.
 
-Its score depends on class, place and properties alone: descriptions in which these are
-equal are compared once.
+The arguments are two `DescribedItem` and, if two are not enough, the memory with the
+times of its facts. Descriptions with equal class, place and properties are
+compared once for each recognition, so the score must not depend on their names.
 """
 
 
@@ -93,13 +95,14 @@ def weighted(rows: Iterable[nodes.ComparatorRow]) -> Score:
     return Score(score, not vetoing)
 
 
-def python_comparator(name: str, compare: Comparator) -> Score:
-    """Return a comparator in Python."""
+def python_comparator(name: str, compare: Comparator, memory: object = None) -> Score:
+    """Return a comparator in Python, which may read `memory`."""
+    view = () if takes(compare, 2) else (memory,)
 
     def score(a: Description, b: Description) -> Number:
         home = a.home or b.home
         place: Atom = "unknown" if home is None else home.place
-        found = compare(_described(a, place), _described(b, place))
+        found = compare(_described(a, place), _described(b, place), *view)
         if type(found) not in (int, float) or isnan(found):
             whose = f"the comparator `{name}`{place_of(compare)}"
             raise PortError(f"{whose} returned {found!a:.60}, no number")
@@ -112,9 +115,11 @@ def _described(of: Description, place: Atom) -> DescribedItem:
     return DescribedItem(of.name, of.kind, place, dict(of.known))
 
 
-def _found(name: str, registered: Mapping[str, Comparator]) -> Score:
+def _found(name: str, registered: Mapping[str, Comparator], memory: object) -> Score:
     compare = registered.get(name)
-    return default_comparator() if compare is None else python_comparator(name, compare)
+    if compare is None:
+        return default_comparator()
+    return python_comparator(name, compare, memory)
 
 
 class Scores:
@@ -125,6 +130,7 @@ class Scores:
         comparators: the comparators declared for them.
         registered: comparators in Python by name; a run with a missing comparator is
             refused.
+        memory: the memory that comparators in Python may read.
     """
 
     def __init__(
@@ -132,16 +138,23 @@ class Scores:
         classes: Iterable[nodes.DeclareIndistinctClass],
         comparators: Sequence[nodes.DeclareComparator],
         registered: Mapping[str, Comparator],
+        memory: object = None,
     ) -> None:
         self._plain = default_comparator()
         self._by_place: dict[tuple[str, Atom], Score] = {}
         self._by_class: dict[str, Score] = {}
         for declared in classes:
             if declared.comparator is not None:
-                self._by_class[declared.name] = _found(declared.comparator, registered)
+                self._by_class[declared.name] = _found(
+                    declared.comparator, registered, memory
+                )
         for node in comparators:
             function = node.function
-            score = _found(function, registered) if function else weighted(node.rows)
+            score = (
+                _found(function, registered, memory)
+                if function
+                else weighted(node.rows)
+            )
             if node.place is None:
                 self._by_class[node.class_name] = score
             else:
