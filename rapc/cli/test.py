@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 import sys
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 
 import click
 
@@ -28,6 +29,7 @@ from rapc.testing.coverage import Coverage
 from rapc.testing.faults import read_fault
 from rapc.testing.run import Case, Outcome
 from rapc.testing.session import TestSession, exit_status, summary
+from rapc.worlds.registry import importing_from
 
 EXAMPLES = """\b
 Examples:
@@ -108,7 +110,8 @@ def test(
         raise click.UsageError("missing a file or folder with tests")
     gathered = None if coverage is None and least is None else Coverage()
     injected = tuple([read_option("--fault", read_fault, text) for text in faults])
-    permitted = (*modules, *nearest_config(paths[0]).config.world_modules)
+    configured = nearest_config(paths[0])
+    permitted = (*modules, *configured.config.world_modules)
     running = TestSession(range(seed, seed + seeds), injected, gathered, permitted)
     cases = _find(paths)
     inputs = {*paths, *(file for case in cases for file in _files(case))}
@@ -124,7 +127,9 @@ def test(
     useless = list(running.useless(cases))
     if useless:
         fail("--fault: " + useless[0], *useless[1:])
-    outcomes = _run(running, cases)
+    home = Path.cwd() if configured.file is None else configured.file.parent
+    with importing_from(home):
+        outcomes = _run(running, cases)
     _explain(outcomes)
     status = exit_status(outcomes)
     if gathered is not None:

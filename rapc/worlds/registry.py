@@ -150,7 +150,7 @@ def _load(name: str, place: str) -> object:
     """Return the object at `module:Class`; `name` is its name in messages."""
     module, _, path = place.partition("[")[0].partition(":")
     try:
-        with _working_directory_on_path():
+        with importing_from(Path.cwd()):
             found = importlib.import_module(module.strip())
             for part in path.strip().split("."):
                 found = getattr(found, part)
@@ -177,8 +177,9 @@ def _in_capitals(module: str, wanted: str) -> str:
 
 
 @contextmanager
-def _working_directory_on_path() -> Iterator[None]:
-    here = str(Path.cwd())
+def importing_from(folder: Path) -> Iterator[None]:
+    """Let Python also search a folder for modules of worlds, after all others."""
+    here = str(folder.absolute())
     if here in sys.path:
         yield
         return

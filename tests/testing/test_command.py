@@ -268,6 +268,8 @@ def test_the_configuration_permits_worlds_of_modules(
     assert not (tmp_path / "imported").exists()
     done = rapc("test", "tests", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
+    done = rapc("test", str(tmp_path), cwd=tmp_path.parent)
+    assert (done.returncode, done.stderr) == (0, "")
     (tmp_path / "tests" / "rapc.toml").write_text("")
     done = rapc("test", "tests", cwd=tmp_path)
     assert done.returncode == 2
