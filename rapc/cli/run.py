@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from itertools import chain
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -27,9 +28,9 @@ from rapc.cli.run_options import (
 from rapc.errors import reason
 from rapc.events import Deadlock, Event, TaskResult
 from rapc.library.library import Library
-from rapc.runtime.events.report import RunReport
+from rapc.runtime.events.report import MendedFailures, RunReport
 from rapc.runtime.events.trace import JsonTrace, TextTrace
-from rapc.runtime.held_world import HeldWorld
+from rapc.runtime.held_world import HeldWorld, figures_of
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.task_request import TaskRequest
 from rapc.world import Drawable, Picture, Time, World
@@ -106,7 +107,7 @@ def run(
     world = interpreter.world
     _tell_what_ends_it(interpreter.first_tasks, library.library, end)
     drawn = _drawable(interpreter.port, world_name) if show else None
-    report = RunReport(world.kit.offer.sensors)
+    report, mended = RunReport(world.kit.offer.sensors), MendedFailures()
     with ExitStack() as stack, _ended_by_interrupts(interpreter):
         with interrupts_held():
             if trace is not None:
@@ -115,6 +116,7 @@ def run(
                 form = JsonTrace if trace_format == "jsonl" else TextTrace
                 interpreter.listen(form(stream))
             interpreter.listen(report, *RunReport.kinds)
+            interpreter.listen(mended, *MendedFailures.kinds)
             if drawn is not None:
                 _show(stack, interpreter, drawn, show_every or 0)
             else:
@@ -123,10 +125,24 @@ def run(
                     interpreter.listen(TextTrace(_Shown(sys.stdout)))
             interpreter.start()
         interpreter.run(until=end)
-    for line in report.lines():
+    for line in chain(report.lines(), _mended(mended), _figures(world)):
         click.echo(visible(line))
     if not all(map(_went_well, interpreter.results())):
         raise SystemExit(1)
+
+
+def _mended(mended: MendedFailures) -> Iterator[str]:
+    """Yield the lines of the report on failures that a retry has mended."""
+    if total := mended.counts().total():
+        yield f"Failures mended by a retry: {total}."
+        yield from (f"  {line}" for line in mended.lines())
+
+
+def _figures(world: World) -> Iterator[str]:
+    """Yield the lines of the report on the figures of the world."""
+    if figures := figures_of(world):
+        yield "Figures of the world:"
+        yield from (f"  {n:<20} {readable(v):>6}" for n, v in figures.items())
 
 
 def _tell_what_ends_it(

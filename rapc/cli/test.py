@@ -184,6 +184,10 @@ def _run(running: TestSession, cases: Iterable[Case]) -> list[Outcome]:
             file = outcome.case.test.span.file
             _say("title", file)
         _say(status, f"  {status:<6}  {explain.test_title(outcome)}")
+        if outcome.mended:
+            _say("text", "          failures mended by a retry:")
+        for line in outcome.mended:
+            _say("text", f"            {line}")
     return outcomes
 
 

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Container, Iterable, Mapping
-from typing import Any
 
 import msgspec
 
 from rapc import events
-from rapc.base.values import is_number
-from rapc.runtime.held_world import HeldWorld
-from rapc.world import Time, Truthful, World
+from rapc.world import Time
 
 LABELS: Mapping[str, str] = {
     "completed": "completed",
@@ -115,17 +112,6 @@ def _clause(cause: events.Cause) -> str:
     if cause.note and not cause.part:
         return f"{said}, {cause.note}"
     return f"{said}, {cause.part}" if cause.part else said
-
-
-def figures_of(world: World) -> dict[str, float]:
-    """Return the ground-truth figures of a world; none if it has none.
-
-    Raises:
-        PortError: if the world violates the port, or returns no mapping.
-    """
-    held = HeldWorld(world)
-    told: Any = held.figures() if isinstance(held, Truthful) else {}
-    return {n.replace("_", "-"): v for n, v in told.items() if is_number(v)}
 
 
 def numbers_of(measures: Measures) -> dict[str, float]:

@@ -22,9 +22,10 @@ from rapc.compiler.program import Program
 from rapc.errors import Error
 from rapc.events import DeadlineMissed, QueryFaulted, TaskSucceeded
 from rapc.experiments.draws import Draws, drawn, with_draws
-from rapc.experiments.measures import Measures, figures_of, tasks_told
+from rapc.experiments.measures import Measures, tasks_told
 from rapc.library.loader import load_sources
 from rapc.runtime.events.report import RunReport
+from rapc.runtime.held_world import figures_of
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import read_settings
 from rapc.runtime.task_request import TaskRequest

@@ -848,6 +848,20 @@ class TraceHas(Node, frozen=True, eq=False):
     events: tuple[EventPattern, ...]
 
 
+class Figure(Node, frozen=True, eq=False):
+    """`(figure name comparison number)`; the comparison as in formulas."""
+
+    name: str
+    comparison: str
+    value: Const
+
+
+class FailsAtMost(Node, frozen=True, eq=False):
+    """`(fails-at-most n)`: a limit of the mended failures."""
+
+    count: int
+
+
 Expectation = (
     Succeeds
     | Fails
@@ -860,6 +874,8 @@ Expectation = (
     | SelectedBefore
     | EndsBy
     | TraceHas
+    | Figure
+    | FailsAtMost
 )
 
 

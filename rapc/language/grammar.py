@@ -17,7 +17,7 @@ TERMINALS: Mapping[str, str] = {
     **dict.fromkeys(('RPAR',), "\\)"),
     **dict.fromkeys(('_NAME',), "(?:[^\\s\u0000-\u001f\u007f-\u009f\u200b-\u200f\u2018\u2019\u201c\u201d\u2060\ufeff()\\[\\]{}\"';`,|\\\\#]+|#(?!\\|))+"),
     **dict.fromkeys(('_END',), "(?!#(?!\\|)|[^\\s\u0000-\u001f\u007f-\u009f\u200b-\u200f\u2018\u2019\u201c\u201d\u2060\ufeff()\\[\\]{}\"';`,|\\\\#])"),
-    **dict.fromkeys(('_SYMBOL', 'SYMBOL', 'RAP', 'TAG', 'METHOD', 'RESULT', 'PREDICATE', 'FUNCTION', 'PRIMITIVE', 'DATUM', 'CLASS', 'COMPARATOR', 'KIND', 'QUERY', 'AGENDA', 'THING', 'OPTION', 'TEST', 'WORLD', 'EVENT'), "(?![:?]|(?:=>|[+-]?[0-9]+(?:\\.[0-9]+)?)(?!#(?!\\|)|[^\\s\u0000-\u001f\u007f-\u009f\u200b-\u200f\u2018\u2019\u201c\u201d\u2060\ufeff()\\[\\]{}\"';`,|\\\\#]))(?:[^\\s\u0000-\u001f\u007f-\u009f\u200b-\u200f\u2018\u2019\u201c\u201d\u2060\ufeff()\\[\\]{}\"';`,|\\\\#]+|#(?!\\|))+"),
+    **dict.fromkeys(('_SYMBOL', 'SYMBOL', 'RAP', 'TAG', 'METHOD', 'RESULT', 'PREDICATE', 'FUNCTION', 'PRIMITIVE', 'DATUM', 'CLASS', 'COMPARATOR', 'KIND', 'QUERY', 'AGENDA', 'THING', 'OPTION', 'TEST', 'WORLD', 'EVENT', 'FIGURE'), "(?![:?]|(?:=>|[+-]?[0-9]+(?:\\.[0-9]+)?)(?!#(?!\\|)|[^\\s\u0000-\u001f\u007f-\u009f\u200b-\u200f\u2018\u2019\u201c\u201d\u2060\ufeff()\\[\\]{}\"';`,|\\\\#]))(?:[^\\s\u0000-\u001f\u007f-\u009f\u200b-\u200f\u2018\u2019\u201c\u201d\u2060\ufeff()\\[\\]{}\"';`,|\\\\#]+|#(?!\\|))+"),
     **dict.fromkeys(('NUMBER',), "[+-]?[0-9]+(?:\\.[0-9]+)?(?!#(?!\\|)|[^\\s\u0000-\u001f\u007f-\u009f\u200b-\u200f\u2018\u2019\u201c\u201d\u2060\ufeff()\\[\\]{}\"';`,|\\\\#])"),
     **dict.fromkeys(('INTEGER',), "[+-]?[0-9]+(?:\\.0+)?(?!#(?!\\|)|[^\\s\u0000-\u001f\u007f-\u009f\u200b-\u200f\u2018\u2019\u201c\u201d\u2060\ufeff()\\[\\]{}\"';`,|\\\\#])"),
     **dict.fromkeys(('TIME',), "(?:\\+?[0-9]+(?:\\.[0-9]+)?|-0+(?:\\.0+)?)(?!#(?!\\|)|[^\\s\u0000-\u001f\u007f-\u009f\u200b-\u200f\u2018\u2019\u201c\u201d\u2060\ufeff()\\[\\]{}\"';`,|\\\\#])"),
@@ -210,7 +210,7 @@ GRAMMAR: Mapping[str, Production] = {
     "row_data": Production(('seq', '":data"', ('list', ('*', 'told_datum')))),
     "row_signals": Production(('seq', '":signals"', ('list', ('*', ('or', 'told_signal', 'TIME'))))),
     "expect": Production(('list', '"expect"', ('*', 'expectation')), says='the expectations'),
-    "expectation": Production(('or', 'succeeds', 'fails', 'active', 'primitives', 'primitives_include', 'never', 'memory', 'method_chosen', 'selected_before', 'ends_by', 'trace'), wanted='an expectation'),
+    "expectation": Production(('or', 'succeeds', 'fails', 'active', 'primitives', 'primitives_include', 'never', 'memory', 'method_chosen', 'selected_before', 'ends_by', 'trace', 'figure', 'fails_at_most'), wanted='an expectation'),
     "succeeds": Production(('list', '"succeeds"', 'asked', ('*', 'plain')), says='a task succeeds, with these outputs', more='the outputs are optional; `(succeeds (locate mug) kitchen)` has one'),
     "fails": Production(('list', '"fails"', 'asked', ('?', ('or', 'SYMBOL', 'VARIABLE'))), says='a task fails, with this reason', more='the reason is the result that the parent receives, and optional'),
     "active": Production(('list', '"active"', 'asked'), says='a task has not ended', more='it has neither ended nor been removed'),
@@ -222,6 +222,8 @@ GRAMMAR: Mapping[str, Production] = {
     "selected_before": Production(('list', '"selected-before"', 'asked', 'asked'), says='the order of two tasks', more='both were selected, the first task before the second'),
     "ends_by": Production(('list', '"ends-by"', 'TIME', 'asked'), says='a task has ended by a time', more='it had succeeded by this time'),
     "trace": Production(('list', '"trace"', ('+', 'event_pattern')), says='events in order, with others between'),
+    "figure": Production(('list', '"figure"', 'FIGURE', ('or', '"="', '"n="', '"<"', '">"', '"<="', '">="'), 'NUMBER'), says='a figure of the world', takes='a figure, a comparison and a number', more='a measure of the truth in a simulator, as `rapc run` prints it; `(figure delivered >= 3)`'),
+    "fails_at_most": Production(('list', '"fails-at-most"', 'COUNT'), says='the highest number of mended failures', takes='a whole number', more='methods that failed in tasks that then succeeded'),
     "event_pattern": Production(('list', 'EVENT', ('*', 'event_key')), wrong='expected an event pattern, not {kind}', help='write `(task-failed :reason no-method)`', short='(event :key value...)'),
     "event_key": Production(('seq', 'KEYWORD', ('or', 'SYMBOL', 'VARIABLE', 'NUMBER', 'STRING', 'shown', 'listed'))),
     "listed": Production(('list', ('*', '_listed'))),
@@ -247,6 +249,7 @@ GRAMMAR: Mapping[str, Production] = {
     "SIGNAL": Production('SIGNAL', wanted='a name with a colon'),
     "COMPARATOR": Production('COMPARATOR', wanted='the name of a comparator', breaks='malformed-form'),
     "KIND": Production('KIND', wanted='the name of a kind', breaks='malformed-form'),
+    "FIGURE": Production('FIGURE', wanted='the name of a figure'),
 }
 """The productions, and terminals of which something is said."""
 

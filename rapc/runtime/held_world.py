@@ -16,13 +16,20 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
-from typing import NoReturn, TypeGuard
+from typing import Any, NoReturn, TypeGuard
 
 import msgspec
 
 from rapc.base.code_places import code_of, frames, place_of, place_of_error, said_by
 from rapc.base.names import hint, nearest
-from rapc.base.values import Atom, Fact, format_atom, format_list, number
+from rapc.base.values import (
+    Atom,
+    Fact,
+    format_atom,
+    format_list,
+    is_number,
+    number,
+)
 from rapc.compiler.program import Program
 from rapc.errors import FactError, PortError
 from rapc.language.atoms import is_atom
@@ -41,6 +48,7 @@ from rapc.world import (
     ResultHandler,
     Signal,
     Time,
+    Truthful,
     World,
     Wrapper,
     innermost,
@@ -587,3 +595,14 @@ def is_time(value: object) -> bool:
 def _is_own(what: object) -> bool:
     """Whether a class or a method is rapc's own."""
     return str(getattr(what, "__module__", "")).partition(".")[0] == "rapc"
+
+
+def figures_of(world: World) -> dict[str, int | float]:
+    """Return the ground-truth figures of a world; none if it has none.
+
+    Raises:
+        PortError: if the world violates the port, or returns no mapping.
+    """
+    held = HeldWorld(world)
+    told: Any = held.figures() if isinstance(held, Truthful) else {}
+    return {n.replace("_", "-"): v for n, v in told.items() if is_number(v)}

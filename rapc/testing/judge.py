@@ -6,13 +6,21 @@ The functions read a record and query memory, without side effects.
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import msgspec
 
 from rapc import events
-from rapc.base.values import Fact, format_atom, format_list, match_pattern, readable
+from rapc.base.values import (
+    Fact,
+    Number,
+    format_atom,
+    format_list,
+    match_pattern,
+    readable,
+)
 from rapc.ir import nodes, walk
 from rapc.runtime.events.report import cause_lines
 from rapc.runtime.events.trace import record
@@ -26,10 +34,11 @@ Happened = tuple[str, ...]
 
 
 class Evidence(msgspec.Struct, frozen=True):
-    """The evidence for an expectation: the record of the run, and memory."""
+    """The evidence for an expectation: record of the run, memory, and figures."""
 
     record: Record
     holds: Callable[[nodes.Formula], bool]
+    figures: Callable[[], Mapping[str, Number]]
 
 
 def judge(expectation: nodes.Expectation, scene: Evidence) -> Happened | None:
@@ -256,6 +265,35 @@ def _told(event: events.Event) -> str:
     return f"({words}) at time {readable(keys['time'])}"
 
 
+# --- figures and failures -----------------------------------------------------------
+
+_COMPARISONS: Mapping[str, Callable[[Any, Any], bool]] = {
+    "=": operator.eq,
+    "n=": operator.ne,
+    "<": operator.lt,
+    ">": operator.gt,
+    "<=": operator.le,
+    ">=": operator.ge,
+}
+
+
+def _figure(node: nodes.Figure, scene: Evidence) -> Happened | None:
+    figure = scene.figures().get(node.name)
+    if figure is None:
+        return (f"the figure `{node.name}` is not a number",)
+    if _COMPARISONS[node.comparison](figure, node.value.value):
+        return None
+    return (f"the figure `{node.name}` is {readable(figure)}",)
+
+
+def _fails_at_most(node: nodes.FailsAtMost, scene: Evidence) -> Happened | None:
+    total = scene.record.mended.counts().total()
+    if total <= node.count:
+        return None
+    lines = [f"  {line}" for line in scene.record.mended.lines()]
+    return (f"mended failures: {total}", *lines)
+
+
 _JUDGES: Mapping[type, Callable[[Any, Evidence], Happened | None]] = {
     nodes.Succeeds: _succeeds,
     nodes.Fails: _fails,
@@ -268,4 +306,6 @@ _JUDGES: Mapping[type, Callable[[Any, Evidence], Happened | None]] = {
     nodes.MemoryHolds: _memory,
     nodes.MethodChosen: _method,
     nodes.TraceHas: _trace,
+    nodes.Figure: _figure,
+    nodes.FailsAtMost: _fails_at_most,
 }

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from rapc import events
 from rapc.base.values import Fact, format_list, readable
 from rapc.ir import nodes
+from rapc.runtime.events.report import MendedFailures
 from rapc.runtime.events.trace import text_lines
 from rapc.testing.patterns import goal_matches
 from rapc.world import Time
@@ -72,10 +73,12 @@ class Record:
         #: All requests to the world, and skills that were enabled.
         self.requests: list[tuple[Fact, Asked]] = []
         self.facts: dict[Fact, None] = {}
+        self.mended = MendedFailures()
 
     def __call__(self, event: events.Event) -> None:
         """Process one event."""
         self.events.append(event)
+        self.mended(event)
         number = getattr(event, "task", None)
         task = self.tasks.get(number) if number is not None else None
         if task is not None:

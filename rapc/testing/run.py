@@ -18,6 +18,7 @@ from rapc.compiler.program import Program
 from rapc.errors import FactError, PortError, RefusedError, WorldError, in_a_line
 from rapc.ir import nodes
 from rapc.runtime.events.recorder import Listener
+from rapc.runtime.held_world import figures_of
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.task_request import TaskRequest, as_text, of_node
 from rapc.spec import RunSpec
@@ -72,6 +73,8 @@ class Outcome(msgspec.Struct, frozen=True):
     note: str = ""
     #: The last lines of the trace, if the test failed.
     trace: tuple[str, ...] = ()
+    #: The failures in a simulator that a retry has mended, a line for each RAP.
+    mended: tuple[str, ...] = ()
 
 
 Wrap = Callable[[World, int], World]
@@ -103,7 +106,8 @@ def run_case(
     try:
         world, found = named_world(test, seed, modules)
         kit = Kit() if world is None else world.kit
-        found = found or problems(test, case.library.library, kit)
+        known = {} if world is None or test.script else figures_of(world)
+        found = found or problems(test, case.library.library, kit, known)
         if found:
             return _error(case, seed, found)
         running = _Run(case, seed, world, wrap)
@@ -157,7 +161,8 @@ class _Run:
         self._note = ""
         test = case.test
         world: World
-        if named is not None and not test.script:
+        self._simulated = named is not None and not test.script
+        if named is not None and self._simulated:
             world = ObservedWorld(named, self._leaving)
         else:
             world = ScriptedWorld(
@@ -283,7 +288,11 @@ class _Run:
 
     def _judge(self, expectations: Sequence[nodes.Expectation]) -> None:
         self._record.refresh(self.interpreter.goals())
-        scene = Evidence(self._record, lambda f: self.interpreter.question(f).holds())
+        scene = Evidence(
+            self._record,
+            lambda formula: self.interpreter.question(formula).holds(),
+            lambda: figures_of(self.interpreter.world),
+        )
         for expectation in expectations:
             happened = judge(expectation, scene)
             if happened is not None:
@@ -304,13 +313,15 @@ class _Run:
 
     def outcome(self) -> Outcome:
         """Return the outcome of the test."""
+        mended = tuple(self._record.mended.lines()) if self._simulated else ()
         if not self._failures:
-            return Outcome(self._case, self._seed, Status.PASSED)
+            return Outcome(self._case, self._seed, Status.PASSED, mended=mended)
         status = Status.ERROR if self._broken else Status.FAILED
         count = self._failures[0].events
         trace = tuple(self._record.last_lines(count))
         failures = tuple(self._failures)
-        return Outcome(self._case, self._seed, status, failures, self._note, trace)
+        note = self._note
+        return Outcome(self._case, self._seed, status, failures, note, trace, mended)
 
 
 def _later_tasks(test: nodes.DefineTest) -> list[TaskRequest]:

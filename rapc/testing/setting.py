@@ -9,7 +9,7 @@ checker finds all other errors of a test, without a world (`rapc.analysis`).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Container, Mapping, Sequence
 from typing import Any
 
 import msgspec
@@ -139,6 +139,7 @@ def problems(
     test: nodes.DefineTest,
     library: Library,
     kit: Kit,
+    figures: Container[str],
 ) -> list[Unmet]:
     """Return the reasons why a test cannot be run in its world.
 
@@ -146,6 +147,7 @@ def problems(
         test: the test.
         library: the library under test.
         kit: the kit of the named world; an empty kit without a world.
+        figures: the names of the figures of the world, if the test runs in it.
     """
     handled, solved = kit.handlers.data, kit.solvers
     found = [
@@ -164,6 +166,12 @@ def problems(
         e for one in later if isinstance(one, nodes.Expect) for e in one.expectations
     ]
     for expected in (*inner, *test.expectations):
+        if isinstance(expected, nodes.Figure) and expected.name not in figures:
+            if test.world is None or test.script:
+                message = "figures require a world and no script"
+            else:
+                message = f"the world `{test.world}` has no figure `{expected.name}`"
+            found.append(Unmet(expected.span, (message,)))
         if isinstance(expected, nodes.MethodChosen) and expected.rap not in solved:
             rap = library.raps.get(expected.rap)
             if rap is not None and expected.method not in map(traced_name, rap.methods):

@@ -12,6 +12,7 @@ from .small_suite import GRAB, happened, run
 
 FETCH = f"(script {GRAB}) (task (fetch box))"
 DROP = "(script ((grab ?x) dropped :takes 1)) (task (fetch box))"
+RETRY = f"(script ((grab ?x) dropped :times 1) {GRAB}) (task (fetch box))"
 FIND = "(script ((look mug) okay :asserts ((where mug shelf)))) (task (find mug))"
 TIDY = f"(script {GRAB}) (task (tidy))"
 
@@ -44,6 +45,8 @@ HOLDS = [
     (TIDY, "(selected-before (fetch cup) (fetch box))"),
     (FETCH, "(ends-by 2 (fetch box))"),
     (DROP, "(trace (task-failed))"),
+    (RETRY, "(succeeds (fetch box)) (fails-at-most 1)"),
+    (DROP, "(fails-at-most 0)"),
     (DROP, "(trace (method-chosen) (primitive-ended :result dropped) (task-failed))"),
 ]
 
@@ -65,6 +68,11 @@ WHY = [
 DONE = "(fetch box) [1] succeeded at time 2"
 
 FAILS = [
+    (
+        RETRY,
+        "(fails-at-most 0)",
+        ["mended failures: 1", "  fetch                1 dropped"],
+    ),
     (DROP, "(succeeds (fetch box))", [FAILED, *WHY]),
     (
         DROP,

@@ -11,6 +11,7 @@ from rapc.testing.faults import read_fault
 from rapc.testing.run import Case, Outcome, Status, run_case
 from rapc.testing.session import TestSession
 
+from ..cli.command import rapc
 from .small_suite import happened
 
 COURIER = Path(__file__).parents[2] / "examples" / "courier"
@@ -69,6 +70,103 @@ def test_faults_reach_the_simulator(tmp_path: Path) -> None:
     case = written(tmp_path, clauses)
     assert TestSession().run_one(case).status is Status.PASSED
     assert session.run_one(case).status is Status.FAILED
+
+
+def test_mended_failures_are_in_the_outcome_and_bounded(tmp_path: Path) -> None:
+    clauses = "(seed 4) (agenda shift) (until 3000) (expect (fails-at-most {}))"
+    outcome = outcome_of(tmp_path, clauses.format(5))
+    assert outcome.status is Status.FAILED
+    assert happened(outcome)[0] == "mended failures: 6"
+    assert [line.split() for line in outcome.mended] == [
+        ["travel-to", "3", "blocked"],
+        ["deliver", "1", "sold-out"],
+        ["fetch", "1", "sold-out"],
+        ["stay-charged", "1", "interference"],
+    ]
+    assert outcome_of(tmp_path, clauses.format(6)).status is Status.PASSED
+
+
+GAUGE = """
+from rapc.world import Kit, Offer, Reply, World
+
+class Gauge(World):
+    name = "gauge"
+    kit = Kit(Offer({"fill": (1, ("okay", "spilt"))}))
+
+    def __init__(self, rng, options): self.filled = 0
+    def now(self): return 0
+    def perform(self, ticket, request):
+        self.filled += request[1]
+        return Reply("spilt" if self.filled < 5 else "okay")
+    def next_time(self): return None
+    def advance(self, to): pass
+    def messages(self): return ()
+    def figures(self): return {"all_filled": self.filled}
+"""
+FILL = """
+(declare-primitive fill (?n) (okay spilt))
+(define-rap (fill-up) (method (primitive (fill 3))))
+"""
+
+
+@pytest.fixture
+def gauge(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with a world that has one figure."""
+    (tmp_path / "gauge_of_a_test.py").write_text(GAUGE, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def in_gauge(clauses: str) -> Outcome:
+    """The outcome of a test in the world with one figure."""
+    Path("it.test.rap").write_text(f"{FILL} (define-test it {clauses})", "utf-8")
+    found = find(["it.test.rap"])
+    assert found.reports == ()
+    return run_case(found.cases[0], modules=["gauge_of_a_test"])
+
+
+WORLD = '(world "gauge_of_a_test:Gauge") (task (fill-up))'
+
+
+@pytest.mark.usefixtures("gauge")
+@pytest.mark.parametrize(
+    ("figure", "message"),
+    [
+        ("all-filled = 6", None),
+        ("all-filled n= 5", None),
+        ("all-filled < 7", None),
+        ("all-filled <= 6", None),
+        ("all-filled > 5", None),
+        ("all-filled >= 6", None),
+        ("all-filled >= 7", "the figure `all-filled` is 6"),
+        ("all-filled < 6", "the figure `all-filled` is 6"),
+        ("filled = 6", "the world `gauge_of_a_test:Gauge` has no figure `filled`"),
+    ],
+)
+def test_figures_of_the_world_are_compared(figure: str, message: str | None) -> None:
+    outcome = in_gauge(f"{WORLD} (expect (succeeds (fill-up)) (figure {figure}))")
+    assert happened(outcome) == ([] if message is None else [message])
+
+
+@pytest.mark.usefixtures("gauge")
+@pytest.mark.parametrize("clauses", ["", f"{WORLD} (script ((fill ?)))"])
+def test_figures_require_a_simulator(clauses: str) -> None:
+    outcome = in_gauge(f"{clauses} (expect (figure all-filled = 0))")
+    assert outcome.status is Status.ERROR
+    assert happened(outcome) == ["figures require a world and no script"]
+
+
+@pytest.mark.usefixtures("gauge")
+def test_run_reports_figures_and_mended_failures() -> None:
+    Path("fill.rap").write_text(FILL, "utf-8")
+    options = ("--world", "gauge_of_a_test:Gauge", "--task", "(fill-up)", "-q")
+    done = rapc("run", "fill.rap", *options, cwd=Path.cwd())
+    assert [line.split() for line in done.stdout.splitlines()[-4:]] == [
+        ["Failures", "mended", "by", "a", "retry:", "1."],
+        ["fill-up", "1", "spilt"],
+        ["Figures", "of", "the", "world:"],
+        ["all-filled", "6"],
+    ]
 
 
 @pytest.mark.parametrize(

@@ -13,12 +13,78 @@ _LEFT_OVER = 20
 """The highest number of remaining tasks in the report."""
 
 
+_MOST_RAPS = 10
+"""The highest number of RAPs with mended failures in a report."""
+
 _COUNTED: Mapping[type[events.Event], str] = {
     events.TaskFailed: "Tasks failed, at any level",
     events.DeadlineMissed: "Deadlines missed",
     events.QueryFaulted: "Faults in queries",
 }
 """Other counted kinds of events, with their names in the report."""
+
+
+class MendedFailures:
+    """A listener that counts methods that failed in tasks that then went on well.
+
+    A failure is mended if its task succeeds. In a task that has not ended by itself, a
+    failure is mended if a later method of the task succeeds.
+    """
+
+    kinds = (
+        events.TaskCreated,
+        events.MethodEnded,
+        events.TaskSucceeded,
+        events.TaskFailed,
+    )
+
+    def __init__(self) -> None:
+        self._raps: dict[int, str] = {}
+        #: The failures of tasks that have not succeeded or failed, by task.
+        self._open: dict[int, list[str]] = {}
+        #: How many of these failures precede a method that succeeded.
+        self._retried: dict[int, int] = {}
+        self._mended: Counter[tuple[str, str]] = Counter()
+
+    def __call__(self, event: events.Event) -> None:
+        """Process one event."""
+        if isinstance(event, events.TaskCreated):
+            self._raps[event.task] = event.goal.name
+        elif isinstance(event, events.MethodEnded):
+            if event.result != OKAY:
+                self._open.setdefault(event.task, []).append(event.result)
+            elif event.task in self._open:
+                self._retried[event.task] = len(self._open[event.task])
+        elif isinstance(event, events.TaskSucceeded | events.TaskFailed):
+            rap, failed = self._raps[event.task], self._open.pop(event.task, ())
+            self._retried.pop(event.task, None)
+            if isinstance(event, events.TaskSucceeded):
+                self._mended.update((rap, result) for result in failed)
+
+    def counts(self) -> Counter[tuple[str, str]]:
+        """Return the mended failures so far, by RAP and reason."""
+        found = self._mended.copy()
+        for task, number in self._retried.items():
+            results = self._open[task][:number]
+            found.update((self._raps[task], result) for result in results)
+        return found
+
+    def lines(self) -> list[str]:
+        """Return a line for each RAP, the most frequent failures first."""
+        raps: dict[str, list[tuple[int, str]]] = {}
+        for (rap, result), count in self.counts().items():
+            raps.setdefault(rap, []).append((count, result))
+
+        def frequent(item: tuple[str, list[tuple[int, str]]]) -> tuple[int, str]:
+            return -sum(count for count, _ in item[1]), item[0]
+
+        lines = []
+        for rap, results in sorted(raps.items(), key=frequent):
+            ordered = sorted(results, key=lambda one: (-one[0], one[1]))
+            said = ", ".join(f"{count} {result}" for count, result in ordered)
+            lines.append(f"{rap:<20} {said}")
+        more = len(lines) - _MOST_RAPS
+        return lines[:_MOST_RAPS] + ([f"and {more} more RAPs"] if more > 0 else [])
 
 
 class RunReport:
