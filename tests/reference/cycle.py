@@ -75,18 +75,23 @@ def trace_inputs(run: Run, task: Task) -> None:
             run.fault(task.parent.task, clause, task.place.step, why)
 
 
-def for_formulas(run: Run, task: Task) -> bool:
-    """Ask the `for` formulas that point at a step; what they bind is kept."""
+def for_formulas(run: Run, task: Task, to_the_first: bool = False) -> bool:
+    """Ask the `for` formulas that point at a step; what they bind is kept.
+
+    All are asked, or those up `to_the_first` that does not hold.
+    """
     if task.parent is None or task.place is None:
         return True
     every = True
     clause = f"`for {task.place.step.tag}` formula"
     for formula in task.parent.conditions(task.place):
         found = run.holds(task.parent.task, formula, task.parent.env, clause)
-        if found is None:
-            every = False
-        else:
+        if found is not None:
             task.parent.env.update(found)
+            continue
+        every = False
+        if to_the_first:
+            break
     return every
 
 
@@ -107,7 +112,7 @@ def until_start(run: Run, task: Task) -> None:
 
 def conditions_hold(run: Run, task: Task) -> bool:
     """Step 4; False if it settled the matter."""
-    held = for_formulas(run, task)
+    held = for_formulas(run, task, to_the_first=True)
     if held and task.parent is not None and bindings_repeat(run, task.parent):
         return False
     held = held and (
