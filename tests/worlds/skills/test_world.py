@@ -20,7 +20,7 @@ from rapc.runtime.held_world import HeldWorld
 from rapc.runtime.interpreter import Interpreter
 from rapc.world import NOT_KNOWN, Kit, Signal
 from rapc.worlds.skills.catalogue import Catalogue
-from rapc.worlds.skills.declarations import Event, Ports, Skill
+from rapc.worlds.skills.declarations import Event, Parameter, Ports, Skill
 from rapc.worlds.skills.runtime import EventTold, SkillRuntime
 from rapc.worlds.skills.world import SkillWorld, offer
 from tests.worlds.skills.tank import FLOW, catalogue
@@ -170,3 +170,51 @@ def test_refusal_gives_its_reason_as_the_cause_of_the_failure() -> None:
 def test_breach_of_an_inherited_method_names_the_class_of_the_author() -> None:
     message = str(HeldWorld(TankWorld()).breach("restore", "goes wrong"))
     assert re.search(r"see `restore` of `TankWorld` \(test_world.py:\d+\)$", message)
+
+
+class Dial(Skill):
+    """Open the valve as far as told."""
+
+    name = "dial"
+    outputs = (FLOW,)
+    parameters = (Parameter("most", "number", "m/s"),)
+    uses = ("valve",)
+    single = True
+
+    def step(self, now: float, ports: Ports) -> None:
+        ports[FLOW] = float(self.arguments["most"])
+
+
+class DialWorld(TankWorld):
+    """A tank whose valve is a single skill."""
+
+    kit = Kit(offer(Catalogue([Dial], [], [FLOW])))
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.runtime = SkillRuntime(Catalogue([Dial], [], [FLOW]))
+        self.flows: list[float | None] = []
+
+    def tick(self) -> Iterable[EventTold]:
+        told = super().tick()
+        self.flows.append(self.runtime.value(FLOW))
+        return told
+
+
+def test_descendant_changes_the_arguments_of_a_single_skill() -> None:
+    library = """
+        (declare-skill :dial (?most) :events () :uses (valve))
+        (define-rap (top)
+          (method (skills (:dial 1))
+            (task-net (t1 (wait 1) (for t2)) (t2 (more) (for t3)) (t3 (wait 3)))))
+        (define-rap (more) (method (skills (:dial 5)) (task-net (t1 (wait 1)))))
+        (define-rap (wait ?for) (succeed true) (monitor-time now ?for 99))"""
+    parsed, wrong = link([parse(SourceFile("t.rap", library))])
+    assert not wrong
+    world = DialWorld()
+    interpreter = Interpreter(Program(parsed, "t"), world, 0)
+    interpreter.start()
+    interpreter.submit("(top)")
+    interpreter.run(until=10)
+    assert interpreter.results()[0].outcome == "succeeded"
+    assert world.flows == [1] * 10 + [5] * 10 + [1] * 10
