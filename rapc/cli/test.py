@@ -42,6 +42,8 @@ _LEAST_WIDTH = 20
 
 _MOST_SEEDS = 100_000
 
+_MOST_JOBS = 1000
+
 
 @command(EXAMPLES)
 @click.argument("paths", nargs=-1, metavar="PATH...", type=click.Path())
@@ -52,6 +54,14 @@ _MOST_SEEDS = 100_000
     default=1,
     metavar="N",
     help="Number of seeds; a test must pass with each.",
+)
+@click.option(
+    "--jobs",
+    type=WholeNumber(_MOST_JOBS),
+    default=1,
+    show_default=True,
+    metavar="N",
+    help="Number of processes.",
 )
 @click.option(
     "--fault",
@@ -91,6 +101,7 @@ def test(
     paths: Sequence[str],
     seed: int,
     seeds: int,
+    jobs: int,
     faults: Sequence[str],
     modules: Sequence[str],
     junit: str | None,
@@ -109,6 +120,8 @@ def test(
     if not paths:
         raise click.UsageError("missing a file or folder with tests")
     gathered = None if coverage is None and least is None else Coverage()
+    if jobs > 1:
+        _refuse_with_jobs(paths, gathered)
     injected = tuple([read_option("--fault", read_fault, text) for text in faults])
     configured = nearest_config(paths[0])
     permitted = (*modules, *configured.config.world_modules)
@@ -129,7 +142,11 @@ def test(
         fail("--fault: " + useless[0], *useless[1:])
     home = Path.cwd() if configured.file is None else configured.file.parent
     with importing_from(home):
-        outcomes = _run(running, cases)
+        outcomes = _tell(
+            running.run(cases)
+            if jobs == 1
+            else _in_processes(running, paths, cases, jobs)
+        )
     _explain(outcomes)
     status = exit_status(outcomes)
     if gathered is not None:
@@ -171,11 +188,43 @@ def _find(paths: Sequence[str]) -> tuple[Case, ...]:
     return found.cases
 
 
-def _run(running: TestSession, cases: Iterable[Case]) -> list[Outcome]:
-    """Run the tests; print a line for each, below the name of its file."""
+def _refuse_with_jobs(paths: Sequence[str], gathered: Coverage | None) -> None:
+    """Refuse the options that require one process."""
+    if gathered is not None:
+        raise click.UsageError("cannot combine --jobs and --coverage")
+    if "-" in paths:
+        raise click.UsageError("cannot combine --jobs and standard input")
+
+
+def _in_processes(
+    running: TestSession, paths: Sequence[str], cases: Sequence[Case], jobs: int
+) -> list[Outcome]:
+    """Run the tests in several processes; show their progress on a terminal."""
+    from concurrent.futures.process import BrokenProcessPool
+
+    from rapc.console.experiments import output
+    from rapc.testing.parallel import run_parallel
+
+    given = settings()
+    shown = sys.stderr.isatty() and not given.quiet
+    color, outcomes = given.colored(), []
+    try:
+        with output.bar(
+            "tests", len(cases), sys.stderr, shown=shown, color=color
+        ) as advance:
+            for outcome in run_parallel(running, paths, cases, jobs):
+                outcomes.append(outcome)
+                advance(1)
+    except BrokenProcessPool:
+        fail(f"a process ended before its test: {len(outcomes)} of {len(cases)} ran")
+    return outcomes
+
+
+def _tell(ended: Iterable[Outcome]) -> list[Outcome]:
+    """Print a line for each outcome, below the name of its file."""
     outcomes = []
     file = None
-    for outcome in running.run(cases):
+    for outcome in ended:
         outcomes.append(outcome)
         status = outcome.status.value
         if settings().quiet and status == "passed":

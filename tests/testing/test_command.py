@@ -307,3 +307,57 @@ def test_source_file_is_not_overwritten(tmp_path: Path, option: str, name: str) 
         f"library\n"
     )
     assert (tmp_path / name).read_bytes() == before
+
+
+def test_jobs_change_no_byte_of_the_output(tmp_path: Path) -> None:
+    tests = [
+        f"(define-test t{n} (script {GRAB}) (task (fetch box))"
+        f" (expect (never (grab {'box' if n % 3 else 'cup'}))))"
+        for n in range(7)
+    ]
+    for name, part in (("a", tests[:4]), ("b", tests[4:])):
+        text = "\n".join((LIBRARY, *part))
+        (tmp_path / f"{name}.test.rap").write_text(text, encoding="utf-8")
+    alone, many = (
+        rapc("test", ".", "--seeds", "3", "--jobs", jobs, cwd=tmp_path)
+        for jobs in ("1", "3")
+    )
+    assert (many.stdout, many.stderr) == (alone.stdout, alone.stderr)
+    assert many.returncode == alone.returncode == 1
+    assert many.stdout.endswith("7 tests, each under 3 seeds: 3 passed, 4 failed\n")
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ((".", "--coverage"), "cannot combine --jobs and --coverage"),
+        ((".", "--coverage-min", "3"), "cannot combine --jobs and --coverage"),
+        (("-",), "cannot combine --jobs and standard input"),
+    ],
+)
+def test_jobs_refuse_coverage_and_standard_input(
+    tmp_path: Path, options: tuple[str, ...], message: str
+) -> None:
+    done = rapc("test", *options, "--jobs", "2", cwd=tmp_path)
+    assert done.returncode == 2
+    assert message in done.stderr
+
+
+def test_process_that_ends_early_ends_the_command(tmp_path: Path) -> None:
+    world = """
+import os
+from rapc.world import Kit
+from rapc.worlds.scripted import ScriptedWorld
+
+class Exits(ScriptedWorld):
+    name = "exits"
+    kit = Kit()
+    def __init__(self, rng, options): os._exit(3)
+"""
+    (tmp_path / "exits.py").write_text(world, encoding="utf-8")
+    text = '(define-rap (idle) (succeed t)) (define-test it (world "exits:Exits"))'
+    (tmp_path / "it.test.rap").write_text(text, encoding="utf-8")
+    options = ("--world-module", "exits", "--jobs", "2")
+    done = rapc("test", ".", *options, cwd=tmp_path)
+    assert done.returncode == 2
+    assert "a process ended before its test: 0 of 1 ran" in done.stderr
