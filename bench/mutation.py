@@ -166,6 +166,7 @@ LIBRARIES: Sequence[Sequence[str]] = (
     ("stdlib/truck-beyond",),
     ("stdlib/hallway",),
     ("examples/courier",),
+    ("examples/laboratory",),
     ("examples/greenhouse.rap", "bench/greenhouse.test.rap"),
     ("bench/porter.rap", "bench/porter.test.rap"),
 )

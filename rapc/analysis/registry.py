@@ -36,6 +36,7 @@ _OTHERS = (
     "conditions",
     "constants",
     "goals",
+    "letters",
     "loops",
     "monitors",
     "nets",
