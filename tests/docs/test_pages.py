@@ -32,17 +32,12 @@ WIDE = frozenset(
     {
         "how-to/behaviour-trees",
         "how-to/ci",
-        "how-to/experiments",
         "index",
         "language/1-text",
         "language/2-queries",
         "language/8-things",
         "language/9-skills",
         "reference/cli",
-        "research/chapter6",
-        "research/fidelity",
-        "research/hallway",
-        "research/rounds",
     }
 )
 """The pages with wider code, on a terminal of 100 columns."""
