@@ -56,7 +56,7 @@ def slips() -> str:
         f"{counts['each']} slips at most of each kind. The {len(sure)} kinds without a "
         f"remark: {made} slips, {found} found; the cause is named for {named}, and "
         f"{single} have a single finding. {counts['idle']} further slips of all kinds "
-        "were not found and changed no trace.\n\n" + "\n".join(tables)
+        "changed no trace and are left out.\n\n" + "\n".join(tables)
     )
 
 
