@@ -16,15 +16,14 @@ import msgspec
 
 from rapc.analysis.check import Fact, Pass, check
 from rapc.analysis.facts.bindings import Bound, whole_formulas
+from rapc.analysis.facts.clashes import clash_at, first_clash, said
 from rapc.analysis.facts.index import INDEX
 from rapc.analysis.facts.logic import (
     Clash,
-    Conjunction,
     Literal,
     apart,
     follows,
     literals,
-    may_clash,
 )
 from rapc.base.diagnostics import (
     Applicability,
@@ -86,11 +85,6 @@ def one_for_each_place(found: Iterable[Diagnostic]) -> Iterable[Diagnostic]:
     return first.values()
 
 
-def clash_at(rule: Rule, message: str, span: Span, label: Label) -> Diagnostic:
-    """Return a finding with a label, unless the label has the same place."""
-    return rule.at(span, message, labels=(label,) if label.span != span else ())
-
-
 class _Asked(NamedTuple):
     """A formula, and the literals evaluated together with the formula."""
 
@@ -147,32 +141,6 @@ _JOINED = (nodes.And, nodes.Or, nodes.Not)
 """The formulas that combine other formulas."""
 
 
-def first_clash(
-    run: Pass,
-    held: Sequence[Literal],
-    own: Sequence[Literal],
-    given: Container[str],
-) -> Clash | None:
-    """Return the first of some literals that contradicts another literal.
-
-    Args:
-        run: the pass.
-        held: literals that hold, and do not contradict each other.
-        own: the literals that are added in order.
-        given: the variables that may have values before the first literal.
-    """
-    if not may_clash([*held, *own]):
-        return None
-    made = Conjunction(run.signatures.relations, given)
-    for literal in held:
-        made.add(literal)
-    for literal in own:
-        clash = made.add(literal)
-        if clash is not None:
-            return clash
-    return None
-
-
 def _contradiction(clash: Clash) -> Diagnostic:
     return clash_at(
         CONTRADICTION,
@@ -180,18 +148,6 @@ def _contradiction(clash: Clash) -> Diagnostic:
         clash.second.span,
         Label(clash.first.span, "queried here" if clash.first.holds else "denied here"),
     )
-
-
-def said(literal: Literal) -> str:
-    """Return the text of a literal, shortened, in back-ticks."""
-    text = format_formula(literal.formula)
-    if len(text) > _SHOWN_LETTERS:
-        text = text[:_SHOWN_LETTERS] + "..."
-    return f"`{text}`" if literal.holds else f"`(not {text})`"
-
-
-_SHOWN_LETTERS = 50
-"""The maximum number of letters of a formula in a message."""
 
 
 UNREACHABLE = Rule(

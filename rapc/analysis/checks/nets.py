@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.checks.conditions import clash_at, first_clash, said
+from rapc.analysis.facts.clashes import clash_at, first_clash, said
 from rapc.analysis.facts.effects import (
     does_nothing,
     done,
