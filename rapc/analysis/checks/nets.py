@@ -25,6 +25,7 @@ from rapc.analysis.facts.logic import (
     is_never,
     literals,
 )
+from rapc.analysis.facts.statistics import LIMITS
 from rapc.analysis.facts.task_nets import Net, sure_net, sure_nets
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
@@ -60,9 +61,22 @@ def _equal_goals(
     run: Pass, method: nodes.Method, body: nodes.TaskNet
 ) -> Iterator[Diagnostic]:
     first: dict[nodes.Goal, int] = {}
-    for at, step in enumerate(body.steps):
-        other = first.setdefault(step.goal, at)
-        if other == at or _is_repeated(run, method, body, other, at):
+    equal = [
+        (first[step.goal], at)
+        for at, step in enumerate(body.steps)
+        if first.setdefault(step.goal, at) != at
+    ]
+    net = sure_net(run, method) if equal else None
+    if net is None:
+        return
+    before, after = net.reach()
+    for other, at in equal:
+        ordered = before[at] >> other & 1 or before[other] >> at & 1
+        between = before[at] & after[other] | before[other] & after[at]
+        step = body.steps[at]
+        if ordered and (between or not _lasts(run, step)):
+            continue
+        if _is_repeated(run, body.steps[other], step):
             continue
         yield COPIED_STEP.at(
             step.goal.span,
@@ -72,31 +86,23 @@ def _equal_goals(
         )
 
 
-def _is_repeated(
-    run: Pass, method: nodes.Method, body: nodes.TaskNet, one: int, other: int
-) -> bool:
-    """Return whether the second of two equal steps repeats the first on purpose."""
-    notes = [*body.steps[one].annotations, *body.steps[other].annotations]
+def _lasts(run: Pass, step: nodes.Step) -> bool:
+    """Return whether the success of a step depends only on memory."""
+    called = run.library.raps.get(step.goal.name)
+    return called is not None and _is_lasting(called.succeed)
+
+
+def _is_repeated(run: Pass, one: nodes.Step, other: nodes.Step) -> bool:
+    """Return whether the second of two equal steps may repeat the first on purpose."""
+    notes = [*one.annotations, *other.annotations]
     if any(isinstance(note, nodes.Window | nodes.WaitFor) for note in notes):
         return True
-    net = sure_net(run, method)
-    changes = [
-        [n for n in body.steps[at].annotations if isinstance(n, nodes.ResourceChange)]
-        for at in (one, other)
-    ]
-    called = run.library.raps.get(body.steps[one].goal.name)
-    if net is None or changes[0] != changes[1]:
-        return True
-    if called is None or not called.methods:
-        return True
-    if not (net.is_before(one, other) or net.is_before(other, one)):
-        return False
-    between = any(
-        (net.is_before(one, at) and net.is_before(at, other))
-        or (net.is_before(other, at) and net.is_before(at, one))
-        for at in range(len(body.steps))
+    first, second = (
+        [note for note in step.annotations if isinstance(note, nodes.ResourceChange)]
+        for step in (one, other)
     )
-    return between or not _is_lasting(called.succeed)
+    called = run.library.raps.get(one.goal.name)
+    return first != second or called is None or not called.methods
 
 
 def _is_lasting(formula: nodes.Formula | None) -> bool:
@@ -219,8 +225,8 @@ def _done_last(run: Pass, method: nodes.Method) -> Sequence[Literal]:
     net, steps = sure_net(run, method), method.body.steps
     if net is None:
         return ()
-    every = range(len(steps))
-    last = [at for at in every if not any(net.is_before(at, other) for other in every)]
+    before = {edge.before for edges in net.edges for edge in edges}
+    last = [at for at in range(len(steps)) if at not in before]
     if len(last) != 1 or last[0] in net.early:
         return ()
     return done(run.library, steps[last[0]].goal)
@@ -241,19 +247,20 @@ def _steps(
         else []
     )
     context = [*monitor, *literals(method.context)]
+    protected, brought = _protected(body.steps), _brought(run, body.steps)
     for at, step in enumerate(body.steps):
         called = run.library.raps.get(step.goal.name)
         if called is None:
             continue
         terms = input_terms(called, step.goal)
-        protected = list(_protected(body, at))
         for note in step.annotations:
             if not isinstance(note, nodes.For) or note.formula is None:
                 continue
-            if not _may_change(run, body, net, at, note):
-                yield from _contrary_effect(run, step, note, bound)
+            for found in _contrary_effect(run, step, note, bound):
+                if not _may_change(brought, net, at, note):
+                    yield found
         is_first = not net.edges[at]
-        held = [*(context if is_first else ()), *protected]
+        held = [*(context if is_first else ()), *protected.get(step.tag, ())]
         yield from _cannot_begin(run, step, called, terms, held, bound)
         if is_first and context:
             yield from _needless(run, step, called, terms, context, bound)
@@ -265,32 +272,29 @@ def _formulas(rap: nodes.DefineRap, method: nodes.Method) -> Iterator[nodes.Form
             yield formula
 
 
-def _protected(body: nodes.TaskNet, at: int) -> Iterator[Literal]:
-    """Yield the literals that hold when a step begins, by `for` of other steps."""
-    for step in body.steps:
+def _protected(steps: Sequence[nodes.Step]) -> Mapping[str, Sequence[Literal]]:
+    """Return by tag the literals that hold when a step begins, by `for` of others."""
+    found: dict[str, list[Literal]] = {}
+    for step in steps:
         for note in step.annotations:
-            tag = body.steps[at].tag
-            if isinstance(note, nodes.For) and note.formula and note.tag == tag:
-                yield from literals(note.formula)
+            if isinstance(note, nodes.For) and note.formula:
+                found.setdefault(note.tag, []).extend(literals(note.formula))
+    return found
 
 
 def _goals(body: nodes.TaskNet) -> Iterator[nodes.Goal]:
     return (step.goal for step in body.steps)
 
 
-def _may_change(
-    run: Pass, body: nodes.TaskNet, net: Net, at: int, note: nodes.For
-) -> bool:
+def _may_change(brought: Brought, net: Net, at: int, note: nodes.For) -> bool:
     """Return whether another step may change a protected fact before its use."""
-    assert note.formula is not None
-    names = {fact_name(one) for one in literals(note.formula)}
+    names = dict.fromkeys(map(fact_name, literals(note.formula)))
+    others = [by for name in names for by, _ in brought.get(name, ())]
     user = net.tags[note.tag]
-    return any(
-        not names.isdisjoint(fact_name(one) for one in done(run.library, step.goal))
-        for by, step in enumerate(body.steps)
+    return len(others) > LIMITS.steps_of_fact or any(
+        not net.is_before(by, at) and not net.is_before(user, by)
+        for by in others
         if by not in (at, user)
-        and not net.is_before(by, at)
-        and not net.is_before(user, by)
     )
 
 
@@ -400,11 +404,10 @@ def unordered_steps(run: Pass) -> Iterator[Diagnostic]:
     for rap, method, net in sure_nets(run):
         steps = method.body.steps if isinstance(method.body, nodes.TaskNet) else ()
         known = {fact_name(one) for one in _known(rap, method)}
-        brought = [
-            [one for one in done(run.library, step.goal) if one.holds] for step in steps
-        ]
+        brought, protected = _brought(run, steps), _protected(steps)
         for at, step in enumerate(steps):
-            found = _missing_order(run, steps, net, at, brought, known)
+            sure = known.union(map(fact_name, protected.get(step.tag, ())))
+            found = _missing_order(run, step, net, at, brought, sure)
             if found is not None:
                 by, needed = found
                 yield UNORDERED.at(
@@ -424,33 +427,40 @@ def _known(rap: nodes.DefineRap, method: nodes.Method) -> Iterator[Literal]:
                 yield Literal(part, True)
 
 
+Brought = Mapping[str, Sequence[tuple[int, Literal]]]
+"""By the name of a fact: the steps that bring such facts about, and the facts."""
+
+
+def _brought(run: Pass, steps: Sequence[nodes.Step]) -> Brought:
+    found: dict[str, list[tuple[int, Literal]]] = {}
+    for at, step in enumerate(steps):
+        for one in done(run.library, step.goal):
+            name = fact_name(one)
+            if name:
+                found.setdefault(name, []).append((at, one))
+    return found
+
+
 def _missing_order(
     run: Pass,
-    steps: Sequence[nodes.Step],
+    step: nodes.Step,
     net: Net,
     at: int,
-    brought: Sequence[Sequence[Literal]],
-    known: Container[str],
+    brought: Brought,
+    sure: Container[str],
 ) -> tuple[int, Literal] | None:
     """Return a step that brings about what another step requires, and the fact."""
-    others = [by for by in range(len(steps)) if by != at]
-    before = [by for by in others if net.is_before(by, at)]
-    protected = [
-        literal
-        for step in steps
-        for note in step.annotations
-        if isinstance(note, nodes.For) and note.tag == steps[at].tag
-        for literal in literals(note.formula)
-    ]
-    for needed in _needed(run, steps[at].goal):
-        if not needed.holds or fact_name(needed) in known:
+    for needed in _needed(run, step.goal):
+        name = fact_name(needed)
+        there = brought.get(name, ())
+        if not needed.holds or name in sure or len(there) > LIMITS.steps_of_fact:
             continue
-        earlier = [one for by in before for one in brought[by]]
-        if any(fact_name(one) == fact_name(needed) for one in (*earlier, *protected)):
+        there = [(by, one) for by, one in there if one.holds]
+        late = [(by, one) for by, one in there if not net.is_before(by, at)]
+        if len(late) < len(there):
             continue
-        for by in others:
-            late = by not in before and by not in net.early
-            if late and any(one.formula == needed.formula for one in brought[by]):
+        for by, one in late:
+            if by not in (at, *net.early) and one.formula == needed.formula:
                 return by, needed
     return None
 
