@@ -67,7 +67,18 @@ class _Slot:
         self._pool.stop()
 
     def join(self) -> None:
-        self._pool.join()
+        """Wait for the threads of the pool, at most `_LAST_WAIT` seconds.
+
+        An interrupt between two instructions of the pool may leave a lock held for
+        ever. The processes are dead by then, and the threads end with this process.
+        """
+        joining = Thread(target=self._pool.join, daemon=True)
+        joining.start()
+        joining.join(_LAST_WAIT)
+
+
+_LAST_WAIT = 5.0
+"""Seconds to wait for the threads of a stopped pool."""
 
 
 def _pool() -> ProcessPool:
