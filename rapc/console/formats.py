@@ -20,7 +20,7 @@ from rapc.base.diagnostics import Applicability, Diagnostic, Fix, Rule, Severity
 from rapc.base.files import seen_from
 from rapc.base.source import SourceFile, Span
 from rapc.base.version import VERSION
-from rapc.base.visible import visible
+from rapc.base.visible import visible, visible_lines
 from rapc.console import findings as text
 from rapc.console.junit import COUNTS, JUnitCase
 from rapc.console.junit import junit as junit_xml
@@ -140,7 +140,9 @@ def sarif(report: CheckReport) -> str:
 
 def _sarif_rule(rule: Rule) -> dict[str, Any]:
     page = rule.page
-    text = f"{page.why}\n\nExample:\n\n{page.example}\nUse instead:\n\n{page.better}"
+    text = visible_lines(
+        f"{page.why}\n\nExample:\n\n{page.example}\nUse instead:\n\n{page.better}"
+    )
     return {
         "id": rule.code,
         "name": rule.name,
