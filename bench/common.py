@@ -58,13 +58,13 @@ def seconds(work: Callable[[], object], rounds: int = 5) -> float:
 
 
 def compiled(loaded: Loaded) -> Program:
-    """A loaded library that was found clean, compiled.
+    """A loaded library without errors, compiled.
 
     Raises:
-        ValueError: if something was found in it; then the benchmark is wrong.
+        ValueError: if an error was found in it; then the benchmark is wrong.
     """
     report = driver.check_library(loaded)
-    if report.worst() not in (None, Severity.INFO):
+    if report.worst() is Severity.ERROR:
         raise ValueError([f.diagnostic.message for f in report.findings[:5]])
     return Program(loaded.library)
 

@@ -289,9 +289,12 @@ def _goals(body: nodes.TaskNet) -> Iterator[nodes.Goal]:
 def _may_change(brought: Brought, net: Net, at: int, note: nodes.For) -> bool:
     """Return whether another step may change a protected fact before its use."""
     names = dict.fromkeys(map(fact_name, literals(note.formula)))
-    others = [by for name in names for by, _ in brought.get(name, ())]
+    there = [brought.get(name, ()) for name in names]
+    if sum(map(len, there)) > LIMITS.steps_of_fact:
+        return True
+    others = [by for found in there for by, _ in found]
     user = net.tags[note.tag]
-    return len(others) > LIMITS.steps_of_fact or any(
+    return any(
         not net.is_before(by, at) and not net.is_before(user, by)
         for by in others
         if by not in (at, user)
