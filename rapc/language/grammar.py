@@ -92,7 +92,7 @@ GRAMMAR: Mapping[str, Production] = {
     "or": Production(('list', '"or"', ('*', 'formula')), says='one of the formulas holds', breaks='malformed-formula', pages=('2-queries.md#2.2',)),
     "not": Production(('list', '"not"', 'formula'), says='the formula has no solution', takes='one formula', breaks='malformed-formula', pages=('2-queries.md#2.4',)),
     "compare": Production(('list', ('or', '"="', '"n="', '"<"', '">"', '"<="', '">="'), 'term', 'term'), says='compares two values', takes='two terms', breaks='malformed-formula', pages=('2-queries.md#2.31',)),
-    "is": Production(('list', '"is"', 'term', 'term'), says='binds a variable to a computed value', takes='a variable and a term', breaks='malformed-formula', pages=('2-queries.md#is',)),
+    "is": Production(('list', '"is"', 'VARIABLE', 'term'), says='binds a variable to a computed value', takes='a variable and a term', breaks='malformed-formula', pages=('2-queries.md#is',)),
     "believe": Production(('list', '"believe"', 'proposition', 'term'), says='a fact that is younger than an age', takes='a proposition and an age', breaks='malformed-formula', pages=('2-queries.md#believe',)),
     "member": Production(('list', '"member"', 'term', 'term'), says='a set has the member', takes='a set and a value', breaks='malformed-formula', pages=('2-queries.md#2.45',)),
     "empty": Production(('list', '"empty"', 'term'), says='a set has no members', takes='a set', breaks='malformed-formula', pages=('2-queries.md#2.45',)),

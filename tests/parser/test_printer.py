@@ -26,10 +26,9 @@ NUMBERS = st.one_of(
     st.floats(-1e12, 1e12, allow_subnormal=False).map(lambda x: number(round(x, 6))),
 )
 ATOMS = st.one_of(NAMES, NUMBERS, st.text(max_size=8).map(Text), st.just(":kw"))
+VARIABLES = st.sampled_from(["?", "?x", "?y"]).map(nodes.Var)
 TERMS: st.SearchStrategy[nodes.Term] = st.recursive(
-    st.one_of(
-        ATOMS.map(nodes.Const), st.sampled_from(["?", "?x", "?y"]).map(nodes.Var)
-    ),
+    st.one_of(ATOMS.map(nodes.Const), VARIABLES),
     lambda inner: st.builds(
         nodes.Call, st.just("f"), st.lists(inner, max_size=3).map(tuple)
     ),
@@ -46,7 +45,7 @@ LEAVES = st.one_of(
     st.booleans().map(nodes.Truth),
     st.just(nodes.Otherwise()),
     st.builds(nodes.Compare, OPS, TERMS, TERMS),
-    st.builds(nodes.Is, TERMS, TERMS),
+    st.builds(nodes.Is, VARIABLES, TERMS),
     st.builds(nodes.Believe, PATTERNS, TERMS),
     st.builds(nodes.SetTest, st.just("member"), st.tuples(TERMS, TERMS).map(tuple)),
     st.builds(nodes.SetTest, st.just("empty"), st.tuples(TERMS).map(tuple)),

@@ -182,7 +182,11 @@ def pattern(words: Words) -> Datum:
 
 def _compare(words: Words) -> Datum:
     if words.chance(0.2):
-        return ("is", words.item(), words.pick((words.ground(), words.number())))
+        return (
+            "is",
+            words.pick((*words.free, *words.known, "?u")),
+            words.pick((words.ground(), words.number())),
+        )
     if words.chance(0.5):
         return (words.pick(("=", "n=")), words.ground(), words.ground())
     return (words.pick(("<", ">", "<=", ">=")), words.number(), words.number())

@@ -1,4 +1,4 @@
-"""RAP178 and RAP179: text that does not look like what it means."""
+"""RAP178 and RAP179: invisible control characters, and words of several scripts."""
 
 from __future__ import annotations
 
