@@ -52,6 +52,22 @@ def is_number(value: object) -> bool:
     return kind is int or kind is float
 
 
+def holds_between(op: str, left: Number, right: Number) -> bool:
+    """Return whether a comparison of two numbers is true."""
+    match op:
+        case "<":
+            return left < right
+        case ">":
+            return left > right
+        case "<=":
+            return left <= right
+        case ">=":
+            return left >= right
+        case "=":
+            return left == right
+    return left != right
+
+
 def is_variable(part: object) -> bool:
     """Return whether a part of a pattern is a variable: a symbol with a leading `?`."""
     return isinstance(part, str) and part.startswith("?")

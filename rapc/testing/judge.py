@@ -6,7 +6,6 @@ The functions read a record and query memory, without side effects.
 
 from __future__ import annotations
 
-import operator
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -18,6 +17,7 @@ from rapc.base.values import (
     Number,
     format_atom,
     format_list,
+    holds_between,
     match_pattern,
     readable,
 )
@@ -267,21 +267,14 @@ def _told(event: events.Event) -> str:
 
 # --- figures and failures -----------------------------------------------------------
 
-_COMPARISONS: Mapping[str, Callable[[Any, Any], bool]] = {
-    "=": operator.eq,
-    "n=": operator.ne,
-    "<": operator.lt,
-    ">": operator.gt,
-    "<=": operator.le,
-    ">=": operator.ge,
-}
-
 
 def _figure(node: nodes.Figure, scene: Evidence) -> Happened | None:
     figure = scene.figures().get(node.name)
     if figure is None:
         return (f"the figure `{node.name}` is not a number",)
-    if _COMPARISONS[node.comparison](figure, node.value.value):
+    value = node.value.value
+    assert isinstance(value, int | float)  # the grammar takes no other value
+    if holds_between(node.comparison, figure, value):
         return None
     return (f"the figure `{node.name}` is {readable(figure)}",)
 

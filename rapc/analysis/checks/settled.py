@@ -12,7 +12,6 @@ from rapc.analysis.check import Pass, check
 from rapc.analysis.facts.index import INDEX, Index
 from rapc.analysis.facts.logic import (
     Always,
-    holds_between,
     is_never,
     literals,
     number_of,
@@ -24,7 +23,7 @@ from rapc.base.diagnostics import (
     Rule,
     Severity,
 )
-from rapc.base.values import Number
+from rapc.base.values import Number, holds_between
 from rapc.ir import clauses, nodes
 from rapc.ir.printer import format_formula
 from rapc.ir.walk import (
@@ -135,7 +134,7 @@ def _asks_history(formula: nodes.Formula | None) -> bool:
 
 
 def _acts(method: nodes.Method) -> object:
-    """Return what a method does when it has been chosen."""
+    """Return the parts of a method that determine its actions."""
     return (
         method.notations,
         method.constraints,

@@ -32,7 +32,7 @@ import msgspec
 
 from rapc.analysis.facts.statistics import LIMITS
 from rapc.base.source import Span
-from rapc.base.values import Atom, Number
+from rapc.base.values import Atom, Number, holds_between
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
 from rapc.ir.schema import operands
@@ -111,22 +111,6 @@ def number_of(term: nodes.Term | None) -> Number | None:
     """Return the number of a term; None for other terms."""
     value = term.value if isinstance(term, nodes.Const) else None
     return value if isinstance(value, int | float) else None
-
-
-def holds_between(op: str, left: Number, right: Number) -> bool:
-    """Return whether a comparison of two numbers is true."""
-    match op:
-        case "<":
-            return left < right
-        case ">":
-            return left > right
-        case "<=":
-            return left <= right
-        case ">=":
-            return left >= right
-        case "=":
-            return left == right
-    return left != right
 
 
 Relations = Mapping[str, Signature]

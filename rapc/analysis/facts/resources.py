@@ -17,9 +17,9 @@ from collections.abc import Iterable, Mapping
 import msgspec
 
 from rapc.analysis.facts.index import Index
-from rapc.analysis.facts.logic import Literal, holds_between, literals, number_of
+from rapc.analysis.facts.logic import Literal, literals, number_of
 from rapc.analysis.facts.statistics import LIMITS
-from rapc.base.values import Number
+from rapc.base.values import Number, holds_between
 from rapc.ir import nodes
 from rapc.library.library import Library
 

@@ -93,7 +93,7 @@ def _draw(run: Run, task: Task, holding: list[Held]) -> Choice:
 def _available(
     run: Run, task: Task, method: MethodPlan, found: Env
 ) -> tuple[Held | None, Sequence[Held]]:
-    """Return the first solution whose things are available, and those before it."""
+    """Return the first solution with available things, and the preceding solutions."""
     first = (method, found)
     if not must_wait(run, task, *first):
         return first, ()
