@@ -27,7 +27,7 @@ _NAMES = ("run", "interpreter", "ready", "going", "played")
 
 def _documented() -> set[str]:
     """Return the members of a run in the reference of the Python API."""
-    page = ROOT.parent / "docs" / "reference" / "python-api.md"
+    page = Path(__file__).parents[2] / "docs" / "reference" / "python-api.md"
     text = page.read_text(encoding="utf-8")
     entry = text[text.index("\n### Interpreter\n") :].split("\n### ")[1]
     found = set(re.findall(r"^#### Interpreter\.(\w+)$", entry, re.M))
