@@ -120,7 +120,11 @@ def _files(package: str) -> Iterable[Path]:
     file = Path(home)
     if file.name != "__init__.py":
         return (file,)
-    return sorted(f for f in file.parent.rglob("*") if f.suffix in _CODE)
+    found = (f for f in file.parent.rglob("*") if f.suffix in _CODE)
+    # Examples are not code of the package; in a checkout they are behind a link.
+    return sorted(
+        f for f in found if "examples" not in f.relative_to(file.parent).parts
+    )
 
 
 class Job(msgspec.Struct, frozen=True):

@@ -6,12 +6,15 @@ import multiprocessing
 import os
 import signal
 from collections.abc import Iterable
+from importlib import import_module
 from multiprocessing import forkserver
 from operator import attrgetter
+from pathlib import Path
 from typing import Any
 
 import pytest
 
+from rapc.experiments import run
 from rapc.experiments.batch import BatchResult, jobs, run_batch
 from rapc.experiments.local import LocalWorkers
 from rapc.experiments.run import Job, Result, run_job
@@ -74,3 +77,19 @@ def test_hash_covers_only_inputs_of_the_run() -> None:
     assert len(set(digests)) == 4
     other = session().points[0].config
     assert other.digest() == digests[0]
+
+
+def test_digest_of_code_leaves_out_examples(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A wheel has the examples as files, a checkout has a link to them."""
+    (tmp_path / "arm" / "examples").mkdir(parents=True)
+    (tmp_path / "arm" / "__init__.py").write_text("class World: pass")
+    monkeypatch.syspath_prepend(tmp_path)
+    digests = []
+    for text in ("1", "2"):
+        (tmp_path / "arm" / "examples" / "home.py").write_text(text)
+        run._digest_of.cache_clear()
+        digests.append(run.digest_of_code(import_module("arm").World))
+    run._digest_of.cache_clear()
+    assert len(set(digests)) == 1
