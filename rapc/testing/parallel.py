@@ -10,15 +10,13 @@ import multiprocessing
 import signal
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from functools import cache, partial
 from typing import Any
 
 from rapc.experiments.local import end_with_parent
 from rapc.testing import discover
 from rapc.testing.run import Case, Outcome
 from rapc.testing.session import TestSession
-
-_worker: tuple[TestSession, Sequence[Case]]
-"""The session and the tests of a process, which `_begin` sets."""
 
 
 def run_parallel(
@@ -37,11 +35,10 @@ def run_parallel(
     """
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(["rapc.testing.parallel"])
-    pool = ProcessPoolExecutor(
-        min(jobs, len(cases)), context, _begin, (session, tuple(paths))
-    )
+    pool = ProcessPoolExecutor(min(jobs, len(cases)), context, _begin)
+    run = partial(_run, session, tuple(paths))
     try:
-        for case, parts in zip(cases, pool.map(_run, range(len(cases))), strict=True):
+        for case, parts in zip(cases, pool.map(run, range(len(cases))), strict=True):
             yield Outcome(case, *parts)
     except BaseException:  # after Ctrl-C no process may finish its tests first
         for process in multiprocessing.active_children():
@@ -51,16 +48,19 @@ def run_parallel(
         pool.shutdown(cancel_futures=True)
 
 
-def _begin(session: TestSession, paths: Sequence[str]) -> None:
+def _begin() -> None:
     """Prepare a process; Ctrl-C concerns only its parent."""
-    global _worker  # noqa: PLW0603  # the only state of a process
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     end_with_parent()
-    _worker = session, discover.find(paths).cases
 
 
-def _run(index: int) -> tuple[Any, ...]:
+def _run(session: TestSession, paths: tuple[str, ...], index: int) -> tuple[Any, ...]:
     """Run a test; return the fields of its outcome after the test itself."""
-    session, cases = _worker
-    outcome = session.run_one(cases[index])
+    outcome = session.run_one(_cases(paths)[index])
     return tuple([getattr(outcome, name) for name in Outcome.__struct_fields__[1:]])
+
+
+@cache
+def _cases(paths: tuple[str, ...]) -> Sequence[Case]:
+    """Read the tests, once in each process."""
+    return discover.find(paths).cases
