@@ -109,6 +109,13 @@ def misspelt(word: str) -> str:
     return word + word[-1]
 
 
+def negated(base: Base, formula: nodes.Formula) -> Edit:
+    """Return the opposite of a formula; a `not` is left out, not written twice."""
+    if isinstance(formula, nodes.Not):
+        return Edit(formula.span, base.text(formula.part.span))
+    return Edit(formula.span, f"(not {base.text(formula.span)})")
+
+
 def misspell(base: Base, span: Span) -> Edit:
     return Edit(span, misspelt(base.text(span)))
 

@@ -9,7 +9,7 @@ import re
 from collections.abc import Container, Iterable, Iterator, Mapping
 from itertools import pairwise
 
-from bench.mutation_base import Base, Edit, Kind, swap
+from bench.mutation_base import Base, Edit, Kind, negated, swap
 from rapc.analysis.facts.effects import reached
 from rapc.base.source import Span
 from rapc.ir import nodes
@@ -415,7 +415,7 @@ def _all_unordered(base: Base) -> Iterator[Edit]:
 def _negated(base: Base, asked: Iterable[nodes.Formula | None]) -> Iterator[Edit]:
     for formula in asked:
         if formula is not None and not isinstance(formula, nodes.Truth):
-            yield Edit(formula.span, f"(not {base.text(formula.span)})")
+            yield negated(base, formula)
 
 
 def _precondition_negated(base: Base) -> Iterator[Edit]:

@@ -11,9 +11,11 @@ from pathlib import Path
 import msgspec
 
 from rapc.base.source import SourceFile
+from rapc.cli.check_options import nearest_config
 from rapc.events import Event, RunStarted, TaskCreated
 from rapc.testing.discover import find
 from rapc.testing.run import Case, run_case
+from rapc.worlds.registry import importing_from
 
 
 class Runs:
@@ -26,15 +28,19 @@ class Runs:
 
     def __init__(self, paths: Sequence[Path]) -> None:
         self._paths = [path.resolve() for path in paths]
+        config = nearest_config(str(self._paths[0]))
+        #: The modules of which the tests may name worlds, and their folder.
+        self._modules = config.config.world_modules
+        self._home = Path.cwd() if config.file is None else config.file.parent
         #: The traces by the file, relative to the copy, and the name of the test.
         self._before: dict[tuple[str, str], list[str]] = {}
         #: The goals of the tasks of each test.
         self._goals: dict[tuple[str, str], set[str]] = {}
-        with tempfile.TemporaryDirectory() as place:
+        with tempfile.TemporaryDirectory() as place, importing_from(self._home):
             for case in _cases(self._paths, Path(place), None):
                 key = _key(case, place)
                 goals: set[str] = set()
-                self._before[key] = _trace(case, place, goals=goals)
+                self._before[key] = _trace(case, place, self._modules, goals=goals)
                 self._goals[key] = goals
 
     def are_the_same(self, changed: SourceFile, rap: str = "") -> bool | None:
@@ -51,7 +57,7 @@ class Runs:
             return None
         keys = [key for key, goals in self._goals.items() if not rap or rap in goals]
         stem = Path(changed.name).name.removesuffix(".rap")
-        with tempfile.TemporaryDirectory() as place:
+        with tempfile.TemporaryDirectory() as place, importing_from(self._home):
             try:
                 files = sorted({file for file, _ in keys})
                 cases = list(_cases(self._paths, Path(place), changed, files))
@@ -61,7 +67,8 @@ class Runs:
                     if key not in keys:
                         continue
                     before = self._before[key]
-                    if len(_trace(case, place, before)) != len(before):
+                    after = _trace(case, place, self._modules, before)
+                    if len(after) != len(before):
                         return False
             except _DiffersError:
                 return False
@@ -112,6 +119,7 @@ def _cases(
 def _trace(
     case: Case,
     place: str,
+    modules: Sequence[str],
     before: list[str] | None = None,
     goals: set[str] | None = None,
 ) -> list[str]:
@@ -131,7 +139,7 @@ def _trace(
         if before is not None and events[-1:] != before[len(events) - 1 : len(events)]:
             raise _DiffersError
 
-    run_case(case, listener=note)
+    run_case(case, listener=note, modules=modules)
     return events
 
 

@@ -9,7 +9,7 @@ import re
 from collections.abc import Iterator, Mapping
 from itertools import pairwise
 
-from bench.mutation_base import Base, Edit, Kind, swap
+from bench.mutation_base import Base, Edit, Kind, negated, swap
 from rapc.base.source import Span
 from rapc.ir import nodes
 from rapc.ir.walk import formulas
@@ -154,7 +154,7 @@ def _monitors(base: Base) -> Iterator[tuple[nodes.DefineRap, nodes.Formula]]:
 
 def _monitor_negated(base: Base) -> Iterator[Edit]:
     for _, formula in _monitors(base):
-        yield Edit(formula.span, f"(not {base.text(formula.span)})")
+        yield negated(base, formula)
 
 
 def _monitor_test_dropped(base: Base) -> Iterator[Edit]:
@@ -242,7 +242,7 @@ def _succeed_always(base: Base) -> Iterator[Edit]:
 def _succeed_negated(base: Base) -> Iterator[Edit]:
     for rap, formula in _clauses(base, "succeed"):
         if not rap.outputs and not isinstance(formula, nodes.Truth):
-            yield Edit(formula.span, f"(not {base.text(formula.span)})")
+            yield negated(base, formula)
 
 
 def _context_is_succeed(base: Base) -> Iterator[Edit]:

@@ -74,6 +74,21 @@ def test_without_tests_nobody_can_tell_what_a_slip_changes(tmp_path: Path) -> No
     assert Runs([tmp_path]).are_the_same(SourceFile(str(file), "")) is None
 
 
+def test_tests_in_a_simulator_tell_what_a_slip_changes() -> None:
+    folder = Path("examples/laboratory").absolute()
+    shift = folder / "shift.rap"
+    text = shift.read_text(encoding="utf-8")
+    assert "(analyse s4) :priority 2 :deadline 500" in text
+    changed = SourceFile(str(shift), text.replace("s4) :priority 2", "s4) :priority 5"))
+    assert Runs([folder]).are_the_same(changed) is False
+
+
+def test_the_opposite_of_a_denied_formula_is_the_formula() -> None:
+    base = Bench(["examples/greenhouse.rap"]).base
+    text = {edit.content for edit in KINDS["context negated"][1](base)}
+    assert text == {"(can empty)", "(not (can empty))"}
+
+
 @pytest.mark.slow
 def test_slips_of_the_visible_kinds_are_found(benches: Sequence[Bench]) -> None:
     made: list[Outcome] = []
