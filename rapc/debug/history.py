@@ -22,7 +22,7 @@ import msgspec
 from rapc.base.values import readable
 from rapc.compiler.program import Program
 from rapc.debug.acts import Act
-from rapc.debug.log import EventLog, Hear, ToldEvent, Want
+from rapc.debug.log import EventLog, Events, Hear, ToldEvent, Want
 from rapc.debug.recording import Playback
 from rapc.debug.reload import TakeUp, changed
 from rapc.errors import ArgumentError, Error, PortError, StateError
@@ -89,7 +89,7 @@ Solutions = dict[tuple[int, Goal], Any]
 
 @dataclass
 class Branch:
-    """A branch of a run: its acts, saved states and furthest moment."""
+    """A branch of a run: its acts, saved states, events and furthest moment."""
 
     name: str
     #: The parent branch and its cycle, as text; empty for the first branch.
@@ -100,6 +100,8 @@ class Branch:
     solutions: Solutions = field(default_factory=dict)
     #: The saved states, ordered by moment.
     saves: dict[Moment, Save] = field(default_factory=dict)
+    #: The latest events, up to the furthest moment.
+    events: Events = field(default_factory=Events)
     #: The furthest moment reached.
     end: Moment = _BEGINNING
     #: Whether the run ended at the furthest moment.
@@ -111,13 +113,20 @@ class Branch:
         """Return the moment at the end of a cycle, after all its acts."""
         return Moment(cycle, sum(1 for done, _ in self.acts if done <= cycle))
 
-    def begun_at(self, moment: Moment, name: str) -> Branch:
-        """Return a new branch that begins at a moment of this branch."""
+    def begun_at(self, moment: Moment, serial: int, name: str) -> Branch:
+        """Return a new branch that begins at a moment of this branch.
+
+        Args:
+            moment: the moment.
+            serial: the serial number of the next event at the moment.
+            name: the name of the new branch.
+        """
         begun = f"{self.name} at cycle {moment.cycle}"
         saves = {at: save for at, save in self.saves.items() if at <= moment}
         acts = self.acts[: moment.acts]
         found = _up_to(self.solutions, moment.cycle)
-        return Branch(name, begun, acts, found, saves, end=moment, left=moment)
+        events = self.events.up_to(serial)
+        return Branch(name, begun, acts, found, saves, events, moment, left=moment)
 
     def keep(self, moment: Moment, save: Save) -> None:
         """Keep a new saved state and drop old states, the older the more.
@@ -154,14 +163,15 @@ class History:
         self.spec: RunSpec = run.spec
         #: The answers of the world, if it cannot be saved, and of solvers.
         self.answers = Answers() if isinstance(run, Playback) else run.keep_answers()
-        self.log: EventLog | Playback = log or EventLog()
+        log = EventLog() if log is None else log
+        self.log: EventLog | Playback = log
         #: The reason why the run cannot go back; empty if the run can.
         self.no_way_back = ""
         #: Functions called after each cycle; a returned text stops the run.
         self.checks: dict[str, Callable[[], str | None]] = {}
         #: Functions called after each stop; each returns a line to show; may be empty.
         self.notes: list[Callable[[], str]] = []
-        self.branch = Branch("main")
+        self.branch = Branch("main", events=log.events)
         self.branches = [self.branch]
         self.answers.solutions = self.branch.solutions
         #: The serial number of the first event that the checks have not seen.
@@ -379,10 +389,14 @@ class History:
         if isinstance(self._run, Playback):
             self._run.goto(cycle)
             return Stop("over", self.reason) if self.over else Stop("asked")
+        moment = self.branch.moment_after(cycle)
+        at = None if heed else self._nearest(moment)
+        if at is not None and at > self.moment:
+            self._restore(at)
         if cycle > self.cycle:
             return self.go(lambda: "" if self.cycle >= cycle else None, heed=heed)
-        if cycle < self.cycle or self.over:
-            self._put_back(self.branch.moment_after(cycle))
+        if moment != self.moment or self.over:
+            self._put_back(moment)
         return Stop("asked")
 
     def goto_time(self, time: Time, *, heed: bool = False) -> Stop:
@@ -416,25 +430,31 @@ class History:
     def _put_back(self, moment: Moment) -> None:
         """Restore the run at a moment of the branch."""
         self._look_back()
-        saves = self.branch.saves
-        at = max((one for one in saves if one <= moment), default=None)
+        at = self._nearest(moment)
         if at is None:
             raise StateError("cannot go back: no saved state before that moment")
-        run, save = self.run, saves[at]
+        self._restore(at)
+        while self.moment < moment:
+            self._replay(moment)
+        if self._log.elsewhere is None:
+            self.fresh = self.serial
+            if self.cycle >= at.cycle + _EVERY:
+                self._save()
+
+    def _nearest(self, moment: Moment) -> Moment | None:
+        """Return the moment of the last saved state up to a moment of the branch."""
+        return max((one for one in self.branch.saves if one <= moment), default=None)
+
+    def _restore(self, at: Moment) -> None:
+        """Restore the saved state of a moment."""
+        run, save = self.run, self.branch.saves[at]
         if run.library is not save.program or run.settings != save.settings:
             run = run.remade(save.program, save.settings)
         run.port.enclose(save.world)
         run.restore(save.state)
         self._run, self._done, self._saved = run, at.acts, at.cycle
-        aside = self._log.elsewhere is not None
-        if not aside:
-            self._log.forget_from(self.serial)
-        while self.moment < moment:
-            self._replay(moment)
-        if not aside:
-            self.fresh = self.serial
-            if self.cycle >= at.cycle + _EVERY:
-                self._save()
+        if self._log.elsewhere is None:
+            self._log.serial = self.fresh = self.serial
 
     @property
     def _log(self) -> EventLog:
@@ -538,7 +558,7 @@ class History:
 
         until, over = self.moment, self.over
         with self.at(max(first - 1, 0)):
-            for told in self._log.opening:
+            for told in self.branch.events.opening:
                 if told.serial < self.serial:
                     take(told)
             self._log.elsewhere = take
@@ -606,22 +626,27 @@ class History:
             self.goto(self.cycle)
             run = self.run
         branch, moment, log = self.branch, self.moment, self._log
-        follower, log.follower = log.follower, None
+        found: list[ToldEvent] = []
+        log.elsewhere = found.append
         try:
             run = act.do(run) or run
         except Error as error:
+            log.elsewhere = None
             if isinstance(error, UnknownAnswerError):
                 self._put_back(moment)
             if goes_on:
                 self.step()  # back to the end of the run
             raise
         finally:
-            log.follower = follower
+            log.elsewhere = None
         if moment < branch.end or moment.acts < len(branch.acts):
             branch = self.branch_off()
         branch.acts.append((moment.cycle, act))
         branch.over = False
-        self._run = run
+        log.events = branch.events = branch.events.up_to(log.serial)
+        for told in found:
+            branch.events.add(told)
+        self._run, log.serial = run, run.serial
         self._done += 1
         branch.end = self.moment
 
@@ -636,10 +661,16 @@ class History:
             raise ArgumentError(f"duplicate branch `{name}`")
         self.branch.left = self.moment
         name = name or f"branch-{len(self.branches)}"
-        self.branch = self.branch.begun_at(self.moment, name)
-        self.branches.append(self.branch)
-        self.answers.solutions = self.branch.solutions
-        return self.branch
+        branch = self.branch.begun_at(self.moment, self._log.serial, name)
+        self.branches.append(branch)
+        self._take(branch)
+        return branch
+
+    def _take(self, branch: Branch) -> None:
+        """Make a branch the present branch."""
+        self.branch = branch
+        self.answers.solutions = branch.solutions
+        self._log.events = branch.events
 
     def switch(self, name: str) -> None:
         """Switch to a branch, at the moment at which the user left that branch.
@@ -648,12 +679,12 @@ class History:
             ArgumentError: if no branch has that name.
             StateError: if the run cannot go back.
         """
+        self.check_is_run()
         self._look_back()
         for branch in self.branches:
             if branch.name == name:
                 self.branch.left = self.moment
-                self.branch = branch
-                self.answers.solutions = branch.solutions
+                self._take(branch)
                 self._put_back(branch.left)
                 return
         raise ArgumentError(f"unknown branch `{name}`")

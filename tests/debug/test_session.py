@@ -140,7 +140,8 @@ def test_lost_events_are_replayed() -> None:
     events = _told(session)
     here = session.moment, session.run.save()
     assert isinstance(session.log, EventLog)
-    session.log._kept = deque(session.log._kept, maxlen=50)
+    kept = session.log.events
+    kept.latest = deque(kept.latest, maxlen=50)
     assert not session.log.has(0)
     assert _told(session) == events
     late = [one for one in events if one.cycle >= 90]
@@ -194,6 +195,37 @@ def test_an_act_in_the_past_begins_a_branch() -> None:
     assert len(session.run.results()) == 2
     with pytest.raises(ArgumentError, match="unknown branch `x`"):
         session.switch("x")
+
+
+def test_a_known_moment_ahead_is_reached_from_a_saved_state() -> None:
+    session = truck(*(f"(rock-order {one} 1)" for one in ("red", "blue", "black")))
+    asked: list[str] = []
+    session.run.watch_contexts(lambda *told: asked.append(told[1]))
+    session.step(300)
+    assert len(asked) > 100
+    session.goto(5)
+    asked.clear()
+    session.goto(300)
+    assert session.cycle == 300
+    assert asked == []
+
+
+def test_a_branch_has_its_own_events() -> None:
+    session = truck()
+    session.go()
+    main = _told(session)
+    session.goto(60)
+    session.act(SubmitTask(read_task_request("(rock-order blue 1) :priority 3")))
+    session.step(100)
+    branch = _told(session)
+    session.goto(70)
+    session.switch("main")
+    session.goto(150)
+    assert _told(session) == main[: session.serial]
+    session.switch("branch-1")
+    assert session.cycle == 70
+    session.goto(160)
+    assert _told(session) == branch
 
 
 def test_finished_run_continues_with_new_input() -> None:
