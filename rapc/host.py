@@ -216,7 +216,7 @@ class RunResult(msgspec.Struct, frozen=True):
 
     @property
     def world(self) -> World:
-        """Return the world of the run, for example for `result.world.figures()`."""
+        """Return the world of the run, for example to draw it."""
         return self.run.world
 
     @property

@@ -63,6 +63,7 @@ __all__ = (
     "Handlers",
     "Kit",
     "Mark",
+    "Measured",
     "Message",
     "Number",
     "Offer",
@@ -82,7 +83,7 @@ __all__ = (
     "Thing",
     "Time",
     "Timed",
-    "Truthful",
+    "Truth",
     "World",
 )
 
@@ -374,7 +375,7 @@ class Drawable(Protocol):
 
 
 @runtime_checkable
-class Truthful(Protocol):
+class Measured(Protocol):
     """A world with ground-truth figures, for experiments and tests.
 
     The figures are hidden from the robot.
@@ -384,6 +385,24 @@ class Truthful(Protocol):
         """Return ground-truth figures; experiments report the numbers.
 
         The names of the figures are constant. The call has no side effects.
+        """
+
+
+@runtime_checkable
+class Truth(Protocol):
+    """A simulator that tells which facts are true, in the names of memory.
+
+    The debugger, tests and experiments compare the beliefs of the robot with the truth.
+    The facts are hidden from the robot.
+    """
+
+    def truth(self) -> Mapping[str, Iterable[Fact]]:
+        """Return all true facts of some names: `{"docked": [("docked",)]}`.
+
+        A believed fact of one of these names is wrong if it is not among the facts. So
+        a name without true facts has an empty list, and a state that may be described
+        in two ways has a fact for each. Items stand by their sensor names. The call has
+        no side effects.
         """
 
 
@@ -424,7 +443,8 @@ OPTIONAL: tuple[type, ...] = (
     Skilled,
     Timed,
     Drawable,
-    Truthful,
+    Measured,
+    Truth,
     Savable,
     Adjustable,
 )

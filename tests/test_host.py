@@ -232,7 +232,7 @@ def test_result_leads_to_the_figures_of_the_world() -> None:
     library = rapc.load("rapc:truck")
     result = rapc.run(library, "truck", seed=1)
     assert result.world is result.run.world
-    assert isinstance(result.world, rapc.world.Truthful)
+    assert isinstance(result.world, rapc.world.Measured)
     assert result.world.figures()
 
 

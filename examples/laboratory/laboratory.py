@@ -862,6 +862,25 @@ class LaboratoryWorld(SimpleWorld):
             "hood-open": hood_open,
         }
 
+    def truth(self) -> Mapping[str, list[Fact]]:
+        """Return the places of arms and samples, and the devices."""
+        state = self.state
+        return {
+            "arm-at": [
+                ("arm-at", arm, place)
+                for arm, place in state.arms.items()
+                if place in STATIONS
+            ],
+            "sample-at": [
+                ("sample-at", sample, place)
+                for sample, place in state.samples.items()
+                if place != "away"
+            ],
+            "hood": [("hood", state.hood)],
+            "stop": [("stop", state.stop)],
+            "spill": [("spill", place) for place in state.spills],
+        }
+
     def picture(self) -> Picture:
         """Return the stations with their samples, and the devices."""
         state = self.state

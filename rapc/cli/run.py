@@ -30,7 +30,7 @@ from rapc.events import Deadlock, Event, TaskResult
 from rapc.library.library import Library
 from rapc.runtime.events.report import MendedFailures, RunReport
 from rapc.runtime.events.trace import JsonTrace, TextTrace
-from rapc.runtime.held_world import HeldWorld, figures_of
+from rapc.runtime.held_world import HeldWorld
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.task_request import TaskRequest
 from rapc.world import Drawable, Picture, Time, World
@@ -125,7 +125,7 @@ def run(
                     interpreter.listen(TextTrace(_Shown(sys.stdout)))
             interpreter.start()
         interpreter.run(until=end)
-    for line in chain(report.lines(), _mended(mended), _figures(world)):
+    for line in chain(report.lines(), _mended(mended), _figures(interpreter)):
         click.echo(visible(line))
     if not all(map(_went_well, interpreter.results())):
         raise SystemExit(1)
@@ -138,9 +138,9 @@ def _mended(mended: MendedFailures) -> Iterator[str]:
         yield from (f"  {line}" for line in mended.lines())
 
 
-def _figures(world: World) -> Iterator[str]:
+def _figures(interpreter: Interpreter) -> Iterator[str]:
     """Yield the lines of the report on the figures of the world."""
-    if figures := figures_of(world):
+    if figures := interpreter.figures():
         yield "Figures of the world:"
         yield from (f"  {n:<20} {readable(v):>6}" for n, v in figures.items())
 

@@ -23,10 +23,10 @@ from rapc.experiments.definition import Experiment, ExperimentError, Series
 from rapc.experiments.draws import Value, drawn, extremes, names_in, with_draws
 from rapc.experiments.measures import LABELS
 from rapc.experiments.run import PointConfig, counted_tasks, digest_of_code, resolved
-from rapc.runtime.held_world import figures_of
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import read_settings
 from rapc.runtime.task_request import TaskRequest, as_text, of_agenda, read_task_request
+from rapc.runtime.truth import figures_of
 from rapc.spec import RunSpec
 from rapc.world import World
 from rapc.worlds import registry

@@ -25,7 +25,6 @@ from rapc.experiments.draws import Draws, drawn, with_draws
 from rapc.experiments.measures import Measures, tasks_told
 from rapc.library.loader import load_sources
 from rapc.runtime.events.report import RunReport
-from rapc.runtime.held_world import figures_of
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import read_settings
 from rapc.runtime.task_request import TaskRequest
@@ -195,7 +194,7 @@ def measure(config: PointConfig, seed: int) -> Measures:
     told = tasks_told(raps, interpreter.results())
     ends = [task.outcome for task in told]
     completed, given_up = ends.count("succeeded"), ends.count("failed")
-    figures = figures_of(world) if config.figures else {}
+    figures = interpreter.figures() if config.figures else {}
     looked = sum(report.primitives[name] for name in set(world.kit.offer.sensors))
     return Measures(
         reason=reason,

@@ -258,6 +258,10 @@ class RecordedWorld(Wrapper):
         self._check_present("figures")
         return self.behind.figures()
 
+    def _truth(self) -> Any:
+        self._check_present("truth")
+        return self.behind.truth()
+
     def _check_present(self, what: str) -> None:
         answers = self.answers
         end = len(answers.kept), answers.readings

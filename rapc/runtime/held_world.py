@@ -16,7 +16,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
-from typing import Any, NoReturn, TypeGuard
+from typing import NoReturn, TypeGuard
 
 import msgspec
 
@@ -27,7 +27,6 @@ from rapc.base.values import (
     Fact,
     format_atom,
     format_list,
-    is_number,
     number,
 )
 from rapc.compiler.program import Program
@@ -48,7 +47,6 @@ from rapc.world import (
     ResultHandler,
     Signal,
     Time,
-    Truthful,
     World,
     Wrapper,
     innermost,
@@ -73,6 +71,7 @@ _WANTED = {
     "save": "bytes",
     "picture": "a `Picture`",
     "usual_time": "a number from 0 to 10^15",
+    "truth": "a mapping from each name to its facts",
     "next_time": "a number from 0 to 10^15, `None` or `NOT_KNOWN`",
     "ended": "a text or `None`",
     "perform": f"{_A_REPLY}, `None` or `Refused`",
@@ -433,6 +432,19 @@ class HeldWorld(Wrapper):
         with self._laid("figures"):
             return dict(msgspec.to_builtins(self.behind.figures()))
 
+    def _truth(self) -> dict[str, list[Fact]]:
+        """Return the true facts by name. Raises PortError for anything else."""
+        with self._laid("truth"):
+            told = self.behind.truth()
+            if not isinstance(told, Mapping):
+                raise self.wrong_type("truth", "the truth", told)
+            found = {name: list(facts) for name, facts in told.items()}
+        for name, facts in found.items():
+            for fact in facts:
+                if not is_fact(fact) or fact[0] != name:
+                    raise self.wrong_type("truth", f"a true fact of {name!r}", fact)
+        return found
+
     def _save(self) -> bytes:
         """Return the state. Raises PortError if `save` breaks or returns no bytes."""
         with self._laid("save"):
@@ -595,14 +607,3 @@ def is_time(value: object) -> bool:
 def _is_own(what: object) -> bool:
     """Whether a class or a method is rapc's own."""
     return str(getattr(what, "__module__", "")).partition(".")[0] == "rapc"
-
-
-def figures_of(world: World) -> dict[str, int | float]:
-    """Return the ground-truth figures of a world; none if it has none.
-
-    Raises:
-        PortError: if the world violates the port, or returns no mapping.
-    """
-    held = HeldWorld(world)
-    told: Any = held.figures() if isinstance(held, Truthful) else {}
-    return {n.replace("_", "-"): v for n, v in told.items() if is_number(v)}

@@ -79,6 +79,7 @@ from rapc.runtime.tasks.remove import cancel_matching, remove
 from rapc.runtime.tasks.rename_items import rename
 from rapc.runtime.tasks.signals import signal
 from rapc.runtime.tasks.start import create_top, read_inputs
+from rapc.runtime.truth import WrongBelief, figures_of, wrong_beliefs
 from rapc.spec import RunSpec
 from rapc.world import Callables, Message, Refused, Reply, Savable, Time, World
 
@@ -222,8 +223,16 @@ class Interpreter(Run):
 
     @property
     def world(self) -> World:
-        """Return the world of the run, as in `run.world.figures()`."""
+        """Return the world of the run."""
         return self._world
+
+    def wrong_beliefs(self) -> list[WrongBelief]:
+        """Return the believed facts that are not true, if the world is a `Truth`."""
+        return list(wrong_beliefs(self.port, self.memory, self.library.signatures))
+
+    def figures(self) -> dict[str, int | float]:
+        """Return the ground-truth figures of the world, and the wrong beliefs."""
+        return figures_of(self.port, self.wrong_beliefs())
 
     @property
     def now(self) -> Time:

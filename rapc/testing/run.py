@@ -18,9 +18,9 @@ from rapc.compiler.program import Program
 from rapc.errors import FactError, PortError, RefusedError, WorldError, in_a_line
 from rapc.ir import nodes
 from rapc.runtime.events.recorder import Listener
-from rapc.runtime.held_world import figures_of
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.task_request import TaskRequest, as_text, of_node
+from rapc.runtime.truth import figures_of
 from rapc.spec import RunSpec
 from rapc.testing.coverage import Coverage
 from rapc.testing.judge import Evidence, judge
@@ -291,7 +291,7 @@ class _Run:
         scene = Evidence(
             self._record,
             lambda formula: self.interpreter.question(formula).holds(),
-            lambda: figures_of(self.interpreter.world),
+            self.interpreter.figures,
         )
         for expectation in expectations:
             happened = judge(expectation, scene)

@@ -10,7 +10,8 @@ import pytest
 import rapc
 from rapc.debug.acts import ChangeOption, changeable_options
 from rapc.debug.history import History
-from rapc.runtime.held_world import HeldWorld, figures_of
+from rapc.runtime.held_world import HeldWorld
+from rapc.runtime.truth import figures_of
 from rapc.world import Option, Picture, Text
 from rapc.worlds.faults import FaultyWorld
 from tests.worlds.broken_worlds import (

@@ -22,6 +22,7 @@ from rapc.testing.contract.trials import (
     SAVING,
     SKILLS,
     TIMES,
+    TRUTH,
     Trial,
     try_world,
 )
@@ -346,7 +347,7 @@ def test_handlers_do_not_run_without_a_library() -> None:
     trials = try_world(lambda seed: make(random.Random(seed), {}))
     assert faults(trials) == []
     left_out = [trial.part for trial in trials if trial.left_out]
-    assert left_out == [SAVING, PICTURE, TIMES, SKILLS, HANDLERS]
+    assert left_out == [SAVING, PICTURE, TRUTH, TIMES, SKILLS, HANDLERS]
 
 
 def test_handlers_are_checked_against_declared_effects() -> None:

@@ -103,7 +103,7 @@ def test_the_command_lists_results_never_seen() -> None:
     at = lines.index("results that no request had:")
     assert lines[at - 1].endswith("requests and messages")
     assert "hand-over: okay, nobody-there" in lines[at:]
-    assert lines[-1].startswith("courier: 7 checks passed, ")
+    assert lines[-1].startswith("courier: 8 checks passed, ")
 
 
 def test_the_number_of_requests_is_for_tests_only() -> None:

@@ -11,7 +11,7 @@ import msgspec
 from msgspec.structs import replace
 
 from rapc.base.names import hint
-from rapc.base.values import Fact, format_atom
+from rapc.base.values import Fact, format_atom, format_list
 from rapc.compiler.program import Program
 from rapc.errors import FactError, PortError, RefusedError
 from rapc.runtime.admission import misfitting, refusals
@@ -19,7 +19,7 @@ from rapc.runtime.held_world import HeldWorld
 from rapc.testing.contract.declarations import declaring
 from rapc.testing.contract.driver import Driver
 from rapc.testing.contract.skills import try_skills
-from rapc.world import NOT_KNOWN, Drawable, Savable, Skilled, Timed, World
+from rapc.world import NOT_KNOWN, Drawable, Savable, Skilled, Timed, Truth, World
 from rapc.worlds.registry import TYPES
 
 REQUESTS = 150
@@ -303,6 +303,30 @@ def _picture(tried: _Tried) -> Iterator[str]:
         yield f"{one.world.breach('picture', 'changes the world')}"
 
 
+def _truth(tried: _Tried) -> Iterator[str]:
+    """Test that the true facts are of declared names, without side effects."""
+    one, other = tried.driver(0), tried.driver(0)
+    world = one.world
+    assert isinstance(world, Truth)
+    signatures = None if tried.library is None else tried.library.signatures
+    for _ in range(10):
+        for name, facts in world.truth().items():
+            if signatures is None:
+                continue
+            if name not in signatures.relations:
+                yield f"the truth has facts `{name}`, which the library does not declare"
+                return
+            for fact in facts:
+                fault = signatures.wrong_kind("asserted", name, fact[1:])
+                if fault is not None:
+                    yield f"the truth has {format_list(fact)}: {fault}"
+                    return
+        one.drive(5)
+        other.drive(5)
+    if one.history != other.history:
+        yield f"{one.world.breach('truth', 'changes the world')}"
+
+
 def _usual_times(tried: _Tried) -> Iterator[str]:
     """Request the usual time of each request: the call must change nothing."""
     driver = tried.driver(0)
@@ -340,6 +364,7 @@ ASKING = "requests and messages"
 CODE = "signatures of the code"
 SAVING = "save and restore"
 PICTURE = "picture"
+TRUTH = "truth"
 SKILLS = "skills"
 TIMES = "usual times"
 HANDLERS = "handlers"
@@ -352,6 +377,7 @@ _PARTS: Mapping[str, Callable[[_Tried], Iterator[str]]] = {
     "time": _time,
     SAVING: _saving,
     PICTURE: _picture,
+    TRUTH: _truth,
     TIMES: _usual_times,
     SKILLS: _skills,
     HANDLERS: _handlers,
@@ -360,6 +386,7 @@ _PARTS: Mapping[str, Callable[[_Tried], Iterator[str]]] = {
 _NEEDS: Mapping[str, tuple[Callable[[_Tried, World], bool], str]] = {
     SAVING: (lambda _, world: isinstance(world, Savable), "no `save` and `restore`"),
     PICTURE: (lambda _, world: isinstance(world, Drawable), "no `picture`"),
+    TRUTH: (lambda _, world: isinstance(world, Truth), "no `truth`"),
     TIMES: (
         lambda _, world: isinstance(world, Timed),
         "no `usual_time`",

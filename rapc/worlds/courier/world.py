@@ -103,6 +103,16 @@ class CourierWorld(Hospital):
         answer: Reply | Refused | None = act(ticket, *arguments)
         return answer
 
+    def truth(self) -> Mapping[str, list[Fact]]:
+        """Return the place of the robot, its charge, its tray and the calls."""
+        state = self._state
+        return {
+            "robot-at": [("robot-at", state.room)],
+            "docked": [("docked",)] if state.docked else [],
+            "on-tray": [("on-tray", *each) for each in state.tray],
+            "call": [("call", ward) for ward in state.calls],
+        }
+
     def picture(self) -> Picture:
         """Return the corridor with its rooms, the tray, and the waiting people."""
         state = self._state

@@ -49,6 +49,9 @@ STREAMS = ("wear", "motion", "sonar", "laser", "people", "doors", "lift")
 STANDOFF = 1.0
 """The distance between a landmark and a robot at that landmark, in metres."""
 
+DOORWAY = 0.9
+"""The reach of a doorway from its middle, in metres: the robot is in both spaces."""
+
 DOCKED = 0.35
 """The maximum distance from the place at the charger for charging, in metres."""
 
@@ -123,6 +126,19 @@ class Simulation:
         bumped = move_robot(state, drive, plan, self.now, self._chance["motion"])
         state.space = space_under(state, self.map.space)
         return [*told, EventTold("bump", (), ())] if bumped else told
+
+    def spaces(self) -> list[str]:
+        """Return the robot's space, and the spaces joined by a doorway around it."""
+        body = self.state.robot
+        near = [
+            space
+            for gap in self.openings.values()
+            if gap.floor == body.floor
+            and abs(body.x - (gap.box[0] + gap.box[2]) / 2) < DOORWAY
+            and abs(body.y - (gap.box[1] + gap.box[3]) / 2) < DOORWAY
+            for space in gap.doorway.joins
+        ]
+        return list(dict.fromkeys([self.state.space, *near]))
 
     def push(self, x: float, y: float, seconds: float) -> None:
         """Push the robot, whatever its motors do.

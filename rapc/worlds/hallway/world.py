@@ -119,6 +119,11 @@ class HallwayWorld(SkillWorld):
         place = state.space, body.floor
         return Figures(*place, driven, len(own), fastest, drift, battery)
 
+    def truth(self) -> Mapping[str, list[Fact]]:
+        """Return the robot's space; in a doorway, both spaces that the doorway joins."""
+        found = ("current-space", "robot")
+        return {found[0]: [(*found, space) for space in self.simulation.spaces()]}
+
     @property
     def said(self) -> Sequence[tuple[float, str]]:
         """Return the robot's spoken words so far, each with its time."""

@@ -153,6 +153,35 @@ class TruckWorld(World):
         """The reason for the end of the run, with the place; None while it goes on."""
         return self._scene.state.ended
 
+    def truth(self) -> Mapping[str, list[Fact]]:
+        """Return the state of the truck, and the places of items with sensor names.
+
+        A rock that a factory has taken in is at the factory.
+        """
+        scene, truck = self._scene, self._scene.state.truck
+        taken_in: list[Fact] = [
+            ("location", scene.state.names.get(each.item, each.item), each.factory)
+            for each in scene.state.deliveries
+        ]
+        named = {
+            name: sensor
+            for name, item in scene.state.items.items()
+            if (sensor := scene.sensor_name(item))
+        }
+        return {
+            "truck-location": [("truck-location", truck.place)],
+            "truck-heading": [("truck-heading", truck.heading)],
+            "truck-speed": [("truck-speed", truck.speed)],
+            "truck-fuel": [("truck-fuel", truck.fuel)],
+            "arm-place": [("arm-place", arm, truck.arms[arm].place) for arm in ARMS],
+            "location": taken_in
+            + [
+                ("location", sensor, named.get(place, place))
+                for name, sensor in named.items()
+                for place in [scene.state.items[name].place]
+            ],
+        }
+
     def picture(self) -> Picture:
         """Return the map, with all items on the map and on the truck."""
         if self._layout is None:
