@@ -38,7 +38,7 @@ from rapc.errors import Error
 from rapc.events import Event
 from rapc.ir.printer import format_formula
 from rapc.runtime.task_request import TaskRequest
-from rapc.world import Adjustable, Drawable, Measured
+from rapc.world import Adjustable, Drawable
 from tests.debug.moments import RUNS, asked_for
 
 _QUESTIONS_EACH = 10
@@ -182,8 +182,8 @@ def _world(one: Asker) -> None:
     world = one.session.run.port
     if isinstance(world, Drawable):
         world.picture()
-    if isinstance(world, Measured):
-        world.figures()
+    one.session.run.wrong_beliefs()
+    one.session.run.figures()
     if isinstance(world, Adjustable):
         world.adjustable()
 

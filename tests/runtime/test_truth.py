@@ -45,7 +45,7 @@ class Room(SimpleWorld):
         Offer(primitives={"look": (1, ("okay",))}, data={"found": 2}),
         Handlers(data={"found": found}),
     )
-    told: Any = {}
+    told: Any = None
 
     def perform(self, ticket: int, request: Fact) -> Reply:
         """Look."""

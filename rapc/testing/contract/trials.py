@@ -314,7 +314,7 @@ def _truth(tried: _Tried) -> Iterator[str]:
             if signatures is None:
                 continue
             if name not in signatures.relations:
-                yield f"the truth has facts `{name}`, which the library does not declare"
+                yield f"the truth has facts of `{name}`, an undeclared name"
                 return
             for fact in facts:
                 fault = signatures.wrong_kind("asserted", name, fact[1:])

@@ -120,7 +120,7 @@ class HallwayWorld(SkillWorld):
         return Figures(*place, driven, len(own), fastest, drift, battery)
 
     def truth(self) -> Mapping[str, list[Fact]]:
-        """Return the robot's space; in a doorway, both spaces that the doorway joins."""
+        """Return the robot's space; in a doorway, both spaces of the doorway."""
         found = ("current-space", "robot")
         return {found[0]: [(*found, space) for space in self.simulation.spaces()]}
 
