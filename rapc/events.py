@@ -15,13 +15,13 @@ as text, and its line in a trace for people. Traces themselves are in
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cache
 from typing import Any
 
 import msgspec
 
-from rapc.base.values import Atom, Fact, format_atom, format_list, readable
+from rapc.base.values import Atom, Fact, format_atom, format_list, number, readable
 from rapc.base.visible import visible
 from rapc.spec import RunSpec
 
@@ -84,8 +84,27 @@ class ResourceChange(msgspec.Struct, frozen=True):
         return f"{self.op} {format_atom(self.amount)}: {self.resource}"
 
 
+class KnownFact(msgspec.Struct, frozen=True):
+    """A fact in memory at the time of a failure."""
+
+    #: The fact as RAP text.
+    fact: str
+    #: The time since its last assertion; None for a fact without a time.
+    age: int | float | None
+
+    @classmethod
+    def at(cls, now: int | float, fact: Fact, since: int | float | None) -> KnownFact:
+        """Return a fact as known at time `now`, last asserted at time `since`."""
+        return cls(format_list(fact), None if since is None else number(now - since))
+
+    def __str__(self) -> str:
+        return (
+            self.fact if self.age is None else f"{self.fact}, {readable(self.age)} old"
+        )
+
+
 class Cause(msgspec.Struct, frozen=True, omit_defaults=True):
-    """The cause of a failure of a task or method; all fields are text."""
+    """The cause of a failure of a task or method."""
 
     #: The clause with its owner: "preconditions of `fetch`".
     clause: str
@@ -97,7 +116,11 @@ class Cause(msgspec.Struct, frozen=True, omit_defaults=True):
     note: str = ""
     #: The bindings of the variables of the part at that time.
     bindings: Mapping[str, str] = {}
-    #: If there was no method: the reason against each method.
+    #: The facts because of which the part does not hold.
+    facts: tuple[KnownFact, ...] = ()
+    #: The causes inside the part: of a named query, or of the branches of an `or`.
+    inside: tuple[Cause, ...] = ()
+    #: The reason against each excluded method, if there was no method or a futile one.
     methods: tuple[Cause, ...] = ()
     #: The number of the task of a step that failed.
     task: int | None = None
@@ -107,9 +130,19 @@ class Cause(msgspec.Struct, frozen=True, omit_defaults=True):
     because: Cause | None = None
 
     def short(self) -> Cause:
-        """Return the cause with the file name instead of the path."""
-        file = self.place.replace("\\", "/").rpartition("/")[2]
-        return msgspec.structs.replace(self, place=file)
+        """Return the cause with file names instead of paths."""
+        return msgspec.structs.replace(
+            self,
+            place=self.place.replace("\\", "/").rpartition("/")[2],
+            inside=tuple([one.short() for one in self.inside]),
+            methods=tuple([method.short() for method in self.methods]),
+        )
+
+    def lines(self) -> Iterator[str]:
+        """Yield the cause, the causes inside its part and the excluded methods."""
+        yield self.line()
+        for one in (*self.inside, *self.methods):
+            yield from (f"  {line}" for line in one.lines())
 
     def line(self) -> str:
         """Return the cause on one line, without the underlying cause."""
@@ -119,6 +152,8 @@ class Cause(msgspec.Struct, frozen=True, omit_defaults=True):
             pairs = " ".join(f"{name} {value}" for name, value in self.bindings.items())
             said = f"{said} with {pairs}" if said else f"with {pairs}"
         note = self.note or ("does not hold" if self.part else "")
+        if self.facts:
+            note += f": memory has {'; '.join(map(str, self.facts))}"
         said = ", ".join(one for one in (said, note) if one)
         return f"{self.clause}{at}: {said}" if said else f"{self.clause}{at}"
 
@@ -319,11 +354,9 @@ class TaskFailed(Event, frozen=True, kw_only=True):
         told += f"{self.goal} [{self.task}]"
         if self.because is None:
             return told
-        below = " " * 16
-        lines = [told, f"{below}because of {self.because.short().line()}"]
-        for ruled_out in self.because.methods:
-            lines.append(f"{below}  {ruled_out.short().line()}")
-        return "\n".join(lines)
+        first, *rest = self.because.short().lines()
+        below = [f"because of {first}", *rest]
+        return "\n".join([told, *(" " * 16 + line for line in below)])
 
 
 class TaskRemoved(Event, frozen=True, kw_only=True):

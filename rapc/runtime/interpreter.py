@@ -20,7 +20,7 @@ from rapc.compiler.query.query import Query
 from rapc.compiler.rap_plan import MethodPlan, RapPlan
 from rapc.errors import ArgumentError, PortError, RefusedError
 from rapc.events import Event, Goal, RunEnded, RunStarted, TaskResult
-from rapc.ir.nodes import Formula, Node
+from rapc.ir.nodes import Formula, Node, Proposition
 from rapc.language.atoms import kind, need_atoms, need_fact
 from rapc.language.results import INTERFERENCE
 from rapc.parser.parse import parse_fact, parse_formula
@@ -49,7 +49,7 @@ from rapc.runtime.authors import code_of_authors
 from rapc.runtime.events.recorder import Listener, Recording
 from rapc.runtime.held_world import HeldWorld
 from rapc.runtime.host_query import HandlerQuestions, HostQuery
-from rapc.runtime.memory.access import MemoryView
+from rapc.runtime.memory.access import Evidence, MemoryView, Pattern
 from rapc.runtime.run import ContextListener, Run
 from rapc.runtime.saving.save import restore, save
 from rapc.runtime.settings import Settings, read_settings
@@ -63,6 +63,7 @@ from rapc.runtime.task_request import (
     read_task_request,
     refuse_tasks,
 )
+from rapc.runtime.tasks import evidence
 from rapc.runtime.tasks.causes import (
     Condition,
     PartAsked,
@@ -817,6 +818,21 @@ class Interpreter(Run):
         need_part(query, Query, "a query", "task.plan")
         need_part(task, Task, "a task", "run.tasks()")
         return query.first(context_of(self, task), env) or {}
+
+    def supporting(self, formula: Formula, env: Mapping[str, Value]) -> Evidence:
+        """Return the facts that make a formula true, each with its time."""
+        return evidence.supporting(self, formula, env)
+
+    def opposing(self, part: Formula, env: Mapping[str, Value]) -> Evidence:
+        """Return the facts because of which a part of a query does not hold."""
+        return evidence.opposing(self, part, env)
+
+    def pattern(self, part: Proposition, env: Mapping[str, Value]) -> Pattern | None:
+        """Return a proposition with values for variables, None if unbound.
+
+        The result is None for a proposition that no fact of memory can match.
+        """
+        return evidence.pattern_of(self, part, env)
 
     def obstacle(self, task: Task, method: MethodPlan, env: Env) -> Claim | None:
         """Return the claim for which a method would wait, or None."""

@@ -36,6 +36,7 @@ from rapc.debug.questions import (
 )
 from rapc.errors import Error
 from rapc.events import Event
+from rapc.ir.nodes import Proposition
 from rapc.ir.printer import format_formula
 from rapc.runtime.task_request import TaskRequest
 from rapc.world import Adjustable, Drawable
@@ -144,6 +145,12 @@ def _observe(one: Asker) -> None:
         for _, query, asker, env in run.conditions(task):
             asked = [*run.explain(query, asker, env, 3)]
             run.solution(query, asker, env)
+            for fact in run.supporting(query.formula, env):
+                assert fact in run.memory
+            for part in asked:
+                run.opposing(part.part, env)
+                if isinstance(part.part, Proposition):
+                    run.pattern(part.part, env)
             assert all(part.solutions for part in asked[:-1])
         for method in run.methods(task.plan):
             run.obstacle(task, method, task.env)

@@ -14,6 +14,7 @@ from rapc.debug.questions.what_if import ahead, what_if
 from rapc.debug.questions.why import reasons, why
 from rapc.debug.questions.why_not import ClauseAsked, task_asked, why_not_query
 from rapc.errors import ArgumentError, FactError
+from rapc.events import KnownFact
 from tests.debug.sessions import row, scripted, truck
 from tests.effort import first
 
@@ -112,7 +113,7 @@ def test_why_not_says_how_far_each_conjunct_held() -> None:
     session.act(AssertFact(("holds", "ann", "bell")))
     asked = task_asked(session, 1).methods[0].context
     assert asked is not None
-    assert asked.unwanted == (("holds", "ann", "bell"),)
+    assert asked.unwanted == (KnownFact("(holds ann bell)", 0),)
 
 
 def test_why_not_of_an_ended_task_uses_its_last_cycle() -> None:
@@ -164,12 +165,44 @@ def _same(answer: object, asked: ClauseAsked) -> ClauseAsked:
     return next(one for one in found if one.clause == asked.clause)
 
 
+QUERIES = """
+(declare-memory-proposition p (?x))
+(declare-memory-proposition q (?x ?y))
+(define-query (ready ?who)
+  (or (p ?who)
+      (and (q ?who ?state)
+           (not (p ?state)))))
+"""
+
+
+def test_why_not_opens_named_queries_and_branches() -> None:
+    session = scripted(QUERIES)
+    for fact in (("q", "ann", "idle"), ("p", "idle")):
+        session.act(AssertFact(fact))
+    [query] = why_not_query(session, "(ready ann)").opened
+    assert (query.clause, query.place) == ("query `ready`", "small.rap:5")
+    one, both = query.opened
+    assert (one.place, one.parts) == ("small.rap:5", (("(p ?who)", 0),))
+    assert both.place == "small.rap:7"
+    assert [found for _, found in both.parts] == [1, 0]
+    assert both.unwanted == (KnownFact("(p idle)", 0),)
+
+
+def test_why_not_lists_the_facts_of_a_query_that_holds() -> None:
+    session = scripted(QUERIES)
+    session.act(AssertFact(("p", "ann")))
+    asked = why_not_query(session, "(ready ?who)")
+    assert asked.holds
+    assert asked.rests_on == (KnownFact("(p ann)", 0),)
+    assert [one.clause for one in asked.opened] == ["query `ready`"]
+
+
 def test_a_query_is_asked_conjunct_by_conjunct() -> None:
     session = truck()
     asked = why_not_query(session, "(and (place ?p quarry) (produces ?p green))")
     assert [found for _, found in asked.parts] == [3, 0]
     assert asked.missing[0] == ("produces", "quarry-1", "green")
-    assert asked.near[0][:2] == ("produces", "quarry-1")
+    assert asked.near[0].fact.startswith("(produces quarry-1 ")
     assert why_not_query(session, "(place ?p quarry)").holds
     assert why_not_query(session, "(and)").holds
 

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from rapc import events
-from rapc.events import Cause, MethodEnded, TaskFailed
+from rapc.events import Cause, KnownFact, MethodEnded, TaskFailed
 from rapc.runtime.events.report import cause_lines
 from rapc.runtime.events.trace import JsonTrace
 from rapc.runtime.interpreter import Interpreter
@@ -125,6 +125,48 @@ def test_a_saved_run_still_knows_why() -> None:
     assert one.because is not None
     assert one.because.because is not None
     assert one.because.because.note == "the world answered `dropped`"
+
+
+OLD = """(define-rap (top ?x)
+  (succeed (go))
+  (method first (context (not (p ?x))) (primitive (act a)))
+  (method other (context otherwise) (task-net (t1 (later))))
+  (method never (context (prepared ?x)) (primitive (act b))))
+(define-rap (later) (method (task-net (t1 (pause) (window now 5 5)))))
+(define-rap (pause) (succeed true))
+(define-query (prepared ?y)
+  (or (q ?y ready)
+      (and (p ?y) (q ?y ?state) (go))))"""
+
+
+def test_a_futile_choice_has_excluded_methods_with_old_facts() -> None:
+    play = Play(OLD, "(top a)", facts=("(p a)", "(q a idle)")).run(until=50)
+    [failed] = [e for e in play.of(TaskFailed) if e.goal.name == "top"]
+    assert failed.because is not None
+    first, never = failed.because.methods
+    assert first.part == "(not (p ?x))"
+    assert first.facts == (KnownFact("(p a)", 10),)
+    assert first.line().endswith("does not hold: memory has (p a), 10 old")
+    [query] = never.inside
+    either, both = query.inside
+    assert (either.clause, either.part) == ("branch", "(q ?y ready)")
+    assert (both.part, both.bindings) == ("(go)", {})
+    line = (DECLARATIONS + OLD).count("\n")
+    assert [one.place for one in (query, either, both)] == [
+        f"t.rap:{line}",
+        f"t.rap:{line}",
+        f"t.rap:{line + 1}",
+    ]
+
+
+def test_a_false_property_is_reported_with_its_value() -> None:
+    text = """(declare-memory-property at ((?who symbol) (?where symbol)) nowhere)
+      (define-rap (top ?x) (preconditions (at ?x hall)) (method (primitive (act ?x))))
+    """
+    play = Play(text, "(top a)", facts=("(at a cellar)",)).run(until=50)
+    [failed] = play.of(TaskFailed)
+    assert failed.because is not None
+    assert failed.because.facts == (KnownFact("(at a cellar)", 0),)
 
 
 def test_a_long_chain_loses_its_middle() -> None:

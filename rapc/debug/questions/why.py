@@ -22,16 +22,15 @@ from rapc.debug.history import History
 from rapc.debug.log import ToldEvent
 from rapc.debug.questions.why_not import (
     MethodAnswer,
-    Supports,
     in_words,
     last_cycle,
     methods,
-    supports,
 )
 from rapc.errors import ArgumentError
 from rapc.events import Cause, Event
 from rapc.runtime.events.report import cause_lines
 from rapc.runtime.interpreter import Interpreter
+from rapc.runtime.memory.access import Evidence
 from rapc.runtime.state.task import Task
 from rapc.world import Time
 
@@ -201,7 +200,7 @@ def _choice(history: History, task: int) -> Choice:
 
 def _doing(
     run: Interpreter, task: Task, settled: ToldEvent | None
-) -> tuple[Doing, Supports]:
+) -> tuple[Doing, Evidence]:
     """Return the outcome of a cycle and its supports; the run is before the cycle."""
     run.read_inputs(task)
     if settled is None:
@@ -224,22 +223,22 @@ def _doing(
 
 def method_supports(
     run: Interpreter, task: Task, method: MethodPlan | None
-) -> Supports:
+) -> Evidence:
     """Return the facts that make a method's context true."""
     return _supports_of(run, task, None if method is None else method.choice)
 
 
-def _supports_of(run: Interpreter, task: Task, query: Query | None) -> Supports:
+def _supports_of(run: Interpreter, task: Task, query: Query | None) -> Evidence:
     if query is None:
         return {}
     found = run.solution(query, task, task.env)
-    return supports(run, query.formula, {**task.env, **found})
+    return run.supporting(query.formula, {**task.env, **found})
 
 
 # --- where facts come from ----------------------------------------------------------
 
 
-def origins(history: History, found: Supports, before: int) -> tuple[Origin, ...]:
+def origins(history: History, found: Evidence, before: int) -> tuple[Origin, ...]:
     """Return the last assertion of each fact before a cycle."""
     last: dict[Fact, ToldEvent] = {}
     for told in history.log.backwards(events.FactAsserted):

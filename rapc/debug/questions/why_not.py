@@ -10,7 +10,6 @@ run.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from typing import Any
 
 import msgspec
 
@@ -23,14 +22,13 @@ from rapc.debug.answer import Answer, bound_to, numbers, question, say
 from rapc.debug.arguments import Arguments
 from rapc.debug.history import History
 from rapc.errors import ArgumentError
-from rapc.events import Goal, TaskSelected
+from rapc.events import Goal, KnownFact, TaskSelected
 from rapc.ir import clauses, nodes
 from rapc.parser.parse import parse_formula
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.memory.memory import EXTERNAL
+from rapc.runtime.memory.access import Evidence, Pattern
 from rapc.runtime.snapshot import AgendaEntry
 from rapc.runtime.state.task import Env, Task
-from rapc.world import Time
 
 MOST = 100
 """The greatest number of solutions that are counted."""
@@ -60,9 +58,16 @@ class ClauseAsked(msgspec.Struct, frozen=True):
     #: Facts, each of which would give the failing conjunct a solution.
     missing: tuple[Fact, ...] = ()
     #: Facts that contradict a negated conjunct.
-    unwanted: tuple[Fact, ...] = ()
+    unwanted: tuple[KnownFact, ...] = ()
     #: Facts similar to the missing facts.
-    near: tuple[Fact, ...] = ()
+    near: tuple[KnownFact, ...] = ()
+    #: The file and line of the failing conjunct; empty without a source text.
+    place: str = ""
+    #: The facts that make a clause of a user true.
+    rests_on: tuple[KnownFact, ...] = ()
+    #: The results inside the deciding conjunct: of the formula of a named query, or
+    #: of each branch of an `or`.
+    opened: tuple[ClauseAsked, ...] = ()
 
     @property
     def holds(self) -> bool:
@@ -71,7 +76,8 @@ class ClauseAsked(msgspec.Struct, frozen=True):
 
     def lines(self) -> Iterator[str]:
         """Yield lines about the conjuncts that hold and the missing facts."""
-        yield f"{self.clause}: {'holds' if self.holds else 'does not hold'}"
+        at = f" at {self.place}" if self.place else ""
+        yield f"{self.clause}{at}: {'holds' if self.holds else 'does not hold'}"
         for text, found in self.parts:
             told = str(found) if found < MOST else f"{MOST} or more"
             yield f"  {' ' if found else '>'} {text}: {told}"
@@ -84,19 +90,30 @@ class ClauseAsked(msgspec.Struct, frozen=True):
             yield f"  {self.note}"
         for fact in self.missing:
             yield f"  would hold with {format_list(fact)}"
-        for fact in self.unwanted:
-            yield f"  contradicted by {format_list(fact)}"
-        for fact in self.near:
-            yield f"  similar fact: {format_list(fact)}"
+        for known in self.unwanted:
+            yield f"  contradicted by {known}"
+        for known in self.near:
+            yield f"  similar fact: {known}"
+        for known in self.rests_on:
+            yield f"  because of {known}"
+        for inner in self.opened:
+            yield from (f"  {line}" for line in inner.lines())
 
     def in_a_line(self) -> str:
         """Return a line: whether the clause holds, or the failing conjunct."""
         pairs = bound_to(self.bindings)
         if self.holds:
             return f"holds{pairs}"
-        at = f"conjunct {len(self.parts)} of {self.count}"
-        told = f"{self.parts[-1][0]} fails, {at}{pairs and ','}{pairs}"
-        return f"{told} ({self.note})" if self.note else told
+        told = f"{self.parts[-1][0]} fails"
+        if self.count > 1:
+            told += f", conjunct {len(self.parts)} of {self.count}"
+        told += f",{pairs}" if pairs else ""
+        told += f" ({self.note})" if self.note else ""
+        told += "".join(f": contradicted by {known}" for known in self.unwanted[:1])
+        for inner in self.opened:
+            at = f" at {inner.place}" if inner.place else ""
+            told += f"; {inner.clause}{at}: {inner.in_a_line()}"
+        return told
 
 
 class MethodAnswer(msgspec.Struct, frozen=True):
@@ -334,7 +351,15 @@ def why_not_query(history: History, text: str) -> ClauseAsked:
     history.run.question(text)  # validates the names
     formula, run = parse_formula(text), history.run
     query = run.library.compiler.query(formula, "question", formula.span)
-    return ask(run, "query", query, None, {})
+    found = ask(run, "query", query, None, {})
+    if not found.holds:
+        return found
+    opened = run.library.opened(formula, found.bindings)
+    return msgspec.structs.replace(
+        found,
+        rests_on=_known(run, run.supporting(formula, found.bindings)),
+        opened=tuple(ask(run, words, one, None, env) for words, one, env in opened),
+    )
 
 
 def ask(
@@ -366,15 +391,25 @@ def ask(
         missing=missing,
         unwanted=unwanted,
         near=near,
+        place=run.library.compiler.row(last.part.span),
+        opened=tuple(
+            ask(run, words, inner, asker, bound)
+            for words, inner, bound in run.library.opened(last.part, known[0])
+        ),
     )
 
 
-_Facts = tuple[Fact, ...]
+def _known(run: Interpreter, found: Evidence) -> tuple[KnownFact, ...]:
+    """Return facts with their ages."""
+    return tuple([KnownFact.at(run.now, *one) for one in found.items()])
+
+
+_Known = tuple[KnownFact, ...]
 
 
 def _facts_about(
     run: Interpreter, part: nodes.Formula, known: list[dict[str, Value]]
-) -> tuple[_Facts, _Facts, _Facts]:
+) -> tuple[tuple[Fact, ...], _Known, _Known]:
     """Return the missing, contradicting and similar facts of a failing conjunct.
 
     Args:
@@ -382,49 +417,22 @@ def _facts_about(
         part: the conjunct.
         known: the solutions of the preceding conjuncts.
     """
-    inner = part.part if isinstance(part, nodes.Not) else part
-    if isinstance(inner, nodes.Believe):
-        inner = inner.pattern
-    if not isinstance(inner, nodes.Proposition) or not _in_memory(run, inner):
-        return (), (), ()
-    patterns = [_with_values(run, inner, one) for one in known]
     if isinstance(part, nodes.Not):
-        found = [fact for one in patterns[:_NEAR] for fact in run.memory.query(*one)]
-        return (), tuple(dict.fromkeys(found))[:_NEAR], ()
+        found: Evidence = {}
+        for env in known[:_NEAR]:
+            found |= run.opposing(part, env)
+        return (), _known(run, found)[:_NEAR], ()
+    inner = part.pattern if isinstance(part, nodes.Believe) else part
+    if not isinstance(inner, nodes.Proposition):
+        return (), (), ()
+    patterns = [one for env in known if (one := run.pattern(inner, env)) is not None]
+    if not patterns:
+        return (), (), ()
     ground = dict.fromkeys(pattern for pattern in patterns if None not in pattern)
-    missing: _Facts = tuple(ground)[:_NEAR]
-    return missing, (), tuple(_nearest(run, patterns[0]))
+    return tuple(ground)[:_NEAR], (), _known(run, _nearest(run, patterns[0]))
 
 
-def _in_memory(run: Interpreter, part: nodes.Proposition) -> bool:
-    return part.name in run.library.signatures.relations
-
-
-Pattern = tuple[Any, ...]
-"""A fact with None for each unknown value."""
-
-
-def _with_values(
-    run: Interpreter, part: nodes.Proposition, env: Mapping[str, Value]
-) -> Pattern:
-    """Return a proposition with values for variables, None if unbound."""
-    relation = run.library.signatures.relations[part.name]
-    values = [_value(term, env) for term in relation.full(part.args)]
-    place = run.memory.place
-    if part.name == "location" and values[-1:] == [EXTERNAL] and place is not None:
-        values[-1] = place
-    known: Pattern = run.memory.canonical((part.name, *values))
-    return known
-
-
-def _value(term: nodes.Term, env: Mapping[str, Value]) -> object:
-    """Return the value of a constant or variable, else None."""
-    if isinstance(term, nodes.Const):
-        return term.value
-    return env.get(term.name) if isinstance(term, nodes.Var) else None
-
-
-def _nearest(run: Interpreter, pattern: Pattern) -> Iterable[Fact]:
+def _nearest(run: Interpreter, pattern: Pattern) -> Evidence:
     """Return the facts that match most arguments of a pattern."""
 
     def agreement(fact: Fact) -> int:
@@ -433,42 +441,4 @@ def _nearest(run: Interpreter, pattern: Pattern) -> Iterable[Fact]:
 
     facts = run.memory.facts(str(pattern[0]))
     agreeing = sorted(filter(agreement, facts), key=agreement, reverse=True)
-    return agreeing[:_NEAR]
-
-
-Supports = dict[Fact, Time | None]
-"""The supporting facts of a clause, each with the time of its last assertion."""
-
-
-def supports(
-    run: Interpreter, formula: nodes.Formula, env: Mapping[str, Value]
-) -> Supports:
-    """Return the facts that make a formula true, in the order of the formula."""
-    found: Supports = {}
-    stack = [formula]
-    while stack:
-        part = stack.pop()
-        if isinstance(part, nodes.And | nodes.Or):
-            stack.extend(reversed(part.parts))
-        elif isinstance(part, nodes.Believe):
-            stack.append(part.pattern)
-        elif isinstance(part, nodes.Proposition):
-            for fact in _rests_on(run, part, env):
-                found.setdefault(fact, run.memory.since(fact))
-    return found
-
-
-def _rests_on(
-    run: Interpreter, part: nodes.Proposition, env: Mapping[str, Value]
-) -> Iterable[Fact]:
-    """Return the first fact that matches; for a named query, its supports."""
-    query = run.library.library.queries.get(part.name)
-    if query is not None:
-        given = zip(query.args, part.args, strict=False)
-        values = {one.variable.name: _value(term, env) for one, term in given}
-        inner = {name: value for name, value in values.items() if value is not None}
-        return supports(run, query.formula, inner)  # type: ignore[arg-type]
-    if not _in_memory(run, part):
-        return ()
-    facts = run.memory.query(*_with_values(run, part, env))
-    return facts[:1]
+    return {fact: facts[fact] for fact in agreeing[:_NEAR]}

@@ -186,9 +186,9 @@ class RunReport:
 def cause_lines(cause: events.Cause | None) -> Iterator[str]:
     """Yield the lines of a cause, one for each link down to the first cause."""
     while cause is not None:
-        yield f"because of {cause.line()}"
-        for method in cause.methods:
-            yield f"  {method.line()}"
+        first, *rest = cause.lines()
+        yield f"because of {first}"
+        yield from rest
         if cause.skipped:
             yield f"... and so on, {cause.skipped} further down"
         cause = cause.because

@@ -36,6 +36,12 @@ _BY_HANDLERS = ("class", "location")
 Answers = Callable[[str | Formula, Mapping[str, Atom] | None], list[dict[str, Any]]]
 """A function that returns all solutions of a formula with some variables bound."""
 
+Evidence = dict[Fact, Time | None]
+"""Facts in memory, each with the time of its last assertion; None if unknown."""
+
+Pattern = tuple[Any, ...]
+"""A fact with None for each unknown value."""
+
 
 class MemoryView:
     """Read access to memory, for functions, default functions and solvers."""

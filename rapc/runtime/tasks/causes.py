@@ -25,13 +25,15 @@ from rapc.compiler.query.query import Query
 from rapc.compiler.query.term_value import TermValue
 from rapc.compiler.rap_plan import MethodPlan
 from rapc.errors import FactError
-from rapc.events import Cause
+from rapc.events import Cause, KnownFact
 from rapc.ir import clauses, nodes
 from rapc.ir.printer import format_formula, format_goal, format_term
 from rapc.ir.walk import subterms
+from rapc.runtime.memory.access import Evidence
 from rapc.runtime.query_context import QueryContext, time_of
 from rapc.runtime.run import Run
 from rapc.runtime.state.task import Env, MethodRun, Task
+from rapc.runtime.tasks.evidence import opposing
 
 LONGEST = 16
 """The highest number of links in a chain of causes; longer chains lose their middle."""
@@ -169,30 +171,34 @@ def of_no_method(run: Run, task: Task) -> Cause | None:
         found = _of_query(run, clause, plan.repeat_while, task, task.env)
         if found is not None:
             return following(found, before)
-    ruled_out = []
-    for method in run.state.methods(plan):
+    methods = _excluded(run, task)
+    asked = plan.name in run.solvers
+    note = "none, from the solver neither" if asked else "" if methods else "none"
+    cause = _cause(run, f"methods of `{plan.name}`", plan.node.name_span, note=note)
+    return following(msgspec.structs.replace(cause, methods=methods), before)
+
+
+def _excluded(run: Run, task: Task) -> tuple[Cause, ...]:
+    """Return the reason against each method of a task whose context does not hold."""
+    found = []
+    for method in run.state.methods(task.plan):
         if method.choice is not None:
             clause = f"context of method `{method.name}`"
-            found = _of_query(run, clause, method.choice, task, task.env)
-            if found is not None:
-                ruled_out.append(found)
-    asked = plan.name in run.solvers
-    note = "none, from the solver neither" if asked else "" if ruled_out else "none"
-    cause = _cause(run, f"methods of `{plan.name}`", plan.node.name_span, note=note)
-    methods = tuple(ruled_out)
-    return following(msgspec.structs.replace(cause, methods=methods), before)
+            found.append(_of_query(run, clause, method.choice, task, task.env))
+    return tuple([one for one in found if one is not None])
 
 
 @_if_told
 def of_futile_choice(
     run: Run, task: Task, method: MethodPlan, found: Env
 ) -> Cause | None:
-    """Return the choice that a task has repeated too often."""
+    """Return the choice that a task has repeated too often, with excluded methods."""
     clause = f"method `{method.name}` of `{task.plan.name}`"
     note = f"chosen {run.settings.futile_limit} times with the same bindings"
     env = {**task.env, **found}
     cause = _cause(run, clause, method.node.span, note=note, env=env)
-    return following(cause, _last(task))
+    methods = _excluded(run, task)
+    return following(msgspec.structs.replace(cause, methods=methods), _last(task))
 
 
 @_if_told
@@ -411,9 +417,26 @@ def _of_query(
                 part=text,
                 note=given_up or note,
                 bindings=_as_text(bound, Query.names(part)),
+                facts=_known(run, opposing(run, part, bound)),
+                inside=_inside(run, part, asker, bound),
             )
         bound = {**env, **found[0]}
     return None
+
+
+def _inside(run: Run, part: nodes.Formula, asker: Task, env: Env) -> tuple[Cause, ...]:
+    """Return the causes inside a part: of a named query, or of the branches of `or`."""
+    found = [
+        _of_query(run, words, query, asker, inner)
+        for words, query, inner in run.library.opened(part, env)
+    ]
+    return tuple([one for one in found if one is not None])
+
+
+def _known(run: Run, found: Evidence) -> tuple[KnownFact, ...]:
+    """Return facts with their ages."""
+    now = run.recorder.time
+    return tuple([KnownFact.at(now, *one) for one in found.items()])
 
 
 def _as_text(env: Mapping[str, Value], names: Iterable[str]) -> Mapping[str, str]:
