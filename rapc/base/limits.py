@@ -38,5 +38,8 @@ MAX_SUGGESTIONS = 50
 MAX_COMPARED = 60
 """Characters of names compared for slips."""
 
+MAX_TIMES = 100_000
+"""Times of a repeated `at` in a test."""
+
 MAX_REASON = 200
 """Characters of the reason why a compiled library cannot be decoded."""

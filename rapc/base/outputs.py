@@ -46,6 +46,7 @@ TRACE = _kind("a trace", rb'\{"event":"| *[-+.e0-9]+ run of ')
 JUNIT = _kind("a JUnit report", _XML + b"<testsuites?[ >]")
 COVERAGE = _kind("a coverage report", rb'\{\s*"format": *[0-9]')
 COMPILED_LIBRARY = _kind("a compiled library", re.escape(COMPILED))
+SAVED_STATE = _kind("a saved state", b"rapc-state ")
 BASELINE = _kind("a baseline", rb'\{\s*"rapc-baseline":')
 BREAKPOINTS = _kind("a list of breakpoints", rb'\[\s*(\{\s*"kind":|\]\s*\Z)')
 FINDINGS = _kind(

@@ -13,10 +13,10 @@ import click
 
 from rapc.analysis.facts.effects import endless, reached
 from rapc.base.interrupts import interrupts_held
-from rapc.base.outputs import TRACE
+from rapc.base.outputs import SAVED_STATE, TRACE
 from rapc.base.values import format_list, readable
 from rapc.base.visible import visible, visible_lines
-from rapc.cli.common import PIPED_WIDTH, load_checked, refuse_output
+from rapc.cli.common import PIPED_WIDTH, load_checked, refuse_output, write_output
 from rapc.cli.options import WholeNumber, command, fail, settings
 from rapc.cli.run_options import (
     end_time,
@@ -25,7 +25,7 @@ from rapc.cli.run_options import (
     run_options,
     until_option,
 )
-from rapc.errors import reason
+from rapc.errors import StateError, reason
 from rapc.events import Deadlock, Event, TaskResult
 from rapc.library.library import Library
 from rapc.runtime.events.report import MendedFailures, RunReport
@@ -66,6 +66,12 @@ _MOST_FRAMES = 1_000_000
     help="Format of the trace file.",
 )
 @click.option(
+    "--save",
+    type=click.Path(dir_okay=False),
+    metavar="FILE",
+    help="Write the state at the time of --until to FILE.",
+)
+@click.option(
     "--show",
     is_flag=True,
     help="Show the world and the robot's beliefs instead of the trace.",
@@ -82,6 +88,7 @@ def run(
     until: float | None,
     trace: str | None,
     trace_format: str,
+    save: str | None,
     show: bool,
     show_every: int | None,
     **more: Any,
@@ -93,11 +100,18 @@ def run(
     A foreground task that never ends keeps the run going until the time of --until.
     Without --until, a note on standard error names the task.
 
+    With --save, the run stops before the first cycle at or after the time of --until.
+    A test can begin in the saved state.
+
     Exit status: 0 if every foreground task succeeded and no background task failed, 1
     if not, 2 if the run could not start.
     """
     if show_every is not None and not show:
         raise click.UsageError("--show-every requires --show")
+    if save is not None and until is None:
+        raise click.UsageError("--save requires --until")
+    if save is not None and more["faults"]:
+        raise click.UsageError("cannot combine --save and --fault")
     if more["agenda"] is None and not more["tasks"]:
         fail("missing --task or --agenda")
     library = load_checked(path)
@@ -107,6 +121,9 @@ def run(
     world = interpreter.world
     _tell_what_ends_it(interpreter.first_tasks, library.library, end)
     drawn = _drawable(interpreter.port, world_name) if show else None
+    if save is not None:
+        told = "is a source file of the library"
+        refuse_output("--save", save, SAVED_STATE, (library.library.files, told))
     report, mended = RunReport(world.kit.offer.sensors), MendedFailures()
     with ExitStack() as stack, _ended_by_interrupts(interpreter):
         with interrupts_held():
@@ -124,11 +141,28 @@ def run(
                 if not settings().quiet:
                     interpreter.listen(TextTrace(_Shown(sys.stdout)))
             interpreter.start()
+        if save is not None and end is not None:
+            _save_at(interpreter, end, save)
         interpreter.run(until=end)
     for line in chain(report.lines(), _mended(mended), _figures(interpreter)):
         click.echo(visible(line))
     if not all(map(_went_well, interpreter.results())):
         raise SystemExit(1)
+
+
+def _save_at(interpreter: Interpreter, time: Time, file: str) -> None:
+    """Run to a time and write the state; a run that ends before ends the command."""
+    from rapc.debug.saved_state import state_file
+
+    while interpreter.come_to_choice() and interpreter.now < time:
+        interpreter.step()
+    if interpreter.reason is not None:
+        fail(f"cannot save: the run ended before time {readable(time)}")
+    try:
+        write_output(file, state_file(interpreter))
+    except StateError as error:
+        fail(f"cannot save: {error.message}")
+    interpreter.end("until")
 
 
 def _mended(mended: MendedFailures) -> Iterator[str]:

@@ -891,10 +891,15 @@ Action = Asserts | Erases | Moves | Loses | Signals | GivenTask | Cancel | Expec
 
 
 class At(Node, frozen=True, eq=False):
-    """`(at time action...)`, the actions in the order of the text."""
+    """`(at time [:every n :until t] action...)`, the actions in the order of the text.
+
+    `every` and `until` are both None, or neither is.
+    """
 
     time: Number
     actions: tuple[Action, ...]
+    every: Number | None = None
+    until: Number | None = None
 
 
 class DefineTest(Node, frozen=True, eq=False):
@@ -910,6 +915,7 @@ class DefineTest(Node, frozen=True, eq=False):
     options: tuple[WorldOption, ...]
     seed: int | None
     agenda: str | None
+    saved_state: str | None
     answers: tuple[Answer, ...]
     facts: tuple[Proposition, ...]
     script: tuple[ScriptRow, ...]

@@ -79,7 +79,7 @@ from rapc.runtime.tasks.primitives import take_reply
 from rapc.runtime.tasks.remove import cancel_matching, remove
 from rapc.runtime.tasks.rename_items import rename
 from rapc.runtime.tasks.signals import signal
-from rapc.runtime.tasks.start import create_top, read_inputs
+from rapc.runtime.tasks.start import create_top, read_inputs, tell_created
 from rapc.runtime.truth import WrongBelief, figures_of, wrong_beliefs
 from rapc.spec import RunSpec
 from rapc.world import Callables, Message, Refused, Reply, Savable, Time, World
@@ -611,6 +611,11 @@ class Interpreter(Run):
         if not isinstance(saved, bytes):
             raise ArgumentError(f"`saved` is {kind(saved)}, no bytes of `save`")
         self.seed = restore(self, saved)
+
+    def tell_tasks(self) -> None:
+        """Emit `task-created` for each live task, for listeners of a restored run."""
+        for task in self.tasks():
+            tell_created(self, task)
 
     def fork(self, world: World | None = None) -> Interpreter:
         """Return a second run with the state of this run.

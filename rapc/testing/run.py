@@ -13,13 +13,22 @@ import msgspec
 
 from rapc.analysis.driver import Finding
 from rapc.base.source import Span
-from rapc.base.values import format_atom, format_list, readable
+from rapc.base.values import Fact, format_atom, format_list, number, readable
 from rapc.compiler.program import Program
-from rapc.errors import FactError, PortError, RefusedError, WorldError, in_a_line
+from rapc.debug.saved_state import SavedState
+from rapc.errors import (
+    FactError,
+    LoadError,
+    PortError,
+    RefusedError,
+    StateError,
+    WorldError,
+    in_a_line,
+)
 from rapc.ir import nodes
 from rapc.runtime.events.recorder import Listener
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.task_request import TaskRequest, as_text, of_node
+from rapc.runtime.task_request import TaskRequest, as_text, of_agenda, of_node
 from rapc.runtime.truth import figures_of
 from rapc.spec import RunSpec
 from rapc.testing.coverage import Coverage
@@ -34,8 +43,9 @@ from rapc.testing.setting import (
     named_world,
     problems,
     row_of,
+    saved_state,
 )
-from rapc.world import Kit, World
+from rapc.world import Kit, Time, World
 from rapc.worlds.scripted import ScriptedWorld, UnansweredRequest
 
 MOST_CYCLES = 100_000
@@ -104,16 +114,18 @@ def run_case(
     if case.faults:
         return _error(case, seed, [_problem(f) for f in case.faults])
     try:
-        world, found = named_world(test, seed, modules)
+        state = saved_state(test)
+        seed = seed if state is None else state.seed
+        world, found = named_world(test, seed, modules, state)
         kit = Kit() if world is None else world.kit
         known = {} if world is None or test.script else figures_of(world)
-        found = found or problems(test, case.library.library, kit, known)
+        found = found or problems(test, case.library.library, kit, known, state)
         if found:
             return _error(case, seed, found)
-        running = _Run(case, seed, world, wrap)
+        running = _Run(case, seed, world, wrap, state)
     except WorldError as error:
         return _error(case, seed, [Unmet(place, (in_a_line(error),))])
-    except (FactError, PortError) as error:
+    except (FactError, LoadError, PortError, StateError) as error:
         return _error(case, seed, [Unmet(place, (error.message,))])
     except RefusedError as error:
         return _error(case, seed, [Unmet(place, (line,)) for line in error.reasons])
@@ -148,7 +160,12 @@ class _Run:
     """
 
     def __init__(
-        self, case: Case, seed: int, named: World | None, wrap: Wrap | None
+        self,
+        case: Case,
+        seed: int,
+        named: World | None,
+        wrap: Wrap | None,
+        state: SavedState | None,
     ) -> None:
         self.test = case.test
         self._case = case
@@ -171,17 +188,30 @@ class _Run:
                 kit=Kit() if named is None else named.kit,
                 leaving=self._leaving,
             )
-        spec = RunSpec(
-            seed=seed,
-            agenda=test.agenda,
-            tasks=tuple([as_text(of_node(task)) for task in test.tasks]),
-            facts=tuple([format_list(flat(fact)) for fact in test.facts]),
-        )
         world = world if wrap is None else wrap(world, seed)
         later, known = _later_tasks(test), functions(test.answers)
-        self.interpreter = Interpreter.prepared(
-            case.library, world, spec, later=later, functions=known
-        )
+        tasks, library = [*map(of_node, test.tasks)], case.library
+        #: The tasks and facts that are added to a saved state.
+        self._more: tuple[list[TaskRequest], list[Fact]] | None = None
+        if state is None or named is None:
+            spec = RunSpec(
+                seed=seed,
+                agenda=test.agenda,
+                tasks=tuple(map(as_text, tasks)),
+                facts=tuple([format_list(flat(fact)) for fact in test.facts]),
+            )
+            self.interpreter = Interpreter.prepared(
+                library, world, spec, later=later, functions=known
+            )
+            return
+        self.interpreter = state.continued(library, named, known)
+        self.interpreter.port.enclose(world)
+        if test.agenda is not None:
+            tasks = [*of_agenda(library.library, test.agenda), *tasks]
+        self._more = tasks, [flat(fact) for fact in test.facts]
+        self.interpreter.check([*tasks, *later])
+        for fact in self._more[1]:
+            self.interpreter.check_fact(*fact)
 
     # --- during the run ------------------------------------------------------------
 
@@ -196,9 +226,12 @@ class _Run:
             for number, at in enumerate(test.ats):
                 interpreter.call_at(at.time, self._action(number, at))
             self.interpreter.start()
+            if self._more is not None:
+                self._begin_in_state(*self._more)
             # A limit that the test does not state keeps no background task going.
             tasks = interpreter.first_tasks
-            alone = test.until is None and all(task.background for task in tasks)
+            new, stated = self._more is None, test.until is not None
+            alone = new and not stated and all(task.background for task in tasks)
             interpreter.run(None if alone else until.time, cycles=cycles)
         except (UnansweredRequest, UnansweredQuestion) as error:
             self._fail(test.name_span, str(error))
@@ -208,6 +241,14 @@ class _Run:
             self._fail(test.name_span, str(error))
             return
         self._fail_if_stopped()
+
+    def _begin_in_state(self, tasks: list[TaskRequest], facts: list[Fact]) -> None:
+        """Tell the listeners the tasks of a saved state; add those of the test."""
+        self.interpreter.tell_tasks()
+        for fact in facts:
+            self.interpreter.assert_fact(*fact)
+        for task in tasks:
+            self.interpreter.submit(task)
 
     def _fail_if_stopped(self) -> None:
         """Fail a test that a limit has ended, unless the test states the limit."""
@@ -222,14 +263,21 @@ class _Run:
         if limit:
             self._fail(self.test.name_span, f"the test was not over {limit}; {more}")
 
-    def _action(self, number: int, at: nodes.At) -> Callable[[], None]:
+    def _action(self, number: int, at: nodes.At, times: int = 0) -> Callable[[], None]:
+        """Return the call that performs an `at` for the time after `times` times."""
+
         def act() -> None:
-            del self._unreached[number]
+            time = _time(at, times)
+            again = _time(at, times + 1)
+            if at.until is not None and again <= at.until:
+                self.interpreter.call_at(again, self._action(number, at, times + 1))
+            else:
+                del self._unreached[number]
             try:
                 for action in at.actions:
                     self._do(action)
             except FactError as error:
-                raise FactError(f"at {format_atom(at.time)}: {error}") from error
+                raise FactError(f"at {format_atom(time)}: {error}") from error
 
         return act
 
@@ -322,6 +370,11 @@ class _Run:
         failures = tuple(self._failures)
         note = self._note
         return Outcome(self._case, self._seed, status, failures, note, trace, mended)
+
+
+def _time(at: nodes.At, times: int) -> Time:
+    """Return the time of an `at` after it has been performed some times."""
+    return number(at.time + times * (at.every or 0))
 
 
 def _later_tasks(test: nodes.DefineTest) -> list[TaskRequest]:

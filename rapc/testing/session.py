@@ -41,8 +41,9 @@ class TestSession(msgspec.Struct, frozen=True):
         def wrap(world: World, seed: int) -> World:
             return FaultyWorld(world, faults, seed) if faults else world
 
-        own = case.test.seed
-        for seed in self.seeds if own is None else (own,):
+        own, state = case.test.seed, case.test.saved_state
+        seeds = self.seeds if own is None else range(own, own + 1)
+        for seed in seeds if state is None else seeds[:1]:
             outcome = run_case(case, seed, wrap, self.coverage, modules=self.modules)
             if outcome.status is not Status.PASSED:
                 break

@@ -14,9 +14,11 @@ from typing import Any
 
 import msgspec
 
+from rapc.base.files import path_of, read_bytes
 from rapc.base.source import Span
-from rapc.base.values import Atom, Fact, format_list, match_pattern
-from rapc.errors import Error, WorldError, in_a_line
+from rapc.base.values import Atom, Fact, format_list, match_pattern, readable
+from rapc.debug.saved_state import SavedState
+from rapc.errors import Error, StateError, WorldError, in_a_line
 from rapc.ir import nodes
 from rapc.library.library import Library
 from rapc.library.signatures import Signatures
@@ -100,13 +102,33 @@ class ObservedWorld(Wrapper):
         super().advance(to)
 
 
+def saved_state(test: nodes.DefineTest) -> SavedState | None:
+    """Return the state in which a test begins, if the test names a file.
+
+    Raises:
+        LoadError: if the file cannot be read.
+        StateError: if the file is not a saved state.
+    """
+    if test.saved_state is None:
+        return None
+    path = path_of(test.name_span.file).parent / test.saved_state
+    try:
+        return SavedState(read_bytes(path))
+    except StateError as error:
+        raise StateError(f"cannot begin in `{path}`: {error}") from error
+
+
 def named_world(
-    test: nodes.DefineTest, seed: int, modules: Collection[str]
+    test: nodes.DefineTest,
+    seed: int,
+    modules: Collection[str],
+    state: SavedState | None,
 ) -> tuple[World | None, list[Unmet]]:
     """Return the world that a test names, or why it is unavailable.
 
     Raises:
         WorldError: if the world is unknown, or may not be used.
+        StateError: if the state belongs to another world.
     """
     if test.world is None:
         return None, []
@@ -114,6 +136,8 @@ def named_world(
     options, wrong = _options(test, found)
     if wrong:
         return None, wrong
+    if state is not None:
+        options = state.options_of(found) | options
     return registry.build_world(found, seed, options), []
 
 
@@ -140,6 +164,7 @@ def problems(
     library: Library,
     kit: Kit,
     figures: Container[str],
+    state: SavedState | None,
 ) -> list[Unmet]:
     """Return the reasons why a test cannot be run in its world.
 
@@ -148,6 +173,7 @@ def problems(
         library: the library under test.
         kit: the kit of the named world; an empty kit without a world.
         figures: the names of the figures of the world, if the test runs in it.
+        state: the state in which the test begins, if it names a file.
     """
     handled, solved = kit.handlers.data, kit.solvers
     found = [
@@ -161,6 +187,14 @@ def problems(
         if name in kit.functions:
             said = f"the world `{test.world}` answers for `{name}` itself"
             found.append(Unmet(answer.span, (said,)))
+    if state is not None and (test.world is None or test.script):
+        message = "`saved-state` requires a world and no script"
+        found.append(Unmet(test.name_span, (message,)))
+    found += [
+        Unmet(at.span, (f"the saved state is of time {readable(state.time)}",))
+        for at in test.ats
+        if state is not None and at.time < state.time
+    ]
     later = [action for at in test.ats for action in at.actions]
     inner = [
         e for one in later if isinstance(one, nodes.Expect) for e in one.expectations

@@ -41,6 +41,7 @@ ACTS: Mapping[str, str] = {
     "Interpreter.recount_running_goals": "counts tasks, after names have changed",
     "Interpreter.restore": "takes up another state",
     "Interpreter.retry_task": "ends a method",
+    "Interpreter.tell_tasks": "emits events",
     "Interpreter.run": "runs on",
     "Interpreter.run_host_timers": "calls the host",
     "Interpreter.run_ready": "runs on",

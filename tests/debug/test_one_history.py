@@ -12,8 +12,9 @@ ROOT = Path(rapc.__file__).parent
 ALLOWED = {
     "debug/acts.py": {"save", "restore", "enclose"},
     "debug/reload.py": {"save"},
+    "debug/saved_state.py": {"save", "restore"},
 }
-"""Acts that make a run another, and a world put behind one that answers for it."""
+"""Acts that make a run another, a world put behind one, and files of states."""
 
 
 def _calls(path: Path) -> set[str]:

@@ -182,3 +182,140 @@ def test_invalid_option_of_a_simulator_is_an_error(
     outcome = outcome_of(tmp_path, f"{clauses} (agenda shift)")
     assert outcome.status is Status.ERROR
     assert happened(outcome)[0].startswith(message)
+
+
+# --- a saved state --------------------------------------------------------------------
+
+RUN = ("run", str(COURIER), "--world", "courier", "--agenda", "shift", "--seed", "4")
+
+
+def save(folder: Path, time: int, *more: str) -> None:
+    """Save the state of a shift at a time."""
+    file = str(folder / "it.state")
+    done = rapc(*RUN, "-q", "--until", str(time), "--save", file, *more)
+    assert done.returncode == 1, done.stderr  # tasks are left over
+
+
+def test_test_continues_a_saved_state(tmp_path: Path) -> None:
+    """The continued shift ends like the whole shift with the same seed."""
+    save(tmp_path, 600)
+    clauses = '(saved-state "it.state") (until 3000) (at {} (expect {}))'
+    passed = f"{DELIVERED} (ends-by 1236 (deliver meals ward-4)) (fails-at-most 6)"
+    for time, expected, status in (
+        (3000, passed, Status.PASSED),
+        (1235, "(ends-by 1235 (deliver meals ward-4))", Status.FAILED),
+        (700, "(active (deliver meals ward-4))", Status.PASSED),
+    ):
+        outcome = outcome_of(tmp_path, clauses.format(time, expected))
+        assert (outcome.status, outcome.seed) == (status, 4), happened(outcome)
+
+
+def test_tasks_and_facts_of_a_test_join_a_saved_state(tmp_path: Path) -> None:
+    save(tmp_path, 600)
+    clauses = '(saved-state "it.state") (facts (battery 77)) (until (cycles 1)) '
+    clauses += "(task (deliver linen ward-1) :priority 9) (expect (memory (battery 77))"
+    outcome = outcome_of(tmp_path, f"{clauses} (succeeds (deliver linen ward-1)))")
+    assert outcome.status is Status.PASSED, happened(outcome)
+
+
+def test_changed_library_continues_a_saved_state(tmp_path: Path) -> None:
+    """A RAP with a task under way may get other methods, and no other resources."""
+    save(tmp_path, 600)
+    clauses = f'(saved-state "it.state") (until 3000) (expect {DELIVERED})'
+    case = written(tmp_path, clauses)
+    library = tmp_path / "orders.rap"
+    text = library.read_text(encoding="utf-8")
+    head = "(define-rap (deliver (?goods goods) (?ward ward))"
+    for old, new, status in (
+        (head, head, Status.PASSED),
+        (head, f";;; A comment.\n{head}", Status.PASSED),
+        (head, f"{head} (preconditions nil)", Status.FAILED),
+        ("?rounds", "?turns", Status.ERROR),
+    ):
+        library.write_text(text.replace(old, new), encoding="utf-8")
+        case = find([tmp_path / "it.test.rap"]).cases[0]
+        outcome = run_case(case)
+        assert outcome.status is status, happened(outcome)
+    under_way = "cannot change the resources of `deliver`: its tasks are under way"
+    assert happened(outcome) == [under_way]
+
+
+def test_saved_state_of_another_kind_is_refused(tmp_path: Path) -> None:
+    save(tmp_path, 600)
+    state = (tmp_path / "it.state").read_bytes()
+    mark, _, body = state.partition(b"\n")
+    expected = {
+        b"": "the file is not a saved state",
+        b"rapc-state 99\n" + body: "another version of rapc wrote the saved state",
+        mark + b"\n[]": "the saved state is damaged",
+        state[:-50]: "the saved state is damaged",
+        state.replace(b"(define-rap", b"(define-rpa"): "the saved state is damaged",
+    }
+    clauses = f'(saved-state "it.state") (until 3000) (expect {DELIVERED})'
+    for data, message in expected.items():
+        (tmp_path / "it.state").write_bytes(data)
+        outcome = outcome_of(tmp_path, clauses)
+        assert outcome.status is Status.ERROR
+        assert message in happened(outcome)[0]
+    (tmp_path / "it.state").unlink()
+    missing = happened(outcome_of(tmp_path, clauses))[0]
+    assert missing.endswith("it.state`: no such file or directory")
+
+
+@pytest.mark.parametrize(
+    ("clauses", "message"),
+    [
+        ("(script ((drive ?) okay))", "`saved-state` requires a world and no script"),
+        ("(options (battery 33))", "a different value of the option `courier.battery`"),
+        ("(at 5 (loses cup))", "the saved state is of time 6"),
+    ],
+)
+def test_test_that_contradicts_its_saved_state_is_in_error(
+    tmp_path: Path, clauses: str, message: str
+) -> None:
+    save(tmp_path, 600)
+    outcome = outcome_of(tmp_path, f'(saved-state "it.state") {clauses}')
+    assert outcome.status is Status.ERROR
+    assert message in happened(outcome)[0]
+
+
+def test_run_that_cannot_be_saved_ends_the_command(tmp_path: Path) -> None:
+    save_it = ("--save", str(tmp_path / "it.state"))
+    for more, message in (
+        (save_it, "--save requires --until"),
+        ((*save_it, "--until", "9000"), "cannot save: the run ended before time 9000"),
+        ((*save_it, "--until", "9", "--fault", "(drive ?) blocked"), "cannot combine"),
+    ):
+        done = rapc(*RUN, "-q", *more)
+        assert done.returncode == 2
+        assert message in done.stderr
+        assert not (tmp_path / "it.state").exists()
+
+
+# --- repeated actions -----------------------------------------------------------------
+
+
+def test_repeated_actions_happen_at_each_of_their_times(tmp_path: Path) -> None:
+    """The actions happen at 10, 13 and 16, with a simulator and with a script."""
+    repeated = "(at 10 :every 3 :until 18 (asserts (battery 7)))"
+    clear = "".join(f"(at {time} (asserts (battery 8)))" for time in (11, 14, 17))
+    known = {9: "33", 10: "7", 11: "8", 12: "8", 13: "7", 14: "8", 16: "7", 19: "8"}
+    asked = "".join(
+        f"(at {time} (expect (memory (battery {value}))))"
+        for time, value in known.items()
+    )
+    for begin in (
+        "(options (battery 33))",
+        "(facts (battery 33)) (script ((drive ?) okay))",
+    ):
+        outcome = outcome_of(tmp_path, f"{begin} {repeated} {clear} {asked} (until 25)")
+        assert outcome.status is Status.PASSED, happened(outcome)
+
+
+def test_repeated_expectations_must_hold_at_each_of_their_times(tmp_path: Path) -> None:
+    clauses = "(at 5 (asserts (battery 9))) (at 1 :every 1 :until {} "
+    clauses += "(expect (memory (battery 33)))) (options (battery 33)) (until 20)"
+    assert outcome_of(tmp_path, clauses.format(4)).status is Status.PASSED
+    assert outcome_of(tmp_path, clauses.format(5)).status is Status.FAILED
+    early = outcome_of(tmp_path, clauses.format(4).replace("until 20", "until 2"))
+    assert "never reached" in happened(early)[0]

@@ -59,6 +59,7 @@ SPECIAL: Mapping[str, Read] = {
     "goal": terms.goal,
     "thing": terms.thing,
     # tests
+    "at": tests.at,
     "script_row": tests.row,
     "memory": expectations.memory,
     "method_chosen": expectations.method_chosen,

@@ -9,7 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import cast
 
-from rapc.base.values import Number
+from rapc.base.limits import MAX_TIMES
+from rapc.base.values import Number, format_atom
 from rapc.ir import nodes
 from rapc.language.heads import TEST_CLAUSES, often
 from rapc.parser.context import Context, head_of
@@ -91,6 +92,38 @@ def define_agenda(ctx: Context, form: List) -> nodes.DefineAgenda | None:
     fields = read_clauses(ctx, kept, "_agenda_clause", into)
     where = ctx.span(form.items[1])
     return nodes.DefineAgenda(name, name_span=where, span=ctx.span(form), **fields)
+
+
+# --- actions at a time --------------------------------------------------------------
+
+
+def at(ctx: Context, datum: List) -> nodes.At | None:
+    """Read `(at time [:every n :until t] action...)`."""
+    data = datum.items[1:]
+    if not data:
+        ctx.report("malformed-clause", "`at` requires a time", datum)
+        return None
+    time = cast(Number | None, ctx.readers["TIME"](ctx, data[0]))
+    lists = [n for n, one in enumerate(data) if n and isinstance(one, List)]
+    first = min(lists, default=len(data))
+    options = read_options(ctx, data[1:first], "`at`", "_once_at_option")
+    known = ctx.readers.group("_action")
+    found = clauses(ctx, data[first:], "at", tuple(known))
+    actions = made(known[word](ctx, one) for word, one in found)
+    if time is None:
+        return None
+    fields = filled(slots("at", nodes.At), options)
+    every, until = fields["every"], fields["until"]
+    wrong = ""
+    if len(options) == 1:
+        wrong = "a repeated `at` requires both `:every` and `:until`"
+    elif every and until is not None and not 0 <= until - time <= every * MAX_TIMES:
+        early = f"`:until` is before the time {format_atom(time)}"
+        wrong = early if until < time else f"more than {MAX_TIMES} times of an `at`"
+    if wrong:
+        ctx.report("malformed-clause", wrong, datum)
+        fields = {}
+    return nodes.At(time, actions, span=ctx.span(datum), **fields)
 
 
 # --- the script ---------------------------------------------------------------------

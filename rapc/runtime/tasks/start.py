@@ -51,16 +51,7 @@ def create(run: Run, task: Task) -> None:
     run.state.numbers += 1
     task.number = run.state.numbers
     task.family = task.family or task.number
-    if run.recorder.on and run.recorder.wants(TaskCreated):
-        run.recorder.emit(
-            TaskCreated,
-            task=task.number,
-            goal=task.goal(),
-            parent=task.parent.number if task.parent is not None else None,
-            family=task.family,
-            priority=task.priority,
-            step=task.step.node.tag if task.step is not None else None,
-        )
+    tell_created(run, task)
     if task.plan.needs_setup and task.wait is not None:
         task.wait.made = run.recorder.time
         _prepare(run, task, task.wait)
@@ -187,6 +178,20 @@ def _listen(run: Run, task: Task, wait: WaitState, step: StepPlan) -> None:
             wait.blocked_on = on = format_formula(signal.pattern, env)
             if run.recorder.on:
                 run.recorder.emit(TaskBlocked, task=task.number, on=on)
+
+
+def tell_created(run: Run, task: Task) -> None:
+    """Emit the event of a new task."""
+    if run.recorder.on and run.recorder.wants(TaskCreated):
+        run.recorder.emit(
+            TaskCreated,
+            task=task.number,
+            goal=task.goal(),
+            parent=task.parent.number if task.parent is not None else None,
+            family=task.family,
+            priority=task.priority,
+            step=task.step.node.tag if task.step is not None else None,
+        )
 
 
 def read_windows(run: Run, task: Task, last: bool = False) -> None:

@@ -1,0 +1,124 @@
+"""The file of a saved state: a run at a moment, with the text of its library.
+
+The file is data from any source: all that is read from it is checked. A run with
+another library continues the state by the rules of a reload (`rapc.debug.reload`).
+"""
+
+from __future__ import annotations
+
+import msgspec
+
+from rapc.base.source import SourceFile
+from rapc.base.values import Atom
+from rapc.compiler.program import Program
+from rapc.debug.reload import TakeUp
+from rapc.errors import Error, StateError
+from rapc.host import linked
+from rapc.library.loader import load_sources
+from rapc.runtime.interpreter import Interpreter
+from rapc.runtime.saving.format import RunRecord, decode_run
+from rapc.spec import RunSpec
+from rapc.world import Callables, Time, World
+from rapc.worlds.faults import SubstituteWorld
+from rapc.worlds.registry import check_options
+
+_MARK = b"rapc-state 1\n"
+"""The first bytes of a file: the kind of file and the version of its format."""
+
+
+class _Contents(msgspec.Struct, frozen=True):
+    """The contents of a file after its mark, as JSON."""
+
+    #: The name and the text of each file of the library.
+    sources: tuple[tuple[str, str], ...]
+    run: bytes
+
+
+def state_file(run: Interpreter) -> bytes:
+    """Return the contents of the file for the present state of a run.
+
+    Raises:
+        StateError: as `Interpreter.save`, and for a run with faults or forced results.
+        PortError: if the world breaks while it is saved.
+    """
+    if isinstance(run.port.behind, SubstituteWorld):
+        raise StateError(f"cannot save a run with {run.port.behind.has}")
+    files = run.library.library.files.values()
+    sources = tuple([(file.name, file.text) for file in files])
+    return _MARK + msgspec.json.encode(_Contents(sources, run.save()))
+
+
+class SavedState:
+    """The state in a file, to be continued with any library of the same declarations.
+
+    Args:
+        data: the contents of the file.
+
+    Raises:
+        StateError: if `data` is not a saved state of this version of rapc.
+    """
+
+    def __init__(self, data: bytes) -> None:
+        if not data.startswith(_MARK[: _MARK.index(b" ") + 1]):
+            raise StateError("the file is not a saved state")
+        if not data.startswith(_MARK):
+            raise StateError("another version of rapc wrote the saved state")
+        try:
+            self._contents = msgspec.json.decode(data[len(_MARK) :], type=_Contents)
+        except (msgspec.MsgspecError, RecursionError) as error:
+            raise StateError(f"the saved state is damaged: {error}") from error
+        self._record: RunRecord = decode_run(self._contents.run)
+
+    def options_of(self, world: type[World]) -> dict[str, Atom | bool]:
+        """Return the options of the world, which must be `world`.
+
+        Raises:
+            StateError: if the state belongs to another world.
+            WorldError: if the world does not have these options.
+        """
+        saved = self._record.world_name
+        if saved != world.name:
+            raise StateError(f"the saved state belongs to the world `{saved:.60}`")
+        return check_options(world, self._record.options)
+
+    @property
+    def seed(self) -> int:
+        """Return the seed of the run."""
+        return self._record.seed
+
+    @property
+    def time(self) -> Time:
+        """Return the time of the state."""
+        return self._record.time
+
+    def continued(
+        self, library: Program, world: World, functions: Callables
+    ) -> Interpreter:
+        """Return a run of a library that continues the state.
+
+        Args:
+            library: the library; its text may differ from that of the saved run.
+            world: a world made with the options of the state.
+            functions: as for `Interpreter`.
+
+        Raises:
+            RefusedError: if the library does not fit the state.
+            StateError: if the state is damaged, or does not belong to the world.
+            PortError: if the world breaks.
+        """
+        settings = self._record.settings
+        digest, before = self._record.library, library
+        if library.digest != digest:
+            before = self._library()
+        spec = RunSpec(seed=self.seed, settings=settings.named())
+        run = Interpreter.prepared(before, world, spec, functions=functions)
+        run.restore(self._contents.run)
+        return run if before is library else TakeUp(library, ()).do(run)
+
+    def _library(self) -> Program:
+        """Return the library of the saved run."""
+        sources = [SourceFile(name, text) for name, text in self._contents.sources]
+        try:
+            return linked(load_sources(sources), "saved state").program
+        except Error as error:
+            raise StateError(f"the saved state is damaged: {error}") from error
