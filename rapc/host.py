@@ -390,10 +390,11 @@ def linked(loaded: Loaded, name: str) -> CheckedLibrary:
     program = Program(loaded.library, name)
     verifier = saved_check.Verifier(program.signatures)
     try:
-        for form in loaded.library.forms:
+        library = loaded.library
+        for form in (*library.forms, *library.methods):
             if not isinstance(form, DefineRap):
                 verifier.declaration(form)
-        for rap in loaded.library.raps.values():
+        for rap in library.raps.values():
             verifier.rap(rap)
     except saved_check.UnsoundError as error:
         raise RefusedError([str(error)]) from error

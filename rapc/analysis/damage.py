@@ -18,7 +18,7 @@ findings in that form are withheld.
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 import msgspec
 
@@ -32,6 +32,17 @@ from rapc.parser.unit import SourceUnit
 
 _OF_FORMS = frozenset(rule.name for rule in (*FORM_RULES, *SLIP_RULES))
 """The rules about forms whose parentheses match."""
+
+
+_Part = tuple[Span, str]
+"""The span of a form that defines a RAP or adds a method, and the name of the RAP."""
+
+
+def _rap_of(form: nodes.TopForm | nodes.DefineTest) -> str:
+    """Return the RAP that a form defines completely or in part; else no text."""
+    if isinstance(form, nodes.DefineMethod):
+        return form.rap
+    return form.name if isinstance(form, nodes.DefineRap) else ""
 
 
 class _Damaged(msgspec.Struct, frozen=True):
@@ -50,8 +61,14 @@ class _Damaged(msgspec.Struct, frozen=True):
 
     def method_at(self, offset: int) -> nodes.Method | None:
         """Return the method at an offset."""
-        methods = self.form.methods if isinstance(self.form, nodes.DefineRap) else ()
+        methods = _methods(self.form)
         return next((m for m in methods if m.span.start <= offset < m.span.end), None)
+
+
+def _methods(form: nodes.TopForm | nodes.DefineTest) -> tuple[nodes.Method, ...]:
+    if isinstance(form, nodes.DefineMethod):
+        return (form.method,)
+    return form.methods if isinstance(form, nodes.DefineRap) else ()
 
 
 class Damage:
@@ -63,9 +80,26 @@ class Damage:
 
     def __init__(self, units: Iterable[SourceUnit]) -> None:
         self._forms: dict[str, list[_Damaged]] = {}
+        #: The forms of each RAP with added methods, by file; and those damaged, by RAP.
+        self._parts: dict[str, list[_Part]] = {}
+        self._of_rap: dict[str, list[_Damaged]] = {}
+        units = list(units)
         for unit in units:
             if unit.partial:
                 self._forms[unit.file.name] = _damaged(unit)
+        if self._forms:
+            self._join(units)
+
+    def _join(self, units: Iterable[SourceUnit]) -> None:
+        """Record which forms define a RAP together."""
+        forms = [form for unit in units for form in unit.forms]
+        added = {form.rap for form in forms if isinstance(form, nodes.DefineMethod)}
+        for form in forms if added else ():
+            if (name := _rap_of(form)) in added:
+                self._parts.setdefault(form.span.file, []).append((form.span, name))
+        for damaged in (one for many in self._forms.values() for one in many):
+            if (name := _rap_of(damaged.form)) in added:
+                self._of_rap.setdefault(name, []).append(damaged)
 
     def silences(self, finding: Diagnostic, whole: Whole) -> bool:
         """Return whether a finding of a check with this need may be due to an error."""
@@ -77,7 +111,21 @@ class Damage:
     def reaches(self, place: Span, whole: Whole = "node") -> bool:
         """Return whether a syntax error may affect the code at a place."""
         here = self._at(place)
-        return here is not None and _reaches(here, place, whole)
+        if here is not None and _reaches(here, place, whole):
+            return True
+        return any(_reaches_others(one, whole) for one in self._others(place, whole))
+
+    def _others(self, place: Span, whole: Whole) -> Iterator[_Damaged]:
+        """Yield the other damaged forms of the RAP whose form is at a place.
+
+        For a check that needs a node, only if the node is the whole form.
+        """
+        for form, name in self._parts.get(place.file, ()):
+            inside = form.start <= place.start < form.end
+            if place.contains(form) or (inside and whole != "node"):
+                for one in self._of_rap.get(name, ()):
+                    if one.form.span != form:
+                        yield one
 
     def lies_in(self, stretch: Span) -> bool:
         """Return whether a damaged form overlaps a span of text."""
@@ -98,6 +146,13 @@ class Damage:
         at = bisect_right(found, place.start, key=lambda one: one.form.span.start) - 1
         inside = at >= 0 and place.start < found[at].form.span.end
         return found[at] if inside else None
+
+
+def _reaches_others(here: _Damaged, whole: Whole) -> bool:
+    """Return whether the syntax errors of a form affect other forms of its RAP."""
+    if not here.slips or whole != "method":
+        return True
+    return any(here.method_at(slip) is None for slip in here.slips)
 
 
 def _reaches(here: _Damaged, place: Span, whole: Whole) -> bool:

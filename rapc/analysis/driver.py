@@ -208,9 +208,17 @@ def _found(run: Pass, enabled: Collection[str]) -> Iterator[tuple[Diagnostic, Wh
     find(wanted)
     hiders = with_hiders({one.rule for one in found.values()})
     find(one for one in registry.checks_for(hiders) if one not in wanted)
-    forms = (*run.library.forms, *run.library.tests)
-    for one in visible(list(found.values()), [form.span for form in forms]):
+    for one in visible(list(found.values()), _forms(run.library)):
         yield one, needs_whole[one.rule]
+
+
+def _forms(library: Library) -> Iterator[tuple[Span, Span]]:
+    """Yield the spans of all forms, each with the span of the form it belongs to."""
+    for form in (*library.forms, *library.tests):
+        yield form.span, form.span
+    for method in library.methods:
+        rap = library.raps.get(method.rap)
+        yield method.span, method.span if rap is None else rap.span
 
 
 _Key = tuple[str, Span, str]

@@ -94,12 +94,15 @@ def with_hiders(rules: Collection[str]) -> frozenset[str]:
     return frozenset(rules).union(*[row.by for row in rows])
 
 
-def visible(found: Sequence[Diagnostic], forms: Iterable[Span]) -> list[Diagnostic]:
+def visible(
+    found: Sequence[Diagnostic], forms: Iterable[tuple[Span, Span]]
+) -> list[Diagnostic]:
     """Return the findings that no other finding hides.
 
     Args:
         found: the findings.
-        forms: the spans of the top-level forms; spans do not overlap.
+        forms: the spans of the top-level forms, which do not overlap, each with the
+            span of the form that it belongs to: for an added method that of the RAP.
     """
     by_position = _Forms(forms)
     hidden: set[int] = set()
@@ -126,7 +129,9 @@ def _consequences(
             yield from [one for one in among if not names.isdisjoint(forms.names(one))]
         case "place":
             places = [subject.place for cause in causes for subject in cause.about]
-            yield from [one for one in among if any(_contains(p, one) for p in places)]
+            yield from [
+                one for one in among if any(p.contains(one.span) for p in places)
+            ]
         case "missing":
             # How many variables of each form a cause has not yet explained.
             unexplained = Counter(form for one in causes for form in forms.missing(one))
@@ -141,30 +146,21 @@ def _consequences(
                         yield one
 
 
-def _contains(place: Span, finding: Diagnostic) -> bool:
-    inner = finding.span
-    return (
-        place.file == inner.file
-        and place.start <= inner.start
-        and inner.end <= place.end
-    )
-
-
 class _Forms:
     """The top-level forms of a library, by position."""
 
-    def __init__(self, forms: Iterable[Span]) -> None:
-        self._forms: dict[str, list[Span]] = {}
-        for form in forms:
-            self._forms.setdefault(form.file, []).append(form)
+    def __init__(self, forms: Iterable[tuple[Span, Span]]) -> None:
+        self._forms: dict[str, list[tuple[Span, Span]]] = {}
+        for form, whole in forms:
+            self._forms.setdefault(form.file, []).append((form, whole))
         for own in self._forms.values():
-            own.sort(key=lambda form: form.start)
+            own.sort(key=lambda one: one[0].start)
 
     def at(self, place: Span) -> Span | None:
-        """Return the form at a place."""
+        """Return the form at a place; for an added method its RAP."""
         own = self._forms.get(place.file, [])
-        at = bisect_right(own, place.start, key=lambda form: form.start) - 1
-        return own[at] if at >= 0 else None
+        at = bisect_right(own, place.start, key=lambda one: one[0].start) - 1
+        return own[at][1] if at >= 0 else None
 
     def names(self, finding: Diagnostic) -> set[tuple[Span | None, str]]:
         """Return the names that a finding is about, with the form of each name."""

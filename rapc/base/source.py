@@ -31,6 +31,14 @@ class Span(msgspec.Struct, frozen=True, array_like=True, gc=False):
         """Return the span from the start of this span to the end of `other`."""
         return Span(self.file, self.start, other.end)
 
+    def contains(self, other: Span) -> bool:
+        """Return whether the span `other` lies in this span."""
+        return (
+            self.file == other.file
+            and self.start <= other.start
+            and other.end <= self.end
+        )
+
 
 NOWHERE = Span("", 0, 0)
 """The span of nodes without a file, built by programs."""

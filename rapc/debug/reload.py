@@ -30,6 +30,7 @@ from rapc.debug.acts import Act, taken_up
 from rapc.errors import RefusedError
 from rapc.host import CheckedLibrary, CheckError
 from rapc.ir import nodes
+from rapc.ir.printer import format_node
 from rapc.library.library import Library, digest
 from rapc.library.loader import Loaded, load, load_sources
 from rapc.library.signature import Signature
@@ -41,8 +42,8 @@ from rapc.runtime.state.states import BLOCKED, ENDED
 from rapc.runtime.state.wait_state import WaitState
 from rapc.world import Time
 
-_NO_DEFINITIONS = ("files", "forms", "tests")
-"""The fields of a library that do not affect a run."""
+_NO_DEFINITIONS = ("methods", "files", "forms", "tests")
+"""The fields of a library that do not affect a run; `raps` has the added methods."""
 
 
 class TakeUp(Act, frozen=True):
@@ -328,4 +329,8 @@ def names_of(text: str) -> frozenset[tuple[str, str]]:
 
 
 def _named(form: nodes.TopForm) -> tuple[str, str]:
+    if isinstance(form, nodes.DefineMethod):
+        named = form.method.name is not None
+        method = form.method.name if named else format_node(form.method)
+        return type(form).__name__, f"{form.rap} {method}"
     return type(form).__name__, str(getattr(form, "name", ""))

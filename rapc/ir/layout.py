@@ -231,7 +231,8 @@ _BELOW = frozenset(FORMS) | {
 
 _BROKEN = frozenset(
     (
-        *("define-rap", "method", "task-net", "define-agenda", "define-query"),
+        *("define-rap", "define-method", "method", "task-net"),
+        *("define-agenda", "define-query"),
         *("define-test", "define-test-defaults", "script", "expect"),
         *("define-memory-rule", "define-event-rule", "match-result"),
     )

@@ -386,6 +386,17 @@ class Method(Node, frozen=True, eq=False):
     skills: tuple[Skill, ...] = ()
 
 
+class DefineMethod(Node, frozen=True, eq=False):
+    """`(define-method rap [name] clause...)`: a method of a RAP of the library.
+
+    `name_span` is the span of the name of the RAP. Linking moves the method to its RAP.
+    """
+
+    rap: str
+    method: Method
+    name_span: Span = NOWHERE
+
+
 class VariableKind(Node, frozen=True, eq=False):
     """`(?variable kind)` in an index: the kind of the variable's values."""
 
@@ -928,6 +939,7 @@ class DefineTest(Node, frozen=True, eq=False):
 
 TopForm = (
     DefineRap
+    | DefineMethod
     | DefineQuery
     | DefineAgenda
     | DeclareKind

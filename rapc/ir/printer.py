@@ -288,6 +288,11 @@ def _pattern(node: nodes.Pattern, bindings: Bindings | None) -> Row:
     return ((node.name, *[_term(arg, bindings) for arg in node.args]),)
 
 
+def _define_method(node: nodes.DefineMethod, bindings: Bindings | None) -> Row:
+    (method,) = trees(node.method, bindings)
+    return (("define-method", node.rap, *method[1:]),)
+
+
 def _effect(node: nodes.DeclaredEffect, bindings: Bindings | None) -> Row:
     fact = _pattern(node.pattern, bindings)
     word = "not" if node.negated else "may"
@@ -341,6 +346,7 @@ _BY_HAND: Mapping[type, Callable[[Any, Bindings | None], Row]] = {
         _pattern(node, bindings) if node.args else (node.name,)
     ),
     nodes.Truth: lambda node, _: ("true" if node.value else "false",),
+    nodes.DefineMethod: _define_method,
     nodes.DeclaredEffect: _effect,
     nodes.Argument: _argument,
     nodes.VariableKind: lambda node, _: ((node.variable, node.kind),),

@@ -42,7 +42,7 @@ TERMINALS: Mapping[str, str] = {
 
 GRAMMAR: Mapping[str, Production] = {
     "start": Production(('*', '_form')),
-    "_form": Production(('or', 'define_rap', 'define_query', 'define_agenda', 'define_test', 'define_test_defaults', 'require', 'declare_kind', 'declare_memory_proposition', 'declare_memory_property', 'declare_memory_function', 'declare_indistinct_class', 'declare_class_comparator', 'declare_primitive', 'declare_sensor_datum', 'declare_skill', 'declare_event', 'define_memory_rule', 'define_event_rule'), breaks='malformed-form'),
+    "_form": Production(('or', 'define_rap', 'define_method', 'define_query', 'define_agenda', 'define_test', 'define_test_defaults', 'require', 'declare_kind', 'declare_memory_proposition', 'declare_memory_property', 'declare_memory_function', 'declare_indistinct_class', 'declare_class_comparator', 'declare_primitive', 'declare_sensor_datum', 'declare_skill', 'declare_event', 'define_memory_rule', 'define_event_rule'), breaks='malformed-form'),
     "define_rap": Production(('list', '"define-rap"', ('or', ('seq', 'index', ('*', '_rap_clause')), ('seq', ('*', '_rap_clause'), 'index_clause', ('*', '_rap_clause')))), says='a RAP: the methods for a task', breaks='malformed-form', pages=('1-text.md#raps',)),
     "index_clause": Production(('list', '"index"', 'index'), says='name, inputs and outputs', takes='one list', short='(index index)', pages=('1-text.md#raps',)),
     "index": Production(('list', 'RAP', ('*', 'argument'), ('?', ('seq', '"=>"', ('*', 'argument')))), short='(name ?input... => ?output...)'),
@@ -60,6 +60,7 @@ GRAMMAR: Mapping[str, Production] = {
     "effects": Production(('list', '"effects"', ('*', ('or', 'proposition', 'negated'))), says='the effects of the RAP', pages=('6-resources.md#effects',), slips=('effect',)),
     "negated": Production(('list', '"not"', 'proposition'), short='(not (fact))'),
     "method": Production(('list', '"method"', ('?', ('or', 'METHOD', 'INTEGER')), ('*', '_once_method_clause'), ('or', '_acts', '_spawns')), says='a method of the RAP', pages=('3-tasks.md#choice-of-a-method',), slips=('methods',)),
+    "define_method": Production(('list', '"define-method"', 'RAP', ('?', ('or', 'METHOD', 'INTEGER')), ('*', '_once_method_clause'), ('or', '_acts', '_spawns')), says='a method of a RAP that stands elsewhere', takes='the name of a RAP and a method', breaks='malformed-form', wrong='expected the name of a RAP after `define-method`', help='write `(define-method rap name clause...)`', pages=('7-names.md#added-methods',)),
     "_acts": Production(('seq', 'primitive', ('*', '_once_method_clause')), short='body clause...'),
     "_spawns": Production(('seq', ('?', ('seq', '_once_net_clause', ('*', '_any_clause'))), 'task_net', ('*', '_any_clause')), short='body clause...'),
     "_any_clause": Production(('or', '_once_method_clause', '_once_net_clause')),

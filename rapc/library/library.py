@@ -7,7 +7,7 @@ Not here: the check of references (`rapc.analysis`), and reading files
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import msgspec
@@ -54,6 +54,9 @@ class Library(msgspec.Struct, frozen=True):
     `files` has every file read, by its name in spans. `forms` has every top-level form,
     also forms with duplicate names, and is empty in a library read from a compiled
     file. `tests` has the tests of all files.
+
+    `methods` has the `define-method` forms, which are not among `forms`: their methods
+    are among the methods of their RAPs, in `raps` and in `forms`.
     """
 
     raps: Mapping[str, nodes.DefineRap]
@@ -71,6 +74,7 @@ class Library(msgspec.Struct, frozen=True):
     comparators: tuple[nodes.DeclareComparator, ...]
     memory_rules: tuple[nodes.MemoryRule, ...]
     event_rules: tuple[nodes.EventRule, ...]
+    methods: tuple[nodes.DefineMethod, ...]
     files: Mapping[str, SourceFile]
     forms: tuple[nodes.TopForm, ...] = ()
     tests: tuple[DefineTest, ...] = ()
@@ -96,6 +100,7 @@ SEQUENCES: Mapping[type[nodes.Node], str] = {
     nodes.DeclareComparator: "comparators",
     nodes.MemoryRule: "memory_rules",
     nodes.EventRule: "event_rules",
+    nodes.DefineMethod: "methods",
 }
 
 
@@ -125,8 +130,63 @@ def link(units: Sequence[SourceUnit]) -> tuple[Library, tuple[Diagnostic, ...]]:
                 found.append(_builtin(files, form))
         elif (field_ := SEQUENCES.get(type(form))) is not None:
             sequences[field_].append(form)
+    if sequences["methods"]:
+        added = [one for one in forms if isinstance(one, nodes.DefineMethod)]
+        raps, duplicates = _with_methods(files, fields["raps"], added)
+        others = (one for one in forms if not isinstance(one, nodes.DefineMethod))
+        forms = tuple([raps.get(id(form), form) for form in others])
+        fields["raps"] = {name: raps[id(rap)] for name, rap in fields["raps"].items()}
+        found += duplicates
     fields.update((field, tuple(rows)) for field, rows in sequences.items())
     return Library(**fields, files=files, forms=forms, tests=tests), tuple(found)
+
+
+def _with_methods(
+    files: Mapping[str, SourceFile],
+    raps: Mapping[str, nodes.DefineRap],
+    forms: Iterable[nodes.DefineMethod],
+) -> tuple[dict[int, nodes.DefineRap], list[Diagnostic]]:
+    """Return the RAPs with their added methods, by the `id` of the RAP without them.
+
+    Duplicate methods are reported and left out. The checker reports unknown RAPs.
+    """
+    added: dict[str, list[nodes.DefineMethod]] = {}
+    for form in forms:
+        added.setdefault(form.rap, []).append(form)
+    found: list[Diagnostic] = []
+    made: dict[int, nodes.DefineRap] = {}
+    for name, rap in raps.items():
+        made[id(rap)], duplicates = with_methods(rap, added.get(name, ()))
+        found += [_duplicate_method(files, rap, *pair) for pair in duplicates]
+    return made, found
+
+
+def with_methods(
+    rap: nodes.DefineRap, added: Iterable[nodes.DefineMethod]
+) -> tuple[nodes.DefineRap, list[tuple[nodes.Method, nodes.DefineMethod]]]:
+    """Return a RAP with added methods after its own, and the duplicate methods.
+
+    A duplicate method has the name of another method, which comes first in its pair,
+    and is left out.
+    """
+    methods = list(rap.methods)
+    first = {one.name: one for one in methods if one.name is not None}
+    duplicates = []
+    for form in added:
+        made = msgspec.structs.replace(form.method, position=len(methods) + 1)
+        other = first.setdefault(made.name, made) if made.name is not None else made
+        if other is made:
+            methods.append(made)
+        else:
+            duplicates.append((other, form))
+    if len(methods) == len(rap.methods):
+        return rap, duplicates
+    return msgspec.structs.replace(rap, methods=tuple(methods)), duplicates
+
+
+def own_methods(rap: nodes.DefineRap) -> tuple[nodes.Method, ...]:
+    """Return the methods of a RAP that are not added by `define-method`."""
+    return tuple([one for one in rap.methods if rap.span.contains(one.span)])
 
 
 def digest(library: Library) -> str:
@@ -197,6 +257,22 @@ def _duplicate(
         f"duplicate definition of {what}",
         labels=(Label(name_span(files, first), "first defined here"),),
         help=help,
+    )
+
+
+def _duplicate_method(
+    files: Mapping[str, SourceFile],
+    rap: nodes.DefineRap,
+    first: nodes.Method,
+    second: nodes.DefineMethod,
+) -> Diagnostic:
+    word = 1 if rap.span.contains(first.span) else 2
+    return Diagnostic(
+        "duplicate-method",
+        f"duplicate method name `{second.method.name}` of `{rap.name}`",
+        word_span(files, second.span, 2),
+        labels=(Label(word_span(files, first.span, word), "the first is here"),),
+        help="`method-tried` and `result-with-method` identify methods by name",
     )
 
 

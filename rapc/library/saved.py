@@ -30,12 +30,12 @@ from rapc.errors import SavedError
 from rapc.ir import nodes
 from rapc.ir.nodes import DefineTest
 from rapc.library.lazy import Lazy
-from rapc.library.library import Library, link
+from rapc.library.library import Library, link, own_methods, with_methods
 from rapc.library.saved_check import UnsoundError, Verifier
 from rapc.library.signatures import Signatures
 from rapc.parser.unit import SourceUnit
 
-FORMAT = 10
+FORMAT = 11
 """The version of the format; each change of the IR changes the format."""
 
 _HEAD = re.compile(rb"rapc-library (\d{1,9}) ([!-~]{1,40}) ([0-9a-f]{64})\n")
@@ -127,7 +127,12 @@ def _units(library: Library, units: dict[str, _Unit]) -> tuple[int, ...]:
     """Return the indexes of a library's sources in `units`; add missing sources."""
     forms: dict[str, list[nodes.TopForm]] = {name: [] for name in library.files}
     for form in library.forms:
-        forms[form.span.file].append(form)
+        own = form
+        if library.methods and isinstance(form, nodes.DefineRap):
+            own = msgspec.structs.replace(form, methods=own_methods(form))
+        forms[form.span.file].append(own)
+    for added in library.methods:
+        forms[added.span.file].append(added)
     for name, source in library.files.items():
         if name not in units:
             units[name] = _unit(source, forms[name])
@@ -208,23 +213,34 @@ class SavedLibrary:
         rows = {name: (unit, at) for unit in units for name, at in unit.raps.items()}
         if found or len(rows) < sum(len(unit.raps) for unit in units):
             raise _WrongError("has duplicate names")
-        decoded = Lazy(rows, lambda name: self._rap(name, *rows[name]))
+        added = linked.methods
+        decoded = Lazy(rows, lambda name: self._rap(name, *rows[name], added))
         linked = msgspec.structs.replace(linked, raps=decoded)
         verifier = Verifier(Signatures.of(linked), linked.files)
-        for form in linked.forms:
+        for form in (*linked.forms, *linked.methods):
             verifier.declaration(form)
         raps = Lazy(rows, lambda name: self._verified(decoded[name], verifier))
         return msgspec.structs.replace(linked, raps=raps, forms=()), verifier
 
-    def _rap(self, name: str, unit: _Unit, at: int) -> nodes.DefineRap:
-        """Decode a RAP; raise SavedError if its index leads to a different form."""
+    def _rap(
+        self, name: str, unit: _Unit, at: int, added: Iterable[nodes.DefineMethod]
+    ) -> nodes.DefineRap:
+        """Decode a RAP with its methods among those `added`.
+
+        Raises:
+            SavedError: if the index of the RAP leads to a different form, or two
+                methods have the same name.
+        """
         with _errors_name(self._file):
             if not 0 <= at < len(unit.forms):
                 raise _WrongError(f"has no RAP `{name}`")
             made: nodes.DefineRap = _decode(unit.forms[at], nodes.DefineRap)
             if made.name != name:
                 raise _WrongError("has a RAP at the position of another RAP")
-            return made
+            whole, same = with_methods(made, [m for m in added if m.rap == name])
+            if same:
+                raise _WrongError("has duplicate names")
+            return whole
 
     def _verified(self, rap: nodes.DefineRap, verifier: Verifier) -> nodes.DefineRap:
         """Return a RAP; raise SavedError if the RAP is invalid."""

@@ -103,6 +103,9 @@ class Verifier:
         elif isinstance(form, nodes.DefineAgenda):
             for task in form.tasks:
                 self._goal(task.goal, given=True)
+        elif isinstance(form, nodes.DefineMethod):
+            if form.rap not in self._signatures.raps:
+                raise UnsoundError(f"unknown RAP `{form.rap}`")
         elif isinstance(form, nodes.DefineRap):
             raise UnsoundError("a RAP is among the declarations")
 

@@ -230,7 +230,7 @@ def refuse_extension(old: Library, new: Library) -> None:
         if new.raps.get(name) != rap
     ]
     for field in old.__struct_fields__:
-        same = field in ("raps", "forms", "files", "tests")
+        same = field in ("raps", "methods", "forms", "files", "tests")
         if not same and getattr(old, field) != getattr(new, field):
             reasons.append(f"a run accepts new RAPs, but no changed {field}")
     if reasons:

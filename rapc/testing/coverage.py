@@ -17,7 +17,7 @@ from rapc import events
 from rapc.base.files import TEST_SUFFIX
 from rapc.base.values import format_list
 from rapc.ir import nodes, walk
-from rapc.library.library import Library
+from rapc.library.library import Library, own_methods
 from rapc.testing.patterns import flat
 from rapc.world import OKAY
 
@@ -54,6 +54,12 @@ class MethodCoverage(msgspec.Struct):
     waits: tuple[WaitCoverage, ...] = ()
 
 
+class AddedMethodCoverage(MethodCoverage):
+    """Counts of a method that `define-method` adds to a RAP."""
+
+    rap: str = ""
+
+
 class MonitorCoverage(msgspec.Struct):
     """Counts of the tasks that a RAP's monitor blocked and woke."""
 
@@ -62,7 +68,7 @@ class MonitorCoverage(msgspec.Struct):
 
 
 class RapCoverage(msgspec.Struct):
-    """One RAP: its methods, its monitor if present, the ends of its tasks.
+    """One RAP: its own methods, its monitor if present, the ends of its tasks.
 
     `failed` counts its failures by reason.
     """
@@ -107,6 +113,8 @@ class FileCoverage(msgspec.Struct):
     queries: tuple[QueryCoverage, ...] = ()
     agendas: tuple[AgendaCoverage, ...] = ()
     rules: tuple[RuleCoverage, ...] = ()
+    #: The methods that the file adds to RAPs.
+    methods: tuple[AddedMethodCoverage, ...] = ()
 
 
 Asker = tuple[str, str, str]
@@ -119,7 +127,7 @@ class _Key(NamedTuple):
     kind: type[nodes.Node]
     #: The file, by the same name for each path to the file.
     file: str
-    #: The name of the form, or the row of the alternative.
+    #: The name of the form, or the row of the alternative or of the added method.
     name: str | int
 
 
@@ -147,6 +155,8 @@ class Coverage:
         # the run under way
         self._library: Library | None = None
         self._asked_with: Mapping[Asker, frozenset[str]] = {}
+        #: The keys of added methods by RAP and name.
+        self._added: Mapping[tuple[str, str], _Key] = {}
         #: The methods that enable skills, in the form of `Asker`.
         self._of_skills: frozenset[tuple[str, str]] = frozenset()
         self._tasks: dict[int, _Task] = {}
@@ -162,6 +172,10 @@ class Coverage:
         if library is not self._library:
             self._library = library
             self._asked_with = asked_with(library)
+            self._added = {
+                (rap.name, traced_name(method)): _key(form, _row(library, form))
+                for form, rap, method in _added(library)
+            }
             self._of_skills = frozenset(
                 (rap.name, traced_name(method))
                 for rap in library.raps.values()
@@ -251,7 +265,8 @@ class Coverage:
     def _method(self, rap: str, name: str) -> MethodCoverage | None:
         found = self._rap(rap)
         named = (m for m in found.methods if m.name == name) if found else iter(())
-        return next(named, None)
+        own, key = next(named, None), self._added.get((rap, name))
+        return own if key is None else self._known.get(key)
 
     def _monitor(self, task: int) -> MonitorCoverage | None:
         found = self._rap(self._tasks[task].rap)
@@ -295,6 +310,7 @@ _KINDS = (
     nodes.DefineQuery,
     nodes.DefineAgenda,
     nodes.Alternative,
+    nodes.DefineMethod,
 )
 """The counted things of a file, in the order of the fields of `FileCoverage`."""
 
@@ -307,6 +323,10 @@ def _countable(library: Library) -> Iterator[tuple[_Key, Any]]:
     """Yield a record for each counted thing of a library, with its key."""
     for rap in library.raps.values():
         yield _key(rap, rap.name), _rap_record(library, rap)
+    for form, rap, method in _added(library):
+        counts = msgspec.structs.asdict(_method_record(library, method))
+        added = AddedMethodCoverage(**counts, rap=rap.name)
+        yield _key(form, _row(library, form)), added
     for query in library.queries.values():
         record = QueryCoverage(query.name, _row(library, query))
         yield _key(query, query.name), record
@@ -328,9 +348,18 @@ def _rap_record(library: Library, rap: nodes.DefineRap) -> RapCoverage:
     return RapCoverage(
         rap.name,
         _row(library, rap),
-        tuple([_method_record(library, method) for method in rap.methods]),
+        tuple([_method_record(library, method) for method in own_methods(rap)]),
         MonitorCoverage() if monitored else None,
     )
+
+
+def _added(
+    library: Library,
+) -> Iterator[tuple[nodes.DefineMethod, nodes.DefineRap, nodes.Method]]:
+    """Yield the added methods, each with its RAP and as a method of the RAP."""
+    for form in library.methods:
+        rap = library.raps[form.rap]
+        yield from [(form, rap, m) for m in rap.methods if m.span == form.span]
 
 
 def _method_record(library: Library, method: nodes.Method) -> MethodCoverage:
@@ -466,14 +495,14 @@ def _counts(file: FileCoverage) -> Iterator[tuple[str, int | None]]:
     for rap in file.raps:
         yield "raps_failed", sum(rap.failed.values())
         yield "monitors_woken", rap.monitor.woken if rap.monitor is not None else None
-        for method in rap.methods:
-            yield "methods_chosen", method.chosen
-            yield "contexts_true", method.context_true
-            yield "contexts_false", method.context_false
-            yield "methods_ended_badly", method.ended_badly
-            yield "constraints_broken", method.constraints_broken
-            for wait in method.waits:
-                yield "waits_heard", wait.heard
+    for method in (*[m for rap in file.raps for m in rap.methods], *file.methods):
+        yield "methods_chosen", method.chosen
+        yield "contexts_true", method.context_true
+        yield "contexts_false", method.context_false
+        yield "methods_ended_badly", method.ended_badly
+        yield "constraints_broken", method.constraints_broken
+        for wait in method.waits:
+            yield "waits_heard", wait.heard
     for rule in file.rules:
         yield "rules_run", rule.ran
     for query in file.queries:
@@ -517,6 +546,7 @@ def as_json(files: Sequence[FileCoverage]) -> bytes:
             "queries": one.queries,
             "agendas": one.agendas,
             "rules": one.rules,
+            "methods": one.methods,
         }
         for one in files
     ]
@@ -559,6 +589,10 @@ def _lacking_in(file: FileCoverage) -> Iterator[str]:
         lacking = "; ".join(_lacking(rap))
         if lacking:
             yield f"{file.file}:{rap.row} {rap.name}: {lacking}"
+    for method in file.methods:
+        lacking = "; ".join(_lacking_of([method]))
+        if lacking:
+            yield f"{file.file}:{method.row} {method.rap}: {lacking}"
     for query in file.queries:
         if not query.asked:
             yield f"{file.file}:{query.row} {query.name}: never asked"
@@ -585,16 +619,21 @@ def _told(found: Mapping[str, Share]) -> list[str]:
 
 def _lacking(rap: RapCoverage) -> Iterator[str]:
     """Yield the parts of a RAP that no test has exercised, except failures."""
+    yield from _lacking_of(rap.methods)
+    if rap.monitor is not None and not rap.monitor.woken:
+        yield "monitor never woken"
+
+
+def _lacking_of(methods: Sequence[MethodCoverage]) -> Iterator[str]:
+    """Yield the parts of methods that no test has exercised, except failures."""
     lacks = (
-        ("never chosen", [m.name for m in rap.methods if not m.chosen]),
-        ("context never true", [m.name for m in rap.methods if m.context_true == 0]),
-        ("context never false", [m.name for m in rap.methods if m.context_false == 0]),
+        ("never chosen", [m.name for m in methods if not m.chosen]),
+        ("context never true", [m.name for m in methods if m.context_true == 0]),
+        ("context never false", [m.name for m in methods if m.context_false == 0]),
     )
     for what, names in lacks:
         if names:
             yield f"{what} {' '.join(names)}"
-    unheard = [w.signal for m in rap.methods for w in m.waits if not w.heard]
+    unheard = [w.signal for m in methods for w in m.waits if not w.heard]
     if unheard:
         yield f"never heard {' '.join(unheard)}"
-    if rap.monitor is not None and not rap.monitor.woken:
-        yield "monitor never woken"

@@ -15,6 +15,7 @@ from rapc.base.source import Span
 from rapc.library.loader import load_text
 
 FORM, OTHER = Span("a.rap", 0, 50), Span("a.rap", 50, 99)
+FORMS = ((OTHER, OTHER), (FORM, FORM))
 
 
 def _found(rule: str, start: int, *about: Subject) -> Diagnostic:
@@ -22,7 +23,7 @@ def _found(rule: str, start: int, *about: Subject) -> Diagnostic:
 
 
 def _visible(*found: Diagnostic) -> list[str]:
-    return [one.rule for one in visible(found, [OTHER, FORM])]
+    return [one.rule for one in visible(found, FORMS)]
 
 
 def test_rows_name_rules() -> None:
@@ -48,7 +49,7 @@ def test_a_finding_hides_others_about_the_same_name() -> None:
     wrong = _found("misspelt-constant", 10, Subject(FORM, "?cup"))
     cup = _found("unbound-variable", 20, Subject(FORM, "?cup"))
     box = _found("unbound-variable", 30, Subject(FORM, "?box"))
-    assert visible([wrong, cup, box], [FORM, OTHER]) == [wrong, box]
+    assert visible([wrong, cup, box], FORMS) == [wrong, box]
 
 
 def test_each_output_that_is_left_out_hides_one_variable() -> None:
@@ -57,7 +58,7 @@ def test_each_output_that_is_left_out_hides_one_variable() -> None:
         _found("unbound-variable", 20 + at, Subject(FORM, name), Subject(FORM))
         for at, name in enumerate(("?cup", "?box"))
     ]
-    assert visible([taken, *lost], [FORM, OTHER]) == [taken, lost[1]]
+    assert visible([taken, *lost], FORMS) == [taken, lost[1]]
 
 
 def test_rules_that_are_not_wanted_hide_all_the_same() -> None:

@@ -12,6 +12,7 @@ from rapc.debug.history import History
 from rapc.debug.reload import reread, typed_in
 from rapc.errors import RefusedError
 from rapc.host import CheckError
+from rapc.ir.printer import format_node
 from rapc.repl.commands.table import commands
 from rapc.repl.shell import Shell
 from tests.debug.sessions import row, scripted, truck
@@ -270,3 +271,24 @@ def test_definitions_are_typed_checked_and_used() -> None:
     assert "did you mean" in text or "truck-sped" in text
     assert "<typed>" in said(shell, ":source go-fast")
     assert "a parenthesis or string is not closed" in said(shell, "(define-rap (x")
+
+
+def test_typed_methods_are_added_and_replaced() -> None:
+    session = _session()
+    _typed(session, "(define-method utter song (primitive (say la)))")
+    _typed(session, "(define-method utter song (primitive (say lala)))")
+    utter = session.run.library.library.raps["utter"]
+    assert [method.name for method in utter.methods] == ["loud", "soft", "song"]
+    assert format_node(utter.methods[2].body) == "(primitive (say lala))"
+    with pytest.raises(CheckError, match="duplicate method name `loud` of `utter`"):
+        _typed(session, "(define-method utter loud (primitive (say la)))")
+    with pytest.raises(CheckError, match="unknown RAP `uter`"):
+        _typed(session, "(define-method uter song (primitive (say la)))")
+
+
+def test_source_shows_added_methods() -> None:
+    shell = truck_shell()
+    said(shell, "(define-method rock-order doze (primitive (eye-scan external)))")
+    rows = said(shell, ":source rock-order")
+    assert "(define-rap (rock-order" in rows
+    assert "<typed>\n1 (define-method rock-order doze" in rows

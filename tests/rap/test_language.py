@@ -40,6 +40,8 @@ RULES = {
     "7.30": ("undeclared-function", "wrong-fact-arity"),
     "7.32": ("wrong-kind",),
     "7.36": ("priority-out-of-band",),
+    "7.47": ("unknown-rap",),
+    "7.48": ("duplicate-method",),
 }
 """The sentences about rules of the checker, whose examples are their tests."""
 

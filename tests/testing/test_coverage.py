@@ -330,3 +330,27 @@ def test_coverage_counts_ended_waits_and_active_rules(
     assert "awaited signals heard: 3/4; rules run: 2/4" in lines
     assert any(line.endswith("hall.rap:6 go: never heard :stuck") for line in lines)
     assert any(line.endswith("hall.rap:16 rule for :bump: never run") for line in lines)
+
+
+def test_added_methods_count_in_their_own_file(tmp_path: Path) -> None:
+    added = "(define-method step leap (context otherwise) (primitive (go ?where)))"
+    test = '(require "added") (define-test two (task (step den)) (script ((go den))) '
+    test += "(expect (never (go hall))))"
+    (tmp_path / "added.rap").write_text(f'(require "more")\n{added}', encoding="utf-8")
+    (tmp_path / "added.test.rap").write_text(test, encoding="utf-8")
+    (tmp_path / "more.rap").write_text(
+        MORE.replace("(method (primitive", "(method (context nil) (primitive"),
+        encoding="utf-8",
+    )
+    gathered, found = Coverage(), discover.find([tmp_path])
+    assert found.reports == ()
+    (outcome,) = TestSession(coverage=gathered).run(found.cases)
+    assert outcome.failures == ()
+    added_file, more = gathered.files()
+    (leap,) = added_file.methods
+    assert (leap.rap, leap.name, leap.row, leap.chosen > 0) == ("step", "leap", 2, True)
+    assert [method.name for method in more.raps[1].methods] == ["#1"]
+    assert f"{added_file.file}:2 step: context never false leap" in table(
+        gathered.files()
+    )
+    assert json.loads(as_json([added_file]))["files"][0]["methods"][0]["rap"] == "step"

@@ -49,7 +49,7 @@ from rapc.ir.walk import (
     variable_names,
     ways,
 )
-from rapc.library.library import Library
+from rapc.library.library import Library, own_methods
 
 IDLE = Rule(
     code="RAP118",
@@ -83,8 +83,9 @@ def idle_loops(run: Pass) -> Iterator[Diagnostic]:
 
 
 def _repeats_nothing(rap: nodes.DefineRap, loop: nodes.Formula) -> Diagnostic:
-    over = rap.methods[0].span.start
-    word = f"(succeed (not {format_formula(loop)}))\n  "
+    word, own = f"(succeed (not {format_formula(loop)}))", own_methods(rap)
+    over = own[0].span.start if own else rap.span.end - 1
+    word = f"{word}\n  " if own else f"\n  {word}"
     edit = Edit(Span(rap.span.file, over, over), word)
     return IDLE.at(
         loop.span,

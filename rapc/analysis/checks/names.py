@@ -44,7 +44,7 @@ UNKNOWN_RAP = Rule(
     code="RAP013",
     name="unknown-rap",
     severity=Severity.ERROR,
-    summary="a step, a rule or a test uses an unknown RAP",
+    summary="a step, a method, a rule or a test uses an unknown RAP",
     fix="unsafe: writes the similar name, if there is one",
     ignore="where a host program or a problem solver adds the RAP in the run",
     source="T 3.1.4",
@@ -216,6 +216,8 @@ def _named_apart(run: Pass, index: Index) -> Iterator[tuple[Use, str, Span, Form
     for chosen in index.of(nodes.MethodChosen):
         place = word_span(run.library.files, chosen.node.span, 1)
         yield "goal", chosen.node.rap, place, chosen.owner
+    for form in run.library.methods:
+        yield "goal", form.rap, form.name_span, form
     for row in index.of(nodes.ComparatorRow):
         yield "test", row.node.property, row.node.span, row.owner
     for function in index.of(nodes.DeclareFunction):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from os.path import basename, dirname
+from typing import NamedTuple
 
 from rapc.analysis.check import Pass, check
 from rapc.analysis.facts.index import INDEX, NameUse
@@ -19,7 +20,7 @@ from rapc.base.diagnostics import (
 )
 from rapc.base.files import SUFFIX
 from rapc.base.graph import reachable
-from rapc.base.source import Span
+from rapc.base.source import SourceFile, Span
 from rapc.ir import nodes
 from rapc.library.library import Library, name_span
 
@@ -42,10 +43,10 @@ def missing_require(run: Pass) -> Iterator[Diagnostic]:
         return
     homes = _homes(library)
     brought = _Brought(run.required)
-    first: dict[tuple[str, str], tuple[NameUse, nodes.TopForm]] = {}
-    for use in run.result(INDEX).uses():
+    first: dict[tuple[str, str], tuple[_Use, nodes.TopForm]] = {}
+    for use in _uses(run):
         here = use.span.file
-        form = homes.get((SPACES[use.use], use.name))
+        form = homes.get((use.space, use.name))
         if form is None or form.span.file == here or not brought.stands_alone(here):
             continue
         if form.span.file in brought.by(here):
@@ -55,6 +56,27 @@ def missing_require(run: Pass) -> Iterator[Diagnostic]:
             first[here, form.span.file] = use, form
     for use, form in first.values():
         yield _finding(run, use, form)
+
+
+class _Use(NamedTuple):
+    """A use of a name of a name space."""
+
+    space: str
+    name: str
+    #: The list or the word with the name.
+    span: Span
+    node: NameUse | nodes.DefineMethod
+
+    def place(self, files: Mapping[str, SourceFile]) -> Span:
+        """Return the span of the name."""
+        return self.node.place(files) if isinstance(self.node, NameUse) else self.span
+
+
+def _uses(run: Pass) -> Iterator[_Use]:
+    for use in run.result(INDEX).uses():
+        yield _Use(SPACES[use.use], use.name, use.span, use)
+    for form in run.library.methods:
+        yield _Use("RAP", form.rap, form.name_span, form)
 
 
 def _homes(library: Library) -> dict[tuple[str, str], nodes.TopForm]:
@@ -125,7 +147,7 @@ class _Brought:
         return self._known[file]
 
 
-def _finding(run: Pass, use: NameUse, form: nodes.TopForm) -> Diagnostic:
+def _finding(run: Pass, use: _Use, form: nodes.TopForm) -> Diagnostic:
     library = run.library
     here, there = use.span.file, form.span.file
     fix = None
@@ -152,6 +174,6 @@ def _edits(run: Pass, here: str, word: str) -> Iterator[Edit]:
         end = last[0].span.end
         yield Edit(Span(here, end, end), f"\n{word}")
     else:
-        every = (*run.library.forms, *run.library.tests)
-        start = next(form.span.start for form in every if form.span.file == here)
+        every = (*run.library.forms, *run.library.methods, *run.library.tests)
+        start = min(form.span.start for form in every if form.span.file == here)
         yield Edit(Span(here, start, start), f"{word}\n\n")

@@ -104,9 +104,11 @@ class Index:
         self._variables: list[tuple[Form, dict[str, list[VariableAt]]]] | None = None
         self._kinds: tuple[NamedKind, ...] | None = None
         self._by_name: dict[tuple[Use, str], list[NameUse]] | None = None
-        for form in (*library.forms, *library.tests):
-            self._forms.setdefault(form.span.file, []).append(form)
+        every = (*library.forms, *library.tests)
+        for form in every:
             self._add(form, form, form)
+        for form in (*every, *library.methods):
+            self._forms.setdefault(form.span.file, []).append(form)
         for forms in self._forms.values():
             forms.sort(key=lambda form: form.span.start)
 

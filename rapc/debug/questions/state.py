@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
+from rapc.base.source import Span
 from rapc.base.values import Atom, format_atom, format_list, number, readable
 from rapc.debug.answer import Answer, question, table
 from rapc.debug.arguments import Arguments
 from rapc.debug.history import History
 from rapc.errors import ArgumentError, TextError
 from rapc.events import TaskCreated
+from rapc.library.library import Library
 from rapc.world import Drawable, Thing
 
 
@@ -171,10 +175,20 @@ def source(history: History, args: Arguments) -> Answer:
     file = program.library.files.get(node.span.file)
     if file is None or not file.text:
         raise TextError(f"the source text of `{node.name}` is not available")
-    first, last = file.row(node.span.start), file.row(node.span.end)
+    added = [one.span for one in program.library.methods if one.rap == name]
+    lines = [
+        line for span in (node.span, *added) for line in _text_of(program.library, span)
+    ]
+    return Answer(tuple(lines), is_code=True)
+
+
+def _text_of(library: Library, span: Span) -> Iterator[str]:
+    """Yield the file of a form and its numbered lines."""
+    file = library.files[span.file]
+    first, last = file.row(span.start), file.row(span.end)
     width = len(str(last))
-    lines = [f"{row:>{width}} {file.line(row)}" for row in range(first, last + 1)]
-    return Answer((file.name, *lines), is_code=True)
+    yield file.name
+    yield from [f"{row:>{width}} {file.line(row)}" for row in range(first, last + 1)]
 
 
 def _rap_of(history: History, number: int) -> str:

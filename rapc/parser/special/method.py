@@ -19,7 +19,27 @@ def method(ctx: Context, datum: List, position: int) -> nodes.Method:
     `position` counts the methods of a RAP from 1. A method without a body gets an
     empty task-net, and a finding.
     """
-    items = datum.items[1:]
+    return _method(ctx, datum, datum.items[1:], position)
+
+
+def define_method(ctx: Context, datum: Datum) -> nodes.DefineMethod | None:
+    """Read `(define-method rap [name] clause...)`.
+
+    Linking sets the position of the method among the methods of its RAP.
+    """
+    assert isinstance(datum, List)
+    rap = datum.items[1] if len(datum.items) > 1 else None
+    if not isinstance(rap, Symbol):
+        ctx.wrong("define_method", rap or datum)
+        return None
+    made = _method(ctx, datum, datum.items[2:], 1)
+    name_span, span = ctx.span(rap), ctx.span(datum)
+    return nodes.DefineMethod(rap.name, made, name_span, span=span)
+
+
+def _method(
+    ctx: Context, datum: List, items: Sequence[Datum], position: int
+) -> nodes.Method:
     name: str | int | None = None
     if items and type(items[0]) is not List:
         name, items = _name(ctx, items[0]), items[1:]

@@ -25,6 +25,7 @@ from rapc.parser.special import (
 SPECIAL: Mapping[str, Read] = {
     # forms
     "define_rap": rap.define_rap,
+    "define_method": method.define_method,
     **{rule: declaration(rule, kind) for rule, kind in schema.declarations()},
     "declare_class_comparator": declarations.comparator,
     "define_memory_rule": memory_rules.memory_rule,
