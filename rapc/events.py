@@ -427,14 +427,17 @@ class RequestRefused(Event, frozen=True, kw_only=True):
         return f"    ... primitive operation {request} - refused{reason}"
 
 
-class SkillEnabled(Event, frozen=True, kw_only=True):
+class SkillEnabled(Event, frozen=True, kw_only=True, omit_defaults=True):
     """A skill of an activation of `task` was switched on.
 
     Each skill of the activation has an event of its own, in the order of the text.
+    `background` is true if the method does not wait for the skill; otherwise the key is
+    missing.
     """
 
     task: int
     what: Fact
+    background: bool = False
 
     def line(self) -> str:  # noqa: D102  # see `Event`
         return f"    ... skill {format_list(self.what)} enabled [{self.task}]"

@@ -80,8 +80,10 @@ def tell(
     skills: Sequence[Fact],
 ) -> None:
     """Trace that skills are on, or off."""
+    waits = isinstance(running.method.body, nodes.Skills)
+    more = {} if waits or kind is events.SkillDisabled else {"background": True}
     for skill in skills:
-        run.tell(kind, task=running.task.number, what=format_list(skill))
+        run.tell(kind, task=running.task.number, what=format_list(skill), **more)
 
 
 def switch_off(run: Run, running: Running) -> None:

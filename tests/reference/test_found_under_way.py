@@ -105,11 +105,11 @@ def test_a_lower_claim_to_what_a_higher_one_claims_leaves_other_skills_on() -> N
     only = "skill-disabled skill-enabled"
     told = play(text, *tasks, only=only, rows=[Row(("slow", "?"), after=9)])
     assert told == [
-        "0 enabled 1 (:hum)",
-        "0 enabled 1 (:roll)",
+        "0 enabled 1 (:hum) True",
+        "0 enabled 1 (:roll) True",
         "1 disabled 1 (:roll)",
-        "1 enabled 3 (:hum)",
-        "1 enabled 3 (:roll)",
+        "1 enabled 3 (:hum) True",
+        "1 enabled 3 (:roll) True",
         "9 disabled 1 (:hum)",
         "10 disabled 3 (:hum)",
         "10 disabled 3 (:roll)",
@@ -149,12 +149,12 @@ def test_skills_that_stay_on_are_as_they_were_though_a_counter_is_not() -> None:
         at=(At(7, signals=((":stop",),)),),
     )
     assert told == [
-        "0 enabled 1 (:scan 1)",
-        "0 enabled 1 (:roll a)",
+        "0 enabled 1 (:scan 1) True",
+        "0 enabled 1 (:roll a) True",
         "5 disabled 1 (:roll a)",
         "5 enabled 4 (:roll c)",
         "7 disabled 4 (:roll c)",
-        "7 enabled 1 (:roll a)",
+        "7 enabled 1 (:roll a) True",
         "8 disabled 1 (:scan 1)",
         "8 disabled 1 (:roll a)",
     ]

@@ -17,7 +17,6 @@ from rapc.base.values import Fact
 from rapc.runtime.events.trace import JsonTrace
 from rapc.runtime.memory import access
 from rapc.runtime.memory.recognition import item_events
-from rapc.runtime.tasks import activations
 
 PACKAGE = Path(rapc.__file__).parent
 COMMON = len(events.Event.__struct_fields__)
@@ -25,7 +24,6 @@ COMMON = len(events.Event.__struct_fields__)
 OF_SEVERAL: dict[tuple[str, str], list[type[events.Event]]] = {
     (access.__name__, "kind"): [events.ItemMoved, events.ItemLost],
     (item_events.__name__, "kind"): [events.ItemIntroduced, events.ItemMerged],
-    (activations.__name__, "kind"): [events.SkillEnabled, events.SkillDisabled],
     ("rapc.runtime.monitors.monitors", "kind"): [events.TaskBlocked, events.TaskWoken],
 }
 """What is meant where the kind of an event is no name of one, by the module."""

@@ -57,7 +57,7 @@ def activate(
         ticket, method_run.task.number, method_run.task, method_run, tuple(skills)
     )
     run.state.activations.begin(activation)
-    _tell(run, method_run.task, SkillEnabled, skills)
+    _tell_enabled(run, method_run.task, skills, plan)
     return None
 
 
@@ -102,20 +102,29 @@ def reactivate(
         tables.end(before)
         world.deactivate(before)
     were = tuple(map(run.beliefs.canonical, were))
-    _tell(run, method_run.task, SkillDisabled, [s for s in were if s not in skills])
-    _tell(run, method_run.task, SkillEnabled, [s for s in skills if s not in were])
+    task = method_run.task
+    _tell_disabled(run, task, [skill for skill in were if skill not in skills])
+    _tell_enabled(run, task, [skill for skill in skills if skill not in were], plan)
     return True
 
 
-def _tell(
-    run: Run,
-    task: Task,
-    kind: type[SkillEnabled | SkillDisabled],
-    skills: Iterable[Fact],
+def _tell_enabled(
+    run: Run, task: Task, skills: Iterable[Fact], plan: ActivationPlan
 ) -> None:
     if run.recorder.on:
         for skill in skills:
-            run.recorder.emit(kind, task=task.number, what=skill)
+            run.recorder.emit(
+                SkillEnabled,
+                task=task.number,
+                what=skill,
+                background=plan.background,
+            )
+
+
+def _tell_disabled(run: Run, task: Task, skills: Iterable[Fact]) -> None:
+    if run.recorder.on:
+        for skill in skills:
+            run.recorder.emit(SkillDisabled, task=task.number, what=skill)
 
 
 def activatable(run: Run, task: Task, plan: ActivationPlan, env: Env) -> bool:
@@ -134,7 +143,7 @@ def deactivate(run: Run, ticket: int) -> None:
     activation = run.state.activations.end(ticket)
     if activation.task is not None:
         skills = map(run.beliefs.canonical, activation.skills)
-        _tell(run, activation.task, SkillDisabled, skills)
+        _tell_disabled(run, activation.task, skills)
     assert isinstance(run.port, Skilled)
     run.port.deactivate(ticket)
 
