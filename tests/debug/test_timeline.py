@@ -7,22 +7,24 @@ from itertools import pairwise
 import pytest
 
 import rapc
+from rapc.debug.account import times
 from rapc.debug.history import History
-from rapc.debug.questions.times import Spell, spells, time_by_family
+from rapc.debug.questions.times import account, spells
 from tests.debug.sessions import truck
 
 
 def test_the_timeline_accounts_for_all_time() -> None:
     session = truck("(rock-order red 1)", "(rock-order blue 1)")
     session.go()
-    found = spells(session)
+    whole = account(session)
+    found = spells(whole)
     assert found[0].start == 0
     assert found[-1].stop == session.now
     assert all(one.stop == two.start for one, two in pairwise(found))
-    used = time_by_family(found)
+    used = times(whole.of_run, lambda one: one.family)
     assert sum(used.values()) == pytest.approx(session.now)
     assert set(used) >= {1, 2}
-    part = spells(session, 50, 100)
+    part = spells(whole, 50, 100)
     assert part[0].start <= 50 < part[0].stop
     assert part[-1].start < 100
 
@@ -39,7 +41,7 @@ def hallway() -> History:
 def test_skills_are_told_from_when_they_came_on_until_they_went_off(
     hallway: History,
 ) -> None:
-    background, turn, move = spells(hallway)[:3]
+    background, _, turn, move = spells(account(hallway))[:4]
     assert (background.start, background.stop) == (0, hallway.now)
     assert background.parts == [
         (":report-position",),
@@ -53,18 +55,11 @@ def test_skills_are_told_from_when_they_came_on_until_they_went_off(
 
 
 def test_moment_counts_for_the_latest_start(hallway: History) -> None:
-    used = time_by_family(spells(hallway))
+    pieces = account(hallway).of_run
+    assert pieces[0].what == "arrival of go-to"
+    assert pieces[0].stop == 1
+    used = times(pieces, lambda one: one.kind)
     assert sum(used.values()) == pytest.approx(hallway.now)
-    assert used[1] == pytest.approx(1)
-    part = time_by_family(spells(hallway, 0.5, 2), 0.5, 2)
-    assert part == {6: pytest.approx(1), 1: pytest.approx(0.5)}
-
-
-def test_time_by_family_takes_the_youngest_of_overlapping_spells() -> None:
-    found = [
-        Spell(0, 10, 1, 1, [(":watch",)]),
-        Spell(2, 4, 2, 2, [("go",)]),
-        Spell(3, 8, 3, 3, [(":turn",)]),
-        Spell(10, 12, None, None, []),
-    ]
-    assert time_by_family(found) == {3: 5, 1: 4, None: 2, 2: 1}
+    assert used == {"acting": pytest.approx(hallway.now - 1), "waiting": 1}
+    part = times(pieces, lambda one: one.kind, 0.5, 2)
+    assert part == {"acting": pytest.approx(1), "waiting": pytest.approx(0.5)}

@@ -6,17 +6,26 @@ The answers come from the events of the run up to the present moment.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
-
-import msgspec
+from collections.abc import Collection, Sequence
 
 from rapc import events
 from rapc.base.values import Atom, Fact, format_atom, format_list, number, readable
+from rapc.debug.account import (
+    SUSPENDED,
+    WAITING,
+    Account,
+    Piece,
+    Spell,
+    account_of,
+    times,
+)
 from rapc.debug.answer import Answer, question, table
 from rapc.debug.arguments import Arguments
 from rapc.debug.history import History
 from rapc.debug.log import ToldEvent
+from rapc.errors import WorldError
 from rapc.world import Time
+from rapc.worlds.registry import find_world
 
 
 @question(of_recordings=True)
@@ -80,29 +89,29 @@ def deadlines(history: History, args: Arguments) -> Answer:
     return table(columns, rows, none="no deadlines")
 
 
-# --- the timeline -------------------------------------------------------------------
-
-_ENDS = (
-    events.PrimitiveEnded,
-    events.PrimitiveCancelled,
-    events.RequestRefused,
-)
+# --- the timeline and waits -----------------------------------------------------------
 
 
-class Spell(msgspec.Struct, eq=False):
-    """An interval of a run: a request, the skills of an activation, or waiting."""
+def account(history: History) -> Account:
+    """Return the account of the time of a run, up to the present moment."""
+    told = history.scan(*Account.kinds)
+    return account_of(told, history.now, sensors_of(history))
 
-    start: Time
-    #: The end of the interval; the present time while under way.
-    stop: Time
-    family: int | None
-    task: int | None
-    #: The request or the skills (more may be added); empty while all tasks wait.
-    parts: list[Fact]
-    #: The signals of the skills, in order.
-    heard: list[Fact] = []
-    #: The number of skills still enabled; 0 for a request.
-    on: int = 0
+
+def sensors_of(history: History) -> Collection[str]:
+    """Return the sensor primitives of the world of a run.
+
+    A recorded run may name a world that is not installed: then no primitive counts as a
+    sensor.
+    """
+    if history.is_run:
+        return history.run.world.kit.offer.sensors
+    if history.spec.world_class:
+        return ()
+    try:
+        return find_world(history.spec.world).kit.offer.sensors
+    except WorldError:
+        return ()
 
 
 @question("[FROM [TO]]", ":timeline", ":timeline 200 240", of_recordings=True)
@@ -111,30 +120,37 @@ def timeline(history: History, args: Arguments) -> Answer:
 
     Each request and skill is listed at its start, with the events reported by the
     skill. If several requests or skills overlap, the last to start counts for its
-    family.
+    family. A time without them counts for the wait that ended it; `:waits` lists all
+    waits.
     """
     start = args.time("time") if args else 0
     stop = args.time("time") if args else None
-    found = spells(history, start, stop)
+    whole = account(history)
     rows = [
         (
             *(one.start, one.stop, one.family and f"[{one.family}]"),
             one.task and f"[{one.task}]",
-            " ".join(map(format_list, one.parts)) or "waiting",
+            " ".join(map(format_list, one.parts)) or one.waits,
             _in_words(one.heard),
         )
-        for one in found
+        for one in spells(whole, start, stop)
     ]
-    used = time_by_family(found, start, stop)
+    used = times(whole.of_run, _user, start, stop)
     total = sum(used.values())
     notes = [
-        f"{'waiting' if family is None else f'family [{family}]'}: "
-        f"{format_atom(number(round(time, 2)))} of "
+        f"{user}: {format_atom(number(round(time, 2)))} of "
         f"{format_atom(number(round(total, 2)))}, {100 * time / total:.0f} %"
-        for family, time in used.items()
+        for user, time in used.items()
     ]
     columns = ("from", "to", "family", "task", "what", "heard")
     return table(columns, rows, none="no time passed", notes=notes)
+
+
+def _user(piece: Piece) -> str:
+    """Return the family or the wait that a piece of the time counts for."""
+    if piece.kind in (WAITING, SUSPENDED):
+        return f"{piece.kind} {'for ' if piece.kind == WAITING else ''}{piece.what}"
+    return f"family [{piece.family}]"
 
 
 def _in_words(signals: Sequence[Fact]) -> str:
@@ -148,104 +164,69 @@ def _in_words(signals: Sequence[Fact]) -> str:
     )
 
 
-def spells(history: History, start: Time = 0, stop: Time | None = None) -> list[Spell]:
+def spells(account: Account, start: Time = 0, stop: Time | None = None) -> list[Spell]:
     """Return the intervals between two times, ordered by start.
 
     Intervals of waiting fill the gaps, so that the intervals cover all time.
 
     Args:
-        history: the run.
+        account: the account of the run.
         start: omit intervals that ended at or before this time.
         stop: omit intervals that began at or after this time; None for no limit.
     """
-    found = [one for one in _read(history) if one.stop > one.start]
-    return [
-        one
-        for one in _with_waiting(found, history.now)
-        if one.stop > start and (stop is None or one.start < stop)
+    waiting = [
+        Spell(one.start, one.stop, one.family, one.task, [], waits=_user(one))
+        for one in account.of_run
+        if one.kind in (WAITING, SUSPENDED)
     ]
+    found = [one for one in account.spells if one.stop > one.start]
+    return sorted(
+        (
+            one
+            for one in (*found, *waiting)
+            if one.stop > start and (stop is None or one.start < stop)
+        ),
+        key=lambda one: one.start,
+    )
 
 
-def _read(history: History) -> list[Spell]:
-    """Return the requests and activations from events, ordered by start."""
-    now = history.now
-    families: dict[int, int] = {}
-    found: list[Spell] = []
-    requests: list[Spell] = []
-    #: The latest activation of each task.
-    activations: dict[int, Spell] = {}
-    kinds = (*_ENDS, events.TaskCreated, events.PrimitiveRequested)
-    of_skills = (events.SkillEnabled, events.SkillDisabled, events.SignalReceived)
-    for told in history.scan(*kinds, *of_skills):
-        keys, task = told.keys, told.keys["task"]
-        if told.kind is events.TaskCreated:
-            families[task] = keys["family"]
-        elif told.kind is events.PrimitiveRequested:
-            part = keys["request"]
-            spell = Spell(told.time, now, families.get(task), task, [part])
-            found.append(spell)
-            requests.append(spell)
-        elif told.kind in _ENDS:
-            for spell in requests:
-                if keys["request"] in spell.parts and task in (None, spell.task):
-                    spell.stop = told.time
-                    requests.remove(spell)
-                    break
-        elif told.kind is events.SkillEnabled:
-            known = activations.get(task)
-            if known is None or not known.on:
-                known = Spell(told.time, now, families.get(task), task, [])
-                activations[task] = known
-                found.append(known)
-            known.on += 1
-            if keys["what"] not in known.parts:
-                known.parts.append(keys["what"])
-        elif task in activations and told.kind is events.SignalReceived:
-            activations[task].heard.append(keys["what"])
-        elif task in activations:
-            activations[task].on -= 1
-            if not activations[task].on:
-                activations[task].stop = told.time
-    return found
+@question("[TASK]", ":waits", ":waits 12", of_recordings=True)
+def waits(history: History, args: Arguments) -> Answer:
+    """List the waits of a task and its steps; or sum up all waits of the run.
 
-
-def _with_waiting(spells: Sequence[Spell], now: Time) -> Iterator[Spell]:
-    """Yield intervals ordered by start, with waiting in the gaps."""
-    reached: Time = 0
-    for one in spells:
-        if one.start > reached:
-            yield Spell(reached, one.start, None, None, [])
-        yield one
-        reached = max(reached, one.stop)
-    if now > reached:
-        yield Spell(reached, now, None, None, [])
-
-
-def time_by_family(
-    spells: Iterable[Spell], start: Time = 0, stop: Time | None = None
-) -> dict[int | None, Time]:
-    """Return the time that each family used between two times, most first.
-
-    Each moment counts for the interval that began last among those under way. The key
-    None stands for waiting.
+    A task waits for a monitor, a window (a time), a thing, a signal, the order of
+    steps, a device (its request is under way, or the world refused it), after a
+    suspension, or for its turn.
     """
-    marks: list[tuple[Time, int, bool]] = []
-    listed = list(spells)
-    for at, one in enumerate(listed):
-        begin = max(one.start, start)
-        end = one.stop if stop is None else min(one.stop, stop)
-        if end > begin:
-            marks += [(begin, at, True), (end, at, False)]
-    found: Counter[int | None] = Counter()
-    under_way: list[int] = []
-    last: Time = start
-    for time, at, begins in sorted(marks):
-        if under_way and time > last:
-            used = time - last
-            found[listed[max(under_way)].family] += used  # type: ignore[assignment]
-        last = time
-        if begins:
-            under_way.append(at)
-        else:
-            under_way.remove(at)
-    return dict(found.most_common())
+    whole = account(history)
+    if args:
+        return _waits_of(whole, args.task(history))
+    groups: dict[tuple[str, str, str], list[Time]] = {}
+    for one in whole.waits:
+        rap = one.goal[1:].rstrip(")").split(" ")[0]
+        groups.setdefault((one.kind, one.on, rap), []).append(one.stop - one.start)
+    rows = [
+        (kind, on, rap, len(took), sum(took), max(took))
+        for (kind, on, rap), took in groups.items()
+    ]
+    rows.sort(key=lambda row: -row[4])
+    columns = ("for", "what", "by tasks of", "times", "time", "longest")
+    return table(columns, rows, none="no task has waited")
+
+
+def _waits_of(account: Account, task: int) -> Answer:
+    """Return the waits of a task and its descendants, by their start."""
+    family = {task}
+    for child, parent in account.parents.items():
+        if parent in family:
+            family.add(child)
+    rows = [
+        (
+            *(one.start, one.stop, one.stop - one.start, f"[{one.task}] {one.goal}"),
+            *(one.kind, one.on, one.by and f"[{one.by}]"),
+        )
+        for one in sorted(account.waits, key=lambda one: (one.start, one.task))
+        if one.task in family
+    ]
+    columns = ("from", "to", "time", "task", "for", "what", "of")
+    return table(columns, rows, none=f"task [{task}] and its steps have not waited")
