@@ -568,6 +568,34 @@ class History:
                 self.run.step()
         return gathered
 
+    def told_by(self, name: str) -> list[ToldEvent]:
+        """Return the events of a branch up to its furthest moment.
+
+        Raises:
+            ArgumentError: if no branch has that name.
+            StateError: if the run cannot go back.
+        """
+        branch = next((one for one in self.branches if one.name == name), None)
+        if branch is None:
+            raise ArgumentError(f"unknown branch `{name}`")
+        if branch.events.has(0):
+            return list(branch.events.before(branch.events.end))
+        gathered: list[ToldEvent] = []
+        here = self.branch
+        with self.at():
+            try:
+                self.branch, self.answers.solutions = branch, branch.solutions
+                self._put_back(_BEGINNING)
+                gathered += branch.events.opening
+                self._log.elsewhere = gathered.append
+                while self.moment < branch.end:
+                    self._replay(branch.end)
+                if branch.over:
+                    self.run.step()
+            finally:
+                self.branch = here
+        return gathered
+
     def last(self, *kinds: type[Event], want: Want) -> ToldEvent | None:
         """Return the last wanted event up to the present moment, or None.
 

@@ -31,7 +31,7 @@ from rapc.errors import RefusedError
 from rapc.host import CheckedLibrary, CheckError
 from rapc.ir import nodes
 from rapc.ir.printer import format_node
-from rapc.library.library import Library, digest
+from rapc.library.library import KINDS, Library, digest
 from rapc.library.loader import Loaded, load, load_sources
 from rapc.library.signature import Signature
 from rapc.parser.parse import parse
@@ -74,18 +74,29 @@ class TakeUp(Act, frozen=True):
 
 def changed(before: Library, after: Library) -> tuple[str, ...]:
     """Return the names of changed definitions, in the order of their kinds."""
-    return tuple(dict.fromkeys(_differing(before, after)))
+    return tuple(dict.fromkeys(name for _, name, _, _ in differing(before, after)))
 
 
-def _differing(before: Library, after: Library) -> Iterator[str]:
+def differing(
+    before: Library, after: Library
+) -> Iterator[tuple[str, str, nodes.Node | None, nodes.Node | None]]:
+    """Yield each changed definition: kind, name, and its nodes before and after.
+
+    The kinds without names, rules of memory for example, have the kind as the name.
+    """
+    words = {field: word for field, _, word in KINDS.values()}
     for field in before.__struct_fields__:
         old, new = getattr(before, field), getattr(after, field)
+        kind = words.get(field, field.replace("_", " "))
         if field in _NO_DEFINITIONS or old == new:
             continue
         if isinstance(old, Mapping):
-            yield from sorted(n for n in {*old, *new} if old.get(n) != new.get(n))
+            for name in sorted({*old, *new}):
+                if old.get(name) != new.get(name):
+                    yield kind, name, old.get(name), new.get(name)
         else:
-            yield field.replace("_", " ")
+            yield from ((kind, kind, node, None) for node in old if node not in new)
+            yield from ((kind, kind, None, node) for node in new if node not in old)
 
 
 def _moved(record: RunRecord, before: Program, after: Program) -> RunRecord:

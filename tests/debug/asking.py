@@ -241,7 +241,11 @@ QUESTIONS: Mapping[str, Callable[[Asker], object]] = {
     "between": lambda one: differences.diff(
         one.session, f"{one.cycle()} {one.cycle()}"
     ),
+    "another branch": lambda one: one.session.told_by("main"),
+    "another seed": lambda one: differences.diff(one.session, "seed 3"),
     "timeline": lambda one: times.timeline(one.session),
+    "waits": lambda one: times.waits(one.session),
+    "waits of a task": lambda one: times.waits(one.session, str(one.task())),
     "history": lambda one: facts.history_(one.session, one.pattern()),
     "history of an item": lambda one: facts.history_(one.session, str(one.fact()[1])),
     "retries": lambda one: times.retries(one.session),

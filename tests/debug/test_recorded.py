@@ -145,9 +145,9 @@ def test_first_different_decision_is_reported(tmp_path: Path) -> None:
     shell = truck_shell()
     shell.answer(":run")
     text = said(shell, f":diff {trace}", width=200)
-    assert text.startswith("first different decision, in cycle ")
-    assert "  here:  " in text
-    assert "  there: " in text
+    assert text.startswith("time: here 274.77, there 261.22 (-4.9 %)\n")
+    assert "\nfirst different decision, in cycle 11:\n  here: " in text
+    assert "\n  there: " in text
 
 
 @pytest.mark.parametrize(

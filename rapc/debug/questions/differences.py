@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any
@@ -9,29 +10,48 @@ from typing import Any
 import msgspec
 
 from rapc import events
+from rapc.base.source import place
 from rapc.base.values import Fact, format_list, readable
-from rapc.debug.answer import Answer, bound_to, question, say, table
+from rapc.debug import costs
+from rapc.debug.account import account_of
+from rapc.debug.answer import Answer, bound_to, question, table
 from rapc.debug.arguments import Arguments
 from rapc.debug.history import History
-from rapc.debug.recording import Recording
+from rapc.debug.log import EventLog, ToldEvent
+from rapc.debug.questions import why
+from rapc.debug.questions.times import sensors_of
+from rapc.debug.recording import Playback, Recording
+from rapc.debug.reload import differing
+from rapc.errors import ArgumentError, StateError
+from rapc.host import load
+from rapc.library.library import Library
 from rapc.runtime.events.trace import record
+from rapc.runtime.interpreter import Interpreter
+from rapc.world import Time
+from rapc.worlds.registry import world_of
 
 
 @question(
-    "CYCLE [CYCLE] | FILE",
+    "CYCLE [CYCLE] | FILE | branch NAME | seed N | library PATH",
     ":diff 20",
     ":diff 20 60",
-    ":diff other-seed.jsonl",
+    ":diff yesterday.jsonl",
+    ":diff branch main",
+    ":diff seed 3",
+    ":diff library old/",
     of_recordings=True,
 )
 def diff(history: History, args: Arguments) -> Answer:
-    """Show the differences between two moments, or from a recorded run.
+    """Show the differences between two moments of the run, or between two runs.
 
-    For two runs, the first different decision is shown: the selected task or the chosen
-    method.
+    The other run is a recorded run, another branch, or a run that begins as this run
+    did, with another seed or library. For two runs, the answer has the first different
+    decision (the selected task or the chosen method) with the reasons on both sides,
+    and a table with the cost of all differences in time.
     """
     if args and not args.peek().isdecimal():
-        return _from_a_recording(history, Path(args.word("file")))
+        here, there = this_run(history), _other(history, args)
+        return compared(here, there)
     history.check_is_run()
     first = args.count("cycle")
     second = args.count("cycle", history.cycle)
@@ -68,31 +88,357 @@ def _at(history: History, cycle: int) -> _Snapshot:
 
 # --- two runs -----------------------------------------------------------------------
 
+
+class Side(msgspec.Struct):
+    """One of two runs to compare: its events up to a moment."""
+
+    #: The name in tables and texts.
+    name: str
+    told: Sequence[ToldEvent]
+    #: The time of the moment.
+    now: Time
+    #: Whether the run is over at the moment.
+    over: bool
+    sensors: Collection[str] = ()
+    #: A history of the run that can explain its past decisions, if there is one.
+    history: History | None = None
+    #: The library, if it is known.
+    library: Library | None = None
+
+
+def this_run(history: History, name: str = "here") -> Side:
+    """Return a run up to its present moment."""
+    told, library = list(history.scan()), None
+    if history.is_run:
+        library = history.library.program.library
+    explains = history if history.is_run and not history.no_way_back else None
+    now, over, sensors = history.now, history.over, sensors_of(history)
+    return Side(name, told, now, over, sensors, explains, library)
+
+
+def recorded_run(path: Path, name: str = "there") -> Side:
+    """Return a recorded run from its file, up to its end.
+
+    Raises:
+        LoadError: if the file is not the trace of a run.
+    """
+    recording = Recording(path)
+    history = History(Playback(recording))
+    history.goto(recording.last_cycle + 1)
+    return this_run(history, name)
+
+
+def _other(history: History, args: Arguments) -> Side:
+    """Return the run that the arguments name, up to the present time of this run."""
+    word = args.word("file")
+    if word == "branch":
+        found = _branch(history, args.word("name of a branch"))
+    elif word == "seed":
+        found = _again(history, seed=args.count("seed"))
+    elif word == "library":
+        found = _again(history, library=args.word("path of a library"))
+    else:
+        found = recorded_run(Path(word))
+    if not history.over:
+        found.told = [one for one in found.told if one.time <= history.now]
+        found.now, found.over = history.now, False
+    return found
+
+
+def _branch(history: History, name: str) -> Side:
+    """Return another branch of a history, up to its furthest moment."""
+    told = history.told_by(name)
+    now = told[-1].time if told else 0
+    over = any(one.kind is events.RunEnded for one in told)
+    library = history.library.program.library
+    return Side(name, told, now, over, sensors_of(history), None, library)
+
+
+_LONGER = 10
+"""The time limit of a run that does not end, in durations of this run."""
+
+
+def _again(history: History, seed: int | None = None, library: str = "") -> Side:
+    """Return a run that begins as this run did, with another seed or library.
+
+    Raises:
+        ArgumentError: for a run with faults, or with code of a Python program.
+        Error: if the library or the world cannot be loaded or run.
+    """
+    history.check_is_run()
+    spec = history.spec
+    if spec.faults:
+        raise ArgumentError(
+            "cannot begin a run with faults again", "compare two traces of such runs"
+        )
+    if seed is not None:
+        spec = msgspec.structs.replace(spec, seed=seed)
+    program = history.library.program if not library else load(library).program
+    run = Interpreter.prepared(program, world_of(spec), spec)
+    until = spec.until
+    if not history.over:
+        until = history.now
+    elif until is None:
+        until = history.now * _LONGER
+    return finished(run, until, f"seed {seed}" if seed is not None else library)
+
+
+def finished(run: Interpreter, until: Time | None, name: str) -> Side:
+    """Begin a run, let it run to its end or to a time, and return it."""
+    log = EventLog()
+    run.listen(log)
+    run.start(until)
+    history = History(run, log)
+    history.go()
+    return this_run(history, name)
+
+
+# --- the first difference -----------------------------------------------------------
+
 _DECISIONS = (events.TaskSelected, events.MethodChosen)
 """The events of decisions."""
 
-_Event = dict[str, Any]
+_GROUNDS = (
+    *(events.TaskCreated, events.TaskBlocked, events.TaskWoken),
+    *(events.TaskFailed, events.TaskSucceeded, events.MethodEnded),
+    *(events.PrimitiveEnded, events.DataReceived, events.SignalReceived),
+    *(events.FactAsserted, events.FactErased, *_DECISIONS),
+)
+"""The events that can be the reason of a different decision."""
+
+_NOT_COMPARED = ("n", "by", "because")
+"""The keys that may differ although the runs do not."""
 
 
-def _from_a_recording(history: History, path: Path) -> Answer:
-    """Return the first decision in which the run differs from a recorded run."""
-    own = (record(told.event()) for told in history.scan(*_DECISIONS))
-    for here, there in zip_longest(own, Recording(path).written(_DECISIONS)):
-        if {**(here or {}), "n": 0} != {**(there or {}), "n": 0}:
-            cycle = (here or there or {})["cycle"]
-            return say(
-                f"first different decision, in cycle {cycle}:",
-                f"  here:  {_decision(here)}",
-                f"  there: {_decision(there)}",
-            )
-    return say("no different decision up to the end of the shorter run")
+class Difference(msgspec.Struct, frozen=True):
+    """The first decision in which two runs differ; None for the end of a run."""
+
+    here: ToldEvent | None
+    there: ToldEvent | None
+    #: The first different event before the decision, if there is one.
+    before: tuple[ToldEvent | None, ToldEvent | None] | None = None
 
 
-def _decision(event: _Event | None) -> str:
-    if event is None:
+def first_difference(here: Side, there: Side) -> Difference | None:
+    """Return the first different decision of two runs; None without a difference.
+
+    Names of variables are not compared. The end of a side that could go on is no
+    difference.
+    """
+    found = _first_of(_DECISIONS, here, there)
+    if found is None:
+        return None
+    before = _first_of(_GROUNDS, here, there)
+    times = [one.time for one in found if one is not None]
+    if before is None or before == found:
+        return Difference(*found)
+    earlier = any(one is not None and one.time <= max(times) for one in before)
+    return Difference(*found, before if earlier else None)
+
+
+_Two = tuple[ToldEvent | None, ToldEvent | None]
+
+
+def _first_of(
+    kinds: Collection[type[events.Event]], here: Side, there: Side
+) -> _Two | None:
+    sides = [[one for one in side.told if one.kind in kinds] for side in (here, there)]
+    for one, other in zip_longest(*sides):
+        two: _Two = (one, other)
+        for told, side in zip(two, (here, there), strict=True):
+            if told is None and not side.over:
+                return None
+        if not _same(*two):
+            return two
+    return None
+
+
+def _same(one: ToldEvent | None, other: ToldEvent | None) -> bool:
+    if one is None or other is None or one.kind is not other.kind:
+        return False
+    if one.time == other.time and one.keys == other.keys:
+        return True
+    return _compared(one) == _compared(other)
+
+
+def _compared(told: ToldEvent) -> Mapping[str, Any]:
+    """Return the keys of an event that must agree in two equal runs."""
+    found = record(told.event())
+    for key in _NOT_COMPARED:
+        found.pop(key, None)
+    if told.kind is events.MethodChosen:
+        found["bindings"] = list(found["bindings"].values())
+    return found
+
+
+def _lines(found: Difference, here: Side, there: Side) -> Iterator[str]:
+    """Yield the first difference as text, with the reasons on both sides."""
+    sides = ((here, found.here), (there, found.there))
+    cycle = next(one.cycle for one in (found.here, found.there) if one is not None)
+    yield f"first different decision, in cycle {cycle}:"
+    for side, other, told, beside in (
+        (*(here, there), *(found.here, found.there)),
+        (*(there, here), *(found.there, found.here)),
+    ):
+        yield f"  {side.name}: {_decision(told)}"
+        if told is not None:
+            yield from (f"    {line}" for line in _reasons(side, told))
+            if beside is None or beside.keys["task"] != told.keys["task"]:
+                yield f"    {other.name}: {_state_at(other, told)}"
+    if found.before is not None:
+        yield "first different event before:"
+        for (side, _), told in zip(sides, found.before, strict=True):
+            yield f"  {side.name}: {_event(told)}"
+
+
+def _decision(told: ToldEvent | None) -> str:
+    if told is None:
         return "end of the run"
-    at = f"at {readable(event['time'])}"
-    if event["event"] == "task-selected":
-        return f"{event['goal']} [{event['task']}] was selected {at}"
-    chose = f"[{event['task']}] chose {event['method']} of {event['rap']} {at}"
-    return f"{chose}{bound_to(event['bindings'])}"
+    keys, at = told.keys, f"at {readable(told.time)}"
+    if told.kind is events.TaskSelected:
+        return f"{keys['goal']} [{keys['task']}] was selected {at}"
+    chose = f"[{keys['task']}] chose {keys['method']} of {keys['rap']} {at}"
+    return f"{chose}{bound_to(keys['bindings'])}"
+
+
+def _event(told: ToldEvent | None) -> str:
+    """Return an event as a line."""
+    if told is None:
+        return "no further event"
+    keys, at = told.keys, f"at {readable(told.time)}"
+    if told.kind is events.FactAsserted:
+        return f"{format_list(keys['fact'])} asserted {at} by {keys['by']}"
+    if told.kind is events.FactErased:
+        return f"{format_list(keys['fact'])} erased {at} by {keys['by']}"
+    if told.kind is events.DataReceived:
+        return f"datum {format_list(keys['data'])} {at}"
+    line = (told.event().line() or "").strip()
+    line = line.removeprefix("... ").removeprefix("--> ").split("\n")[0]
+    return f"{line or told.kind.__struct_config__.tag} {at}"
+
+
+_MOST_REASONS = 8
+"""The highest number of lines about the reasons of a decision."""
+
+
+def _reasons(side: Side, told: ToldEvent) -> list[str]:
+    """Return the reasons of a decision: from the events, and from a replay."""
+    found = list(_grounds(side, told))
+    if side.history is not None:
+        try:
+            choice, doing = why.reasons(side.history, told.keys["task"], told.cycle)
+        except (ArgumentError, StateError):
+            return found
+        if told.kind is events.TaskSelected:
+            found += list(why.of_choice(choice))[1:]
+        else:
+            found += list(why.of_doing(doing))[1:]
+    return [line.strip() for line in found[:_MOST_REASONS]]
+
+
+def _grounds(side: Side, told: ToldEvent) -> Iterator[str]:
+    """Yield the last event that made a task eligible, from the events of a run."""
+    if told.kind is not events.TaskSelected:
+        return
+    number = told.keys["task"]
+    woken = None
+    for one in _before(side, told):
+        if woken is not None:
+            if one.time != woken.time:
+                return
+            if one.kind in (events.PrimitiveEnded, events.DataReceived):
+                yield f"after {_event(one)}"
+                return
+        elif one.keys.get("task") != number:
+            continue
+        elif one.kind is events.TaskWoken:
+            woken = one
+            yield f"woken by {one.keys['on']}"
+        elif one.kind is events.MethodEnded:
+            yield f"its method {one.keys['method']} ended: {one.keys['result']}"
+            return
+        elif one.kind is events.TaskCreated:
+            parent = one.keys["parent"]
+            made = (
+                f"step {one.keys['step']} of [{parent}]" if parent else "top-level task"
+            )
+            yield f"{made}, created at {readable(one.time)}"
+            return
+
+
+def _before(side: Side, told: ToldEvent) -> Iterator[ToldEvent]:
+    """Yield the events before an event of a run, latest first."""
+    for one in reversed(side.told):
+        if one.serial < told.serial:
+            yield one
+
+
+_STATES: Mapping[type[events.Event], str] = {
+    events.TaskBlocked: "blocked until {on}",
+    events.TaskWoken: "woken by {on}",
+    events.MethodChosen: "method {method} of {rap} is under way",
+    events.MethodSuspended: "suspended by [{by}]",
+    events.MethodEnded: "method {method} has ended: {result}",
+    events.TaskSucceeded: "has succeeded",
+    events.TaskFailed: "has failed: {result}",
+    events.TaskRemoved: "was removed: {cause}",
+    events.TaskCreated: "has been created",
+}
+"""The state of a task after an event, as text."""
+
+
+def _state_at(side: Side, told: ToldEvent) -> str:
+    """Return the state of the task of another run's event, at the time of the event."""
+    number, at = told.keys["task"], readable(told.time)
+    state = "has not been created"
+    for one in side.told:
+        if one.time > told.time:
+            break
+        if one.keys.get("task") == number and one.kind in _STATES:
+            since = f" since {readable(one.time)}" if one.time < told.time else ""
+            state = _STATES[one.kind].format(**one.keys) + since
+    return f"[{number}] at {at}: {state}"
+
+
+# --- the whole comparison -----------------------------------------------------------
+
+
+def changed_definitions(here: Side, there: Side) -> list[str]:
+    """Return the definitions that differ between the libraries of two sides.
+
+    Each line has the place in the library of the second side, or of the first for a
+    definition that was removed.
+    """
+    one, other = here.library, there.library
+    if one is None or other is None or one is other:
+        return []
+    found = []
+    for kind, name, before, after in differing(one, other):
+        node, files = (after, other.files) if after else (before, one.files)
+        assert node is not None
+        what = "removed" if after is None else "added" if before is None else "changed"
+        called = kind if name == kind else f"{kind} `{name}`"
+        found.append(f"{place(node.span, files)}: {called} {what}")
+    return found
+
+
+def times_of(side: Side) -> costs.Times:
+    """Return the sums of the time of a side."""
+    return costs.times_of(account_of(side.told, side.now, side.sensors))
+
+
+def compared(here: Side, there: Side) -> Answer:
+    """Return the comparison of two runs: first difference, and its cost in time."""
+    pair = (times_of(here), times_of(there))
+    found = first_difference(here, there)
+    names = (here.name, there.name)
+    lines = [*costs.verdict([pair], names).lines]
+    if found is None:
+        lines.append("no difference in decisions")
+    else:
+        lines += _lines(found, here, there)
+    notes = changed_definitions(here, there)
+    rows = costs.rows(costs.changes([pair]))
+    return table(
+        costs.columns(*names), rows, *lines, none="no difference in times", notes=notes
+    )

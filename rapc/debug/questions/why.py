@@ -109,10 +109,11 @@ def why(history: History, args: Arguments) -> Answer:
     number = args.task(history)
     cycle = args.count("cycle") if args.takes("in") else None
     choice, doing = reasons(history, number, cycle)
-    return say(*_of_choice(choice), *_of_doing(doing))
+    return say(*of_choice(choice), *of_doing(doing))
 
 
-def _of_choice(choice: Choice) -> Iterator[str]:
+def of_choice(choice: Choice) -> Iterator[str]:
+    """Yield the reasons of a selection as text, after a line with its task."""
     at = f"in cycle {choice.cycle}, at time {readable(choice.time)}"
     yield f"[{choice.task}] was selected {at}:"
     if len(choice.candidates) == 1:
@@ -123,7 +124,8 @@ def _of_choice(choice: Choice) -> Iterator[str]:
         yield f"  {rule}: {numbers(left)}"
 
 
-def _of_doing(doing: Doing) -> Iterator[str]:
+def of_doing(doing: Doing) -> Iterator[str]:
+    """Yield the outcome of a cycle and its reasons as text."""
     if doing.outcome == "method":
         yield f"It chose method {doing.said}{bound_to(doing.bindings)}:"
         if len(doing.methods) == 1 and not doing.methods[0].solved:
