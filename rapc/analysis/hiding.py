@@ -60,8 +60,28 @@ HIDES = (
     ),
     Row(
         ("unbound-variable",),
-        ("not-a-resource", "marked-constant", "misspelt-variable"),
+        ("not-a-resource", "marked-constant", "misspelt-variable", "stray-variable"),
         "name",
+    ),
+    Row(("misspelt-variable", "marked-constant"), ("stray-variable",), "name"),
+    Row(
+        (
+            "unbound-variable",
+            "misspelt-variable",
+            "marked-constant",
+            "stray-variable",
+        ),
+        ("idle-part",),
+        "name",
+    ),
+    # A variable in place of an input makes a formula hold for any value.
+    Row(("stray-variable",), ("succeeds-at-once", "unreachable-method"), "form"),
+    Row(("unheard-monitor", "vain-protection"), ("stray-variable",), "form"),
+    Row(("idle-part",), ("succeeds-at-once",), "form"),
+    Row(
+        ("monitor-always-holds", "settled-comparison", "contradiction"),
+        ("idle-part", "stray-variable"),
+        "form",
     ),
     # If two resources are confused, the wrong resource is used.
     Row(_RESOURCES, ("resource-as-value",), "name"),
@@ -71,7 +91,7 @@ HIDES = (
     Row(("unheard-monitor",), ("endless-reaction",), "form"),
     Row(("unheard-monitor",), ("idle-net",), "form"),
     # Methods that were copied and then spoilt are reported for the spoilt part.
-    Row(("unreachable-method",), ("copied-method",), "form"),
+    Row(("unreachable-method", *_CONSTANTS), ("copied-method",), "form"),
     # A goal that nothing brings about is found with its cause.
     Row(
         (

@@ -6,9 +6,11 @@ new variable always holds [L 2.20]. Identical methods are reported here, too.
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator
+from collections.abc import Collection, Container, Iterator, Mapping
+from itertools import pairwise
 
 from rapc.analysis.check import Pass, check
+from rapc.analysis.facts.effects import does_nothing
 from rapc.analysis.facts.index import INDEX, Index
 from rapc.analysis.facts.logic import (
     Always,
@@ -22,11 +24,13 @@ from rapc.base.diagnostics import (
     Label,
     Rule,
     Severity,
+    Subject,
 )
 from rapc.base.values import Number, holds_between
 from rapc.ir import clauses, nodes
 from rapc.ir.printer import format_formula
 from rapc.ir.walk import (
+    formulas,
     given_names,
     subformulas,
     variable_names,
@@ -114,17 +118,50 @@ def _copies(rap: nodes.DefineRap) -> Iterator[Diagnostic]:
                 help="change or remove the method",
             )
 
+    yield from _equal_denials(rap)
     *others, last = rap.methods
     names = given_names(rap)
-    same = all(_acts(method) == _acts(last) for method in others)
-    same = same and not any(_asks_history(method.context) for method in rap.methods)
-    if same and len(first) > 1 and names.issuperset(variable_names(last.body)):
-        yield COPY.at(
-            last.body.span,
-            f"all methods of `{rap.name}` do the same",
-            labels=(Label(others[0].body.span, "the first method"),),
-            help="change the steps, or join the contexts in one method",
-        )
+    if all(_acts(method) == _acts(last) for method in others):
+        retries = any(_asks_history(method.context) for method in rap.methods)
+        if (
+            len(first) > 1
+            and not retries
+            and names.issuperset(variable_names(last.body))
+        ):
+            yield COPY.at(
+                last.body.span,
+                f"all methods of `{rap.name}` do the same",
+                labels=(Label(others[0].body.span, "the first method"),),
+                help="change the steps, or join the contexts in one method",
+            )
+        return
+    for one, other in pairwise(rap.methods):
+        same = _acts(one) == _acts(other) and one.context != other.context
+        if _asks_history(one.context) or _asks_history(other.context):
+            continue
+        if does_nothing(other):
+            continue
+        if same and names.issuperset(variable_names(other.body)):
+            yield COPY.at(
+                other.body.span,
+                "this method does the same as the method before it",
+                labels=(Label(one.body.span, "the method before"),),
+                help="change the steps, or join the two contexts with `or`",
+            )
+
+
+def _equal_denials(rap: nodes.DefineRap) -> Iterator[Diagnostic]:
+    """Find methods that all deny the same, so that no method is for the opposite."""
+    every = [m.context for m in rap.methods if isinstance(m.context, nodes.Not)]
+    required = (rap.monitor_state, rap.repeat_while, rap.preconditions)
+    if len(set(every)) != 1 or len(every) < len(rap.methods) or every[0] in required:
+        return
+    yield COPY.at(
+        every[-1].span,
+        f"no method of `{rap.name}` is for the opposite of this context",
+        labels=(Label(every[0].span, "the same context"),),
+        help="change the context, or write it as `preconditions`",
+    )
 
 
 def _asks_history(formula: nodes.Formula | None) -> bool:
@@ -210,6 +247,58 @@ def _waits(rap: nodes.DefineRap) -> bool:
         if isinstance(method.body, nodes.TaskNet)
         for step in method.body.steps
         for annotation in step.annotations
+    )
+
+
+IDLE_PART = Rule(
+    code="RAP183",
+    name="idle-part",
+    severity=Severity.WARNING,
+    summary="a part of an `and` or `or` has no effect on the result",
+    ignore="where the part is to be filled in: write a comment",
+    source="T 4.1",
+)
+
+
+@check(IDLE_PART, needs_whole="form")
+def idle_parts(run: Pass) -> Iterator[Diagnostic]:
+    """Find parts of conditions that hold always and bind no variable in use."""
+    always, named = Always(run.signatures), run.result(INDEX).variables()
+    for rap, names in named:
+        if isinstance(rap, nodes.DefineRap):
+            given = given_names(rap)
+            for whole in formulas(rap):
+                if whole.clause.word != "repeat-while":
+                    yield from _idle(whole.formula, always, given, names)
+
+
+def _idle(
+    formula: nodes.Formula,
+    always: Always,
+    given: set[str],
+    names: Mapping[str, Collection[object]],
+) -> Iterator[Diagnostic]:
+    for whole in subformulas(formula):
+        for part in whole.parts if isinstance(whole, nodes.And | nodes.Or) else ():
+            joined = isinstance(whole, nodes.And)
+            if isinstance(part, nodes.Truth):
+                if part.value:
+                    yield _idle_part(part if joined else whole, "holds always")
+                elif not joined:
+                    yield _idle_part(part, "never holds")
+                continue
+            if joined and type(part) is nodes.Proposition and always.holds(part, given):
+                own = set(variable_names(part)) - given
+                if all(len(names[name]) == 1 for name in own):
+                    yield _idle_part(part, "holds always")
+
+
+def _idle_part(part: nodes.Formula, how: str) -> Diagnostic:
+    return IDLE_PART.at(
+        part.span,
+        f"`{format_formula(part)}` {how}",
+        help="query the value that is meant, or remove the part",
+        about=tuple(Subject(part.span, name) for name in variable_names(part)),
     )
 
 

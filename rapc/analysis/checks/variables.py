@@ -19,6 +19,7 @@ from rapc.analysis.facts.logic import is_never
 from rapc.analysis.facts.names import renaming
 from rapc.analysis.facts.statistics import THRESHOLDS
 from rapc.analysis.facts.task_nets import TASK_NETS, Net
+from rapc.analysis.facts.usage import USAGE
 from rapc.analysis.facts.variables import BINDINGS, Missing
 from rapc.base.diagnostics import (
     Applicability,
@@ -33,7 +34,7 @@ from rapc.base.diagnostics import (
 from rapc.base.names import Close, Suggestions, nearest
 from rapc.base.source import SourceFile, Span
 from rapc.ir import clauses, nodes
-from rapc.ir.walk import formulas, steps
+from rapc.ir.walk import formulas, given_names, steps, subformulas
 from rapc.library.library import Library
 
 UNBOUND_VARIABLE = Rule(
@@ -84,7 +85,16 @@ def unbound_variable(run: Pass) -> Iterator[Diagnostic]:
                 net = None if first.method is None else nets.get(id(first.method.body))
                 if net is None or not net.is_broken or not _by_steps(first, places):
                     found = _explain(first, further, places, net, index)
-                    yield _with_fix(run, found, first, further, places)
+                    found = _with_fix(run, found, first, further, places)
+                    unused = _unused_input(run, form, first)
+                    if unused is not None and found.fix is None:
+                        label = Label(unused.span, "this input is never used")
+                        found = msgspec.structs.replace(
+                            found,
+                            labels=(label, *found.labels),
+                            help=f"did you mean `{unused.name}`?",
+                        )
+                    yield found
 
 
 class _Places:
@@ -431,6 +441,124 @@ def _misspelt(run: Pass, variable: nodes.Var, close: nodes.Var) -> Diagnostic:
         labels=(Label(close.span, "a similar variable"),),
         help=f"did you mean `{close.name}`? for any value, write `?`",
         fix=renaming(run.library.files, variable.name, close.name, [variable.span]),
+        about=(Subject(variable.span, variable.name),),
+    )
+
+
+STRAY_VARIABLE = Rule(
+    code="RAP181",
+    name="stray-variable",
+    severity=Severity.WARNING,
+    summary="a variable stands where an unused input of the same kind is expected",
+    ignore="where any value is meant: write `?`",
+    source="T 4.2",
+)
+
+
+_Named = Mapping[str, Sequence[VariableAt]]
+"""The variables of a form by name."""
+
+
+@check(STRAY_VARIABLE, needs_whole="form")
+def stray_variable(run: Pass) -> Iterator[Diagnostic]:
+    """Find inputs that are not used where a variable of the same kind is."""
+    for rap, named in run.result(INDEX).variables():
+        if isinstance(rap, nodes.DefineRap) and rap.inputs:
+            yield from _unused_inputs(run, rap, named)
+            yield from _used_once(run, rap, named)
+
+
+def _unused_inputs(
+    run: Pass, rap: nodes.DefineRap, named: _Named
+) -> Iterator[Diagnostic]:
+    """Find inputs without a use, in a RAP with another variable of the same kind."""
+    own = given_names(rap).union(output.name for output in rap.outputs)
+    for one in _unused(rap, named):
+        others = (name for name in named if name != "?" and name not in own)
+        name = next((name for name in others if _alike(run, rap, name, one)), None)
+        if name is not None:
+            where = f"`{rap.name}` never uses this input"
+            yield _stray(named[name][0][0], one, where)
+
+
+def _unused(rap: nodes.DefineRap, named: _Named) -> Iterator[nodes.Var]:
+    for one in rap.inputs if rap.methods else ():
+        if not one.anonymous and len(named[one.name]) == 1:
+            yield one
+
+
+def _unused_input(run: Pass, form: Form, missing: Missing) -> nodes.Var | None:
+    """Return an unused input of the kind of a variable without any binding."""
+    if not isinstance(form, nodes.DefineRap) or not form.inputs:
+        return None
+    name = missing.variable.name
+    named = next(n for one, n in run.result(INDEX).variables() if one is form)
+    unused = _unused(form, named)
+    return next((one for one in unused if _alike(run, form, name, one)), None)
+
+
+def _used_once(run: Pass, rap: nodes.DefineRap, named: _Named) -> Iterator[Diagnostic]:
+    """Find variables used once, in a fact without an input of the same kind.
+
+    A variable in `repeat-while` may only stand for a fact that must change [L 4.48].
+    """
+    own = given_names(rap)
+    used = [one for one in rap.inputs if len(named[one.name]) > 1]
+    for whole in formulas(rap):
+        if not used or whole.clause.word == "repeat-while":
+            continue
+        facts = [f for f in subformulas(whole.formula) if type(f) is nodes.Proposition]
+        for fact in facts:
+            for at, term in enumerate(fact.args):
+                if type(term) is not nodes.Var or term.anonymous or term.name in own:
+                    continue
+                if len(named[term.name]) != 1:
+                    continue
+                there = {
+                    f.args[at] for f in facts if f.name == fact.name and f.args[at:]
+                }
+                one = _expected(run, rap, term, [i for i in used if i not in there])
+                if one is not None and one not in fact.args:
+                    yield _stray(term, one, f"`{fact.name}` does not use this input")
+
+
+def _expected(
+    run: Pass, rap: nodes.DefineRap, variable: nodes.Var, inputs: Iterable[nodes.Var]
+) -> nodes.Var | None:
+    """Return the first input of the kind of a variable."""
+    return next((one for one in inputs if _alike(run, rap, variable.name, one)), None)
+
+
+def _alike(run: Pass, rap: nodes.DefineRap, name: str, one: nodes.Var) -> bool:
+    """Return whether a variable and an input are of one kind, or elsewhere one.
+
+    Without kinds, a name that other forms use at the same place is meant.
+    """
+    usage = run.result(USAGE)
+    places, others = (list(usage.of(rap, which)) for which in (name, one.name))
+    kinds, wanted = set(usage.kinds(places)), set(usage.kinds(others))
+    if kinds and wanted and kinds.isdisjoint(wanted):
+        return False
+    if kinds - _WIDE and wanted - _WIDE:
+        return True
+    if any(usage.is_named_elsewhere(name, place, rap) for place in places):
+        return False
+    least = THRESHOLDS.same_variable
+    return any(
+        usage.together_elsewhere(a, b, rap) >= least for a in places for b in others
+    )
+
+
+_WIDE = {"number", "item", "text", "symbol"}
+"""The kinds of so many values that two variables of a kind need not be related."""
+
+
+def _stray(variable: nodes.Var, one: nodes.Var, where: str) -> Diagnostic:
+    return STRAY_VARIABLE.at(
+        variable.span,
+        f"`{variable.name}` stands where the input `{one.name}` is expected",
+        labels=(Label(one.span, where),),
+        help=f"write `{one.name}`, or `?` for any value",
         about=(Subject(variable.span, variable.name),),
     )
 

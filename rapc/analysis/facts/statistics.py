@@ -37,6 +37,9 @@ class Thresholds(msgspec.Struct, frozen=True):
     failures_alike: int = 2
     #: Minimum share of primitives that must declare effects, as a fraction.
     described: tuple[int, int] = (3, 4)
+    #: Minimum number of other forms in which one variable stands at two places, so that
+    #: a variable of one place may stand for an input of the other.
+    same_variable: int = 2
     #: Number of methods of a RAP; if more methods query the name of an item, all
     #: should.
     unnamed_item: int = 3

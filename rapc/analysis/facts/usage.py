@@ -162,6 +162,11 @@ class Usage:
             forms = self._together[pair] = self._forms_with_both(one, other)
         return sum(forms.values()) - forms.get(id(form), 0)
 
+    def is_named_elsewhere(self, name: str, place: Place, form: Form) -> bool:
+        """Return whether another form has a variable of this name at a place."""
+        there = self._at.get(place, {})
+        return any(other == name and key != id(form) for key, other in there)
+
     def _kind(self, place: Place) -> str | None:
         table = self._signatures.table(_USES[place.space])
         declared = table.get(place.name)
