@@ -31,6 +31,8 @@ class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     cycle_cost: _Cost = 0
     #: The steps back in vain after which a query is aborted [L 2.70].
     query_steps: _Count = 1_000_000
+    #: The highest number of sets and counters of live tasks [L 6.28].
+    max_resources: _Count = 1_000_000
     #: How many layers an expectation set keeps (docs/explanation/memory.md).
     max_layers: _Count = 8
     #: The time to wait for a world that cannot state its next time.

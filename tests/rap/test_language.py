@@ -56,6 +56,10 @@ IN_PYTHON: Mapping[str, Mapping[str, Sequence[str]]] = {
         "2.76": ("test_each_shape_of_question_is_bounded",),
         "2.77": ("test_each_question_has_all_its_steps",),
     },
+    "runtime/test_resources.py": {
+        "6.28": ("test_task_over_the_limit_gets_no_resources",),
+        "6.29": ("test_task_without_its_resources_fails_when_selected",),
+    },
     "runtime/test_causes.py": {
         "3.75": ("test_each_way_to_fail_is_told",),
         "3.76": ("test_the_task_given_has_the_chain_down_to_it",),

@@ -87,7 +87,7 @@ def print_form(form: Any, depth: int = 0) -> str:
     if isinstance(form, str):
         return form
     head = form[0] if form and isinstance(form[0], str) else ""
-    broken = head in ("define-rap", "method", "task-net") or depth == 3
+    broken = head in ("define-rap", "define-method", "method", "task-net") or depth == 3
     parts = [print_form(part, depth + 1) for part in form]
     gap = "\n" + " " * (2 * depth + 2) if broken else " "
     return f"({gap.join(parts)})"
@@ -105,6 +105,23 @@ def read_library(text: str) -> Library:
     for diagnostic in (*parsed.diagnostics, *found):
         raise ValueError(diagnostic.message)
     return library
+
+
+def with_added_methods(text: str, library: Library) -> Library:
+    """The library of a text, with the methods added to its RAPs once more, by hand."""
+    raps: dict[str, nodes.DefineRap] = {}
+    forms = parse(SourceFile("lib.rap", text)).forms
+    for form in forms:
+        if isinstance(form, nodes.DefineRap):
+            raps[form.name] = form
+    for form in forms:
+        if isinstance(form, nodes.DefineMethod):
+            own = raps[form.rap].methods
+            method = msgspec.structs.replace(form.method, position=len(own) + 1)
+            raps[form.rap] = msgspec.structs.replace(
+                raps[form.rap], methods=(*own, method)
+            )
+    return msgspec.structs.replace(library, raps=raps)
 
 
 # --- functions that libraries may declare -----------------------------------------
@@ -268,7 +285,7 @@ def run_rapc(case: Case) -> Trace:
 
 def run_reference(case: Case) -> Trace:
     """The trace of the reference interpreter."""
-    library = read_library(case.text)
+    library = with_added_methods(case.text, read_library(case.text))
     settings = case.settings
     limits = Limits(
         case.until,
@@ -279,6 +296,7 @@ def run_reference(case: Case) -> Trace:
         settings.query_steps,
         settings.idle_waits,
         settings.max_choices,
+        max_resources=settings.max_resources,
     )
     world, solvers = _world(case, library), _solvers(case)
     reference = Reference(library, world, case.seed, limits, FUNCTIONS, solvers)

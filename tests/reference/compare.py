@@ -86,7 +86,7 @@ def compare(case: Case) -> Outcome:
 
 def report(case: Case, outcome: Outcome) -> str:
     """A mismatch as a person reads it: program, script, and where they part."""
-    raps = case.text[case.text.find("(define-rap") :]
+    raps = case.text[case.text.find("(define-") :]
     lines = [f"seed {case.seed}: {outcome.verdict}", raps]
     lines += [f"row {row}" for row in case.rows] + [f"{at}" for at in case.at]
     lines += [f"fact {fact}" for fact in case.facts]

@@ -46,6 +46,8 @@ def generate(seed: int, kinds: Collection[str] = FORMS) -> Case:
     )
     if "kinds" in forms:
         whole = (*KINDS, *of_kinds(rng, whole))
+    if "methods" in forms:
+        whole = apart(random.Random(f"{seed}:methods"), whole)
     day = agenda(rng, sketches, forms) if "agenda" in forms else ()
     return Case(
         seed=seed,
@@ -63,6 +65,7 @@ def generate(seed: int, kinds: Collection[str] = FORMS) -> Case:
             futile_limit=rng.choice((1, 2, 2, 2, 3)),
             idle_cycles=rng.choice((15, 40, 40)),
             max_choices=random.Random(f"choices:{seed}").choice((1, 2, 3, 1000)),
+            max_resources=random.Random(f"resources:{seed}").choice(RESOURCES),
             idle_waits=random.Random(f"waits:{seed}").choice((1, 3, 8, 100)),
             cycle_cost=rng.choice((0, 0, 0, 0, 1, 0.5)),
             query_steps=rng.choice(STEPS if "deep" in forms else (1_000_000,)),
@@ -73,6 +76,10 @@ def generate(seed: int, kinds: Collection[str] = FORMS) -> Case:
 STEPS = (1, 1, 2, 2, 3, 4, 5, 7, 9, 14, 20, 35, 60, 100, 200, 400)
 """How often a question may go back in vain in programs whose questions may: a million
 steps, each with a fault to tell of, would take minutes."""
+
+
+RESOURCES = (1, 2, 3, 5, *[1_000_000] * 8)
+"""How many sets and counters tasks may have."""
 
 
 def _named(rng: random.Random, wild: float, forms: Collection[str]) -> list[Datum]:
@@ -86,6 +93,24 @@ def _named(rng: random.Random, wild: float, forms: Collection[str]) -> list[Datu
             query(rng, wild, *each, forms) for each in zip(names, rest, strict=True)
         ]
     return made
+
+
+def apart(rng: random.Random, forms: Sequence[Datum]) -> tuple[Datum, ...]:
+    """The same forms with some methods outside of their RAPs, anywhere."""
+    made: list[Datum] = []
+    moved: list[Datum] = []
+    for form in forms:
+        own = []
+        for part in form:
+            is_method = form[0] == "define-rap" and part[:1] == ("method",)
+            if is_method and rng.random() < 0.4:
+                moved.append(("define-method", form[1][1][0], *part[1:]))
+            else:
+                own.append(part)
+        made.append(tuple(own))
+    for form in moved:
+        made.insert(rng.randrange(len(made) + 1), form)
+    return tuple(made)
 
 
 def of_kinds(rng: random.Random, forms: Collection[Datum]) -> Iterator[Datum]:

@@ -36,6 +36,8 @@ class Limits:
         query_steps: int = 1_000_000,
         idle_waits: int = 100_000,
         max_choices: int = 1000,
+        *,
+        max_resources: int = 1_000_000,
     ) -> None:
         self.until = until
         self.cycles = cycles
@@ -45,6 +47,7 @@ class Limits:
         self.query_steps = query_steps
         self.idle_waits = idle_waits
         self.max_choices = max_choices
+        self.max_resources = max_resources
 
 
 class Run:

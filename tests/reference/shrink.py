@@ -16,7 +16,10 @@ _FIELDS = ("tasks", "host", "solvers", "at", "rows", "facts", "forms")
 _KEPT = ("declare", "define-query")
 """How the heads of forms begin that are left as they are."""
 
-_OPEN = ("define-rap", "method", "task-net", "and", "or", "resources", "notations")
+_OPEN = (
+    *("define-rap", "define-method", "method", "task-net"),
+    *("and", "or", "resources", "notations"),
+)
 """The heads of lists from which parts may be left out."""
 
 

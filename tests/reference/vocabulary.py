@@ -63,6 +63,7 @@ FORMS = (
     "kinds",
     "agenda",
     "deep",
+    "methods",
 )
 """Kinds of forms that some programs use and others do not."""
 

@@ -73,6 +73,11 @@ def duration(run: Run, task: Task) -> int | float:
 
 def make_resources(run: Run, task: Task) -> None:
     """Make the sets and counters that a task declares; a clause copies."""
+    held = sum(len(other.resources) for other in run.live())
+    wanted = len(task.rap.resources)
+    if wanted and held + wanted > run.limits.max_resources:
+        task.broken = True
+        return
     for resource in task.rap.resources:
         value, why = None, ""
         if resource.initial is not None:

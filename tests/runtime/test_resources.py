@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from .helpers import play, row
+from rapc.events import TaskFailed
+from rapc.runtime.settings import Settings
+
+from .helpers import Play, play, row
 
 REST = "(define-rap (rest) (method (task-net)))"
 USE = "(define-rap (use ?x) (method (primitive (act ?x))))"
@@ -258,3 +261,65 @@ def test_nothing_is_counted_where_a_counter_stands_for_a_place() -> None:
         "(top)",
     )
     assert ran.interpreter.succeeded
+
+
+TWO = (
+    REST
+    + USE
+    + """
+    (define-rap (top) (resources (counter ?c))
+      (method with-counts (context (not (method-tried with-counts)))
+        (task-net (t1 (inner a) (for t2)) (t2 (inner b))))
+      (method in-the-world (context otherwise) (task-net (t1 (use a)))))
+    (define-rap (inner ?x) (resources (counter ?d) (set ?s))
+      (method (task-net (t1 (use ?x)))))
+    """
+)
+
+
+def _limited(most: int, *tasks: str) -> Play:
+    return Play(TWO, *tasks, settings=Settings(max_resources=most))
+
+
+def test_task_over_the_limit_gets_no_resources() -> None:
+    ran = _limited(4, "(top)").run()
+    assert ran.told("asked") == ["asked (act a)", "asked (act a)"]
+    (failed,) = ran.of(TaskFailed)
+    assert (failed.because.clause, failed.because.part) == (
+        "resources of `inner`",
+        "(counter ?d)",
+    )
+    assert "more than 4 sets and counters" in failed.because.note
+    assert not _limited(5, "(top)").run().of(TaskFailed)
+
+
+def test_task_without_its_resources_fails_when_selected() -> None:
+    ran = _limited(4, "(top)").run()
+    told = ran.told("asked", "failed", "chosen")
+    assert told[:-4] == [
+        "chosen top with-counts",
+        "chosen inner #1",
+        "chosen use #1",
+        "asked (act a)",
+    ]
+    assert told[-4:] == [
+        "failed (inner b) interference interference",
+        "chosen top in-the-world",
+        "chosen use #1",
+        "asked (act a)",
+    ]
+
+
+def test_ended_tasks_free_their_resources() -> None:
+    tasks = [f"(inner {x}) :at {at}" for at, x in enumerate("abc")]
+    ran = _limited(2, *tasks).run()
+    assert [one.outcome for one in ran.interpreter.results()] == ["succeeded"] * 3
+
+
+def test_restored_run_counts_the_resources_of_its_tasks() -> None:
+    ran = _limited(5, "(top)")
+    other = _limited(5)
+    for _ in range(3):
+        ran.interpreter.step()
+        other.interpreter.restore(ran.interpreter.save())
+        assert other.interpreter.state.resources == ran.interpreter.state.resources == 5

@@ -32,6 +32,7 @@ class RunState:
         "requests": Natural,
         "pending": dict[int, tuple[Task | None, Fact]],
         "activations": Activations,
+        "resources": LEFT_OUT,
         "listening": LEFT_OUT,
         "running_goals": LEFT_OUT,
         "added_methods": LEFT_OUT,
@@ -66,6 +67,8 @@ class RunState:
         self.pending: dict[int, tuple[Task | None, Fact]] = {}
         #: The active skills of methods.
         self.activations = Activations()
+        #: How many sets and counters live tasks have.
+        self.resources = 0
         #: The steps that wait for a signal, by the signal's name and task number.
         self.listening: dict[str, dict[int, Task]] = {}
         #: How many tasks of each goal key have a method under way.
@@ -100,6 +103,7 @@ class RunState:
         self.expected = sum(not entry[2].background for entry in self.scheduled)
         self.over = self.reason is not None
         for task in self.live_tasks():
+            self.resources += task.resources
             if task.step is not None and task.wait is not None and not task.waiting:
                 for wait in task.step.waits:
                     self.listening.setdefault(wait.signal, {})[task.number] = task

@@ -216,6 +216,11 @@ class Task:
         return None if self.within is None else self.within.constrained
 
     @property
+    def resources(self) -> int:
+        """Return the number of sets and counters that the task owns."""
+        return sum(one.variable.name in self.env for one, _ in self.plan.resources)
+
+    @property
     def live(self) -> bool:
         """Return whether the task has neither ended nor been removed."""
         return self.state is not ENDED

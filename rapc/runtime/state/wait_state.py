@@ -34,6 +34,7 @@ class WaitState:
         "after_method": bool,
         "prepared": bool,
         "setup_failed": bool,
+        "over_limit": bool,
         "duration": Time,
     }
     __slots__ = tuple(FIELDS)
@@ -71,6 +72,8 @@ class WaitState:
         self.prepared = False
         #: and whether that has failed.
         self.setup_failed = False
+        #: Whether it has failed because there were too many resources.
+        self.over_limit = False
         #: The duration that its RAP states.
         self.duration: Time = 0
 

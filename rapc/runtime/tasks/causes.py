@@ -27,7 +27,7 @@ from rapc.compiler.rap_plan import MethodPlan
 from rapc.errors import FactError
 from rapc.events import Cause, KnownFact
 from rapc.ir import clauses, nodes
-from rapc.ir.printer import format_formula, format_goal, format_term
+from rapc.ir.printer import format_formula, format_goal, format_node, format_term
 from rapc.ir.walk import subterms
 from rapc.runtime.memory.access import Evidence
 from rapc.runtime.query_context import QueryContext, time_of
@@ -74,6 +74,11 @@ def of_inputs(run: Run, task: Task) -> Cause | None:
 def of_set_up(run: Run, task: Task) -> Cause | None:
     """Return the reason why a task has no resources or times."""
     context, env, name = context_of(run, task), task.env, task.plan.name
+    if task.wait is not None and task.wait.over_limit:
+        first, most = task.plan.node.resources[0], run.settings.max_resources
+        note = f"more than {most} sets and counters (`rapc.max-resources`)"
+        part = format_node(first)
+        return _cause(run, f"resources of `{name}`", first.span, part, note, env)
     for resource, initial in task.plan.resources:
         made = env.get(resource.variable.name)
         if initial is not None and not isinstance(made, Counter | SetResource):

@@ -101,3 +101,5 @@ def unregister(run: Run, task: Task) -> None:
             for signal in task.step.waits:
                 run.state.listening.get(signal.signal, {}).pop(task.number, None)
         run.monitors.forget(task)
+        if task.plan.resources:
+            run.state.resources -= task.resources

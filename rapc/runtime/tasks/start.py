@@ -67,12 +67,16 @@ def _prepare(run: Run, task: Task, wait: WaitState) -> None:
         return
     wait.prepared = True
     run.context.task = task
-    for resource, initial in plan.resources:
+    held = run.state.resources + len(plan.resources)
+    wait.over_limit = bool(plan.resources) and held > run.settings.max_resources
+    wait.setup_failed |= wait.over_limit
+    for resource, initial in () if wait.over_limit else plan.resources:
         made = _make(run.context, resource.kind, initial, task.env)
         if made is None:
             wait.setup_failed = True
         else:
             task.env[resource.variable.name] = made
+            run.state.resources += 1
     if plan.duration is not None:
         wait.duration = time_of(run.context, plan.duration, task.env) or 0
     run.monitors.arm(task, wait.made)
