@@ -6,21 +6,28 @@ breakpoint. A breakpoint with `before` then goes back to the preceding cycle.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import msgspec
 
 from rapc import events
 from rapc.base.names import hint
-from rapc.base.values import format_atom, is_variable, match_pattern, readable
+from rapc.base.values import (
+    Fact,
+    format_atom,
+    format_list,
+    is_variable,
+    match_pattern,
+    readable,
+)
 from rapc.debug.arguments import read_pattern
 from rapc.debug.history import History
 from rapc.debug.log import ToldEvent
 from rapc.errors import ArgumentError, TextError
 from rapc.events import Event
 from rapc.library.signatures import Use
-from rapc.world import Time
+from rapc.world import Time, Truth
 
 KINDS: Mapping[str, str] = {
     "rap": "a task of a RAP is selected: NAME, or a goal with variables",
@@ -29,6 +36,7 @@ KINDS: Mapping[str, str] = {
     "failure": "a task fails: a reason or result; by default any",
     "primitive": "a request is sent: a request with variables",
     "fact": "a fact is asserted or erased: a fact with variables",
+    "untrue": "a belief is found to be wrong: a fact with variables",
     "true": "a query becomes true",
     "false": "a query becomes false",
     "deadline": "a deadline is missed",
@@ -83,6 +91,8 @@ class Breakpoints:
         self.logged: list[str] = []
         #: The matchers of the breakpoints that wait for an event, by number.
         self._meets: dict[int, Meets] = {}
+        #: The patterns of the facts of breakpoints on wrong beliefs, by number.
+        self._beliefs: dict[int, Fact] = {}
         #: The last state of breakpoints on a time or a query: has come, or holds.
         self._held: dict[int, bool] = {}
         self._stopped_before: int | None = None
@@ -113,6 +123,11 @@ class Breakpoints:
         elif point.kind == "time":
             _number(point.what)  # validates the time
             self._held[number] = False
+        elif point.kind == "untrue":
+            if not isinstance(history.run.port, Truth):
+                name = history.run.port.name
+                raise ArgumentError(f"the world `{name}` has no method `truth`")
+            self._beliefs[number] = self._pattern("asserted", point.what)
         else:
             self._meets[number] = self._matcher(point)
         self.all[number] = point
@@ -130,6 +145,7 @@ class Breakpoints:
             raise ArgumentError(f"unknown breakpoint {number}")
         self._meets.pop(number, None)
         self._held.pop(number, None)
+        self._beliefs.pop(number, None)
         self._install()
 
     def _install(self) -> None:
@@ -197,17 +213,23 @@ class Breakpoints:
 
     def _of_list(self, kind: str, what: str) -> Meets:
         """Return the matcher for events about a request or a fact."""
-        pattern = read_pattern(what if what.startswith("(") else f"({what})")
-        use: Use = "primitive" if kind == "primitive" else "asserted"
-        name, known = str(pattern[0]), self._history.library.program.signatures
-        if name not in known.table(use) and not is_variable(name):
-            raise ArgumentError(str(known.unknown(use, name)))
+        pattern = self._pattern(
+            "primitive" if kind == "primitive" else "asserted", what
+        )
         size, of_facts = len(pattern), (events.FactAsserted, events.FactErased)
         key = "request" if kind == "primitive" else "fact"
         return _of(
             lambda keys: match_pattern(pattern, keys[key][:size]) is not None,
             *((events.PrimitiveRequested,) if kind == "primitive" else of_facts),
         )
+
+    def _pattern(self, use: Use, what: str) -> Fact:
+        """Return the pattern of a request or a fact. Raises ArgumentError."""
+        pattern = read_pattern(what if what.startswith("(") else f"({what})")
+        name, known = str(pattern[0]), self._history.library.program.signatures
+        if name not in known.table(use) and not is_variable(name):
+            raise ArgumentError(str(known.unknown(use, name)))
+        return pattern
 
     def _of_goal(self, what: str) -> Meets:
         """Return the matcher for the selection of a task, by its goal."""
@@ -234,6 +256,7 @@ class Breakpoints:
             if meets(told)
         ]
         met += self._turned()
+        met += self._untrue() if self._beliefs else ()
         stops = None
         for number, words in met:
             point = self.all[number]
@@ -270,6 +293,18 @@ class Breakpoints:
                 time = f"time {readable(self._history.now)}"
                 found.append((number, time if point.kind == "time" else words))
         return found
+
+    def _untrue(self) -> Iterator[tuple[int, str]]:
+        """Yield the breakpoints on beliefs that were found wrong, with texts."""
+        for one in self._history.branch.partings.all:
+            if one.start < self._history.fresh:
+                continue
+            words = f"{format_list(one.fact)} is untrue"
+            if one.truth:
+                words += f", the truth is {' or '.join(map(format_list, one.truth))}"
+            for number, pattern in self._beliefs.items():
+                if match_pattern(pattern, one.fact[: len(pattern)]) is not None:
+                    yield number, words
 
     def _is_so(self, point: Breakpoint) -> bool:
         """Return whether the query holds or the time has come."""

@@ -23,17 +23,18 @@ from rapc.base.values import readable
 from rapc.compiler.program import Program
 from rapc.debug.acts import Act
 from rapc.debug.log import EventLog, Events, Hear, ToldEvent, Want
+from rapc.debug.partings import Partings
 from rapc.debug.recording import Playback
 from rapc.debug.reload import TakeUp, changed
 from rapc.errors import ArgumentError, Error, PortError, StateError
-from rapc.events import Event, TaskSelected
+from rapc.events import Event, RunEnded, TaskSelected
 from rapc.host import CheckedLibrary
 from rapc.runtime.answers import Answers, Goal, UnknownAnswerError
 from rapc.runtime.host_query import HostQuery
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import Settings
 from rapc.spec import RunSpec
-from rapc.world import Time, World
+from rapc.world import Time, Truth, World
 
 _NO_MORE_TO_DO = ("done", "stuck")
 """The end reasons after which an act lets the run go on."""
@@ -102,6 +103,8 @@ class Branch:
     saves: dict[Moment, Save] = field(default_factory=dict)
     #: The latest events, up to the furthest moment.
     events: Events = field(default_factory=Events)
+    #: The wrong beliefs, if the world tells the truth.
+    partings: Partings = field(default_factory=Partings)
     #: The furthest moment reached.
     end: Moment = _BEGINNING
     #: Whether the run ended at the furthest moment.
@@ -125,8 +128,9 @@ class Branch:
         saves = {at: save for at, save in self.saves.items() if at <= moment}
         acts = self.acts[: moment.acts]
         found = _up_to(self.solutions, moment.cycle)
-        events = self.events.up_to(serial)
-        return Branch(name, begun, acts, found, saves, events, moment, left=moment)
+        events, partings = self.events.up_to(serial), self.partings.up_to(serial)
+        logs = found, saves, events, partings
+        return Branch(name, begun, acts, *logs, moment, left=moment)
 
     def keep(self, moment: Moment, save: Save) -> None:
         """Keep a new saved state and drop old states, the older the more.
@@ -183,6 +187,8 @@ class History:
         if isinstance(run, Playback):
             self.log = run
             self.branch.end, self.branch.over = Moment(run.last_cycle), True
+        elif isinstance(run.port, Truth):
+            run.listen(self._compare, TaskSelected, RunEnded)
         self._save()
 
     @classmethod
@@ -348,6 +354,12 @@ class History:
         if cycle >= self._saved + _RUNNING:
             self._save()
         return True
+
+    def _compare(self, event: Event) -> None:
+        """Compare the beliefs with the truth, the first time that a branch is here."""
+        partings = self.branch.partings
+        if self._log.elsewhere is None and event.n >= partings.seen:
+            partings.compare(event, self.run.wrong_beliefs())
 
     def _do(self, act: Act) -> None:
         """Perform an act; replace the run if the act returns another run."""
@@ -672,6 +684,7 @@ class History:
         branch.acts.append((moment.cycle, act))
         branch.over = False
         log.events = branch.events = branch.events.up_to(log.serial)
+        branch.partings = branch.partings.up_to(log.serial)
         for told in found:
             branch.events.add(told)
         self._run, log.serial = run, run.serial

@@ -229,7 +229,7 @@ class Interpreter(Run):
 
     def wrong_beliefs(self) -> list[WrongBelief]:
         """Return the believed facts that are not true, if the world is a `Truth`."""
-        return list(wrong_beliefs(self.port, self.memory, self.library.signatures))
+        return list(wrong_beliefs(self.port, self.beliefs, self.library.signatures))
 
     def figures(self) -> dict[str, int | float]:
         """Return the ground-truth figures of the world, and the wrong beliefs."""

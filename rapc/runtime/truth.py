@@ -11,7 +11,8 @@ from typing import Any, NamedTuple
 from rapc.base.values import Fact, is_number
 from rapc.library.signatures import Signatures
 from rapc.runtime.held_world import HeldWorld
-from rapc.runtime.memory.access import MemoryView
+from rapc.runtime.memory.facts import NEVER
+from rapc.runtime.memory.memory import Memory
 from rapc.world import Measured, Time, Truth, World
 
 WRONG_BELIEFS = "wrong-beliefs"
@@ -29,7 +30,7 @@ class WrongBelief(NamedTuple):
 
 
 def wrong_beliefs(
-    world: World, memory: MemoryView, signatures: Signatures
+    world: World, memory: Memory, signatures: Signatures
 ) -> Iterator[WrongBelief]:
     """Yield the wrong beliefs; none if the world is no `Truth`.
 
@@ -41,14 +42,15 @@ def wrong_beliefs(
     """
     if not isinstance(world, Truth):
         return
-    sensors = {
-        item.name: item.sensor if item.accessible else None for item in memory.items()
+    sensors: dict[object, str | None] = {
+        item.name: item.sensor if item.accessible else None
+        for item in memory.items.known.values()
     }
     for name, facts in world.truth().items():
         true = set(facts)
         relation = signatures.relations.get(name)
-        for fact, since in memory.facts(name).items():
-            seen = tuple([sensors.get(part, part) for part in fact])  # type: ignore[arg-type]
+        for fact, stamp in memory.facts.table(name).stamps.items():
+            seen = tuple([sensors.get(part, part) for part in fact])
             if seen in true or None in seen:
                 continue
             others: Iterable[Fact] = ()
@@ -56,6 +58,7 @@ def wrong_beliefs(
                 if fact[-1] == relation.default:
                     continue
                 others = [one for one in facts if one[:-1] == seen[:-1]]
+            since = None if stamp == NEVER else stamp
             yield WrongBelief(fact, since, tuple(others))
 
 

@@ -24,6 +24,7 @@ from rapc.debug import acts, find, recorded
 from rapc.debug.acts import AssertFact, EraseFacts, FailTask
 from rapc.debug.history import History
 from rapc.debug.questions import (
+    beliefs,
     commitments,
     differences,
     facts,
@@ -235,6 +236,8 @@ QUESTIONS: Mapping[str, Callable[[Asker], object]] = {
     ),
     "who": lambda one: facts.who(one.session, one.pattern()),
     "what if": _what_if,
+    "belief": lambda one: beliefs.belief(one.session),
+    "belief of a fact": lambda one: beliefs.belief(one.session, one.pattern()),
     "commitment": lambda one: commitments.commitment(one.session, one.task()),
     "stale": lambda one: commitments.stale(one.session),
     "why failed": lambda one: why.why(one.session, "failed"),

@@ -9,6 +9,7 @@ from msgspec.structs import replace
 
 from rapc.debug.answer import Command
 from rapc.debug.questions import (
+    beliefs,
     commitments,
     differences,
     facts,
@@ -33,7 +34,7 @@ _GROUPS: Mapping[str, Sequence[ModuleType]] = {
     "moving": (moving,),
     "stopping": (stopping,),
     "time": (travelling, differences),
-    "looking": (tasks, querying, state),
+    "looking": (tasks, querying, state, beliefs),
     "explaining": (why, why_not, commitments),
     "past": (facts, times, exporting),
     "acting": (acting, what_if),

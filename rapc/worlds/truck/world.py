@@ -158,28 +158,26 @@ class TruckWorld(World):
 
         A rock that a factory has taken in is at the factory.
         """
-        scene, truck = self._scene, self._scene.state.truck
-        taken_in: list[Fact] = [
-            ("location", scene.state.names.get(each.item, each.item), each.factory)
-            for each in scene.state.deliveries
-        ]
+        scene, state, truck = self._scene, self._scene.state, self._scene.state.truck
         named = {
             name: sensor
-            for name, item in scene.state.items.items()
+            for name, item in state.items.items()
             if (sensor := scene.sensor_name(item))
         }
+        places = [
+            (state.names.get(each.item, each.item), each.factory)
+            for each in state.deliveries
+        ]
+        for name, sensor in named.items():
+            place = state.items[name].place
+            places.append((sensor, named.get(place, place)))
         return {
             "truck-location": [("truck-location", truck.place)],
             "truck-heading": [("truck-heading", truck.heading)],
             "truck-speed": [("truck-speed", truck.speed)],
             "truck-fuel": [("truck-fuel", truck.fuel)],
             "arm-place": [("arm-place", arm, truck.arms[arm].place) for arm in ARMS],
-            "location": taken_in
-            + [
-                ("location", sensor, named.get(place, place))
-                for name, sensor in named.items()
-                for place in [scene.state.items[name].place]
-            ],
+            "location": [("location", *each) for each in places],
         }
 
     def picture(self) -> Picture:
