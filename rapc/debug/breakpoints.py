@@ -27,7 +27,7 @@ from rapc.debug.log import ToldEvent
 from rapc.errors import ArgumentError, TextError
 from rapc.events import Event
 from rapc.library.signatures import Use
-from rapc.world import Time, Truth
+from rapc.world import Time
 
 KINDS: Mapping[str, str] = {
     "rap": "a task of a RAP is selected: NAME, or a goal with variables",
@@ -124,9 +124,7 @@ class Breakpoints:
             _number(point.what)  # validates the time
             self._held[number] = False
         elif point.kind == "untrue":
-            if not isinstance(history.run.port, Truth):
-                name = history.run.port.name
-                raise ArgumentError(f"the world `{name}` has no method `truth`")
+            history.check_knows_truth()
             self._beliefs[number] = self._pattern("asserted", point.what)
         else:
             self._meets[number] = self._matcher(point)

@@ -29,7 +29,12 @@ from rapc.debug.reload import TakeUp, changed
 from rapc.errors import ArgumentError, Error, PortError, StateError
 from rapc.events import Event, RunEnded, TaskSelected
 from rapc.host import CheckedLibrary
-from rapc.runtime.answers import Answers, Goal, UnknownAnswerError
+from rapc.runtime.answers import (
+    Answers,
+    Goal,
+    RecordedWorld,
+    UnknownAnswerError,
+)
 from rapc.runtime.host_query import HostQuery
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import Settings
@@ -187,7 +192,7 @@ class History:
         if isinstance(run, Playback):
             self.log = run
             self.branch.end, self.branch.over = Moment(run.last_cycle), True
-        elif isinstance(run.port, Truth):
+        elif self.knows_truth:
             run.listen(self._compare, TaskSelected, RunEnded)
         self._save()
 
@@ -224,6 +229,21 @@ class History:
     def is_run(self) -> bool:
         """Whether the user can query and change the run: it is not a playback."""
         return not isinstance(self._run, Playback)
+
+    @property
+    def knows_truth(self) -> bool:
+        """Whether the world tells the truth at all moments, also when made again."""
+        world = None if isinstance(self._run, Playback) else self._run.port
+        return isinstance(world, Truth) and not isinstance(world.behind, RecordedWorld)
+
+    def check_knows_truth(self) -> None:
+        """Raise ArgumentError if not `knows_truth`, StateError for a playback."""
+        port = self.run.port
+        if not isinstance(port, Truth):
+            raise ArgumentError(f"the world `{port.name}` has no method `truth`")
+        if not self.knows_truth:
+            said = "its truth is known only at the present"
+            raise ArgumentError(f"the world `{port.name}` cannot be saved: {said}")
 
     def check_is_run(self) -> None:
         """Raise StateError for a playback."""

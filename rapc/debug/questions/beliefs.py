@@ -8,7 +8,6 @@ from rapc.debug.arguments import Arguments, read_pattern
 from rapc.debug.history import History
 from rapc.debug.questions.why import origins
 from rapc.errors import ArgumentError
-from rapc.world import Truth
 
 _COLUMNS = ("believed", "since", "by", "truth", "wrong from", "cycle", "to")
 
@@ -21,11 +20,7 @@ def belief(history: History, args: Arguments) -> Answer:
     of the belief and its source, the truth, and the times at which the two parted and
     agreed again.
     """
-    if not isinstance(history.run.port, Truth):
-        raise ArgumentError(
-            f"the world `{history.run.port.name}` does not tell the truth: it has no "
-            "method `truth`"
-        )
+    history.check_knows_truth()
     pattern = read_pattern(args.word("fact")) if args else None
     if pattern is not None:
         signatures = history.library.program.signatures
