@@ -34,7 +34,7 @@ def test_laboratory_has_no_findings() -> None:
 
 
 def test_laboratory_tests_pass_with_several_seeds() -> None:
-    assert "48 passed" in _rapc("test", ".", "--seeds", "2")
+    assert "54 passed" in _rapc("test", ".", "--seeds", "2")
 
 
 def test_laboratory_world_keeps_the_contract() -> None:
