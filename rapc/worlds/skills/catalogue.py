@@ -117,6 +117,28 @@ class Catalogue(Periphery):
             self._check_wiring(self.parts(entry.name))
         self._check_readers()
 
+    def extended(self, skills: Sequence[type[Skill] | Compound]) -> Catalogue:
+        """Return a catalogue with more skills.
+
+        A skill replaces the skill of its name, also as a part of compounds.
+
+        Raises:
+            CatalogueError: if the declarations contradict each other.
+        """
+        for entry in check_list("skills", skills, object, "skills"):
+            check_entry(entry)
+        new = {skill.name: skill for skill in skills}
+        singles = {n: one for n, one in new.items() if not isinstance(one, Compound)}
+        entries = {**self.entries}
+        for name, entry in self.entries.items():
+            if isinstance(entry, Compound):
+                parts = tuple([singles.get(part.name, part) for part in entry.parts])
+                entries[name] = msgspec.structs.replace(entry, parts=parts)
+        parts_only = self._singles.keys() - self.entries.keys()
+        entries |= {n: one for n, one in new.items() if n not in parts_only}
+        arbiters = self.arbiters.values()
+        return Catalogue(entries.values(), self.sensors, self.actuators, arbiters)
+
     def parts(self, name: str) -> tuple[type[Skill], ...]:
         """Return the single skills of `name`.
 

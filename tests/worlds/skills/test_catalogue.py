@@ -20,12 +20,14 @@ from rapc.worlds.skills.declarations import (
     Skill,
 )
 from tests.worlds.skills.tank import (
+    FLOW,
     GOAL,
     HOLD,
     LEVEL,
     SMOOTH,
     Aim,
     Fill,
+    LimitFlow,
     LowestLimit,
     Smooth,
     catalogue,
@@ -260,3 +262,36 @@ def test_a_request_is_held_to_the_declaration(
     request_: SkillRequest, fault: str | None
 ) -> None:
     assert catalogue().fault(request_) == fault
+
+
+class Leap(Fill):
+    """Open the valve wide."""
+
+    def step(self, now: float, ports: Ports) -> None:
+        ports[FLOW] = 5.0
+
+
+def test_an_extended_catalogue_replaces_a_skill_in_compounds_too() -> None:
+    extended = catalogue().extended([Leap])
+    assert list(extended.entries) == list(catalogue().entries)
+    assert extended.entries["fill"] is Leap
+    assert extended.parts("hold") == (Smooth, Aim, Leap)
+    assert catalogue().parts("hold") == (Smooth, Aim, Fill)
+
+
+def test_an_extended_catalogue_replaces_a_part_that_is_no_skill_of_its_own() -> None:
+    hold = Catalogue([HOLD, LimitFlow], [LEVEL], [FLOW]).extended([Leap])
+    assert list(hold.entries) == ["hold", "limit-flow"]
+    assert hold.parts("hold") == (Smooth, Aim, Leap)
+
+
+def test_an_extended_catalogue_is_checked() -> None:
+    class Deep(Aim):
+        """Aim at nothing."""
+
+        parameters = ()  # type: ignore[assignment]
+
+    with pytest.raises(CatalogueError, match="no part of `hold` has a parameter"):
+        catalogue().extended([Deep])
+    with pytest.raises(CatalogueError, match="has classes of skills, and compounds"):
+        catalogue().extended([3])  # type: ignore[list-item]
