@@ -5,7 +5,9 @@ python -m bench.journeys --pairs 60 --random-map 5
 python -m bench.journeys --pairs 60 --map museum
 python -m bench.journeys --pairs 60 --map @FILE        a map in TOML
 python -m bench.journeys --pairs 200 --corridors       another building for each seed
-python -m bench.journeys --pairs 30 --set drift=4
+python -m bench.journeys --pairs 200 --buildings     another random map for each seed
+python -m bench.journeys --pairs 30 --set drift=4 sonar=cone
+python -m bench.journeys --honest            with the honest body
 
 The seed of a journey draws start and goal among all landmarks, and all chance of the
 run. A line is printed for each journey that failed, and for each time at which the
@@ -28,6 +30,9 @@ from rapc.worlds.hallway.map_text import named_map, read_map
 from rapc.worlds.hallway.random_map import random_map
 from tests.hallway.sent import Journey, travel
 
+HONEST: dict[str, Atom] = {"odometry": "wheels", "sonar": "slant-50", "careless": 0.2}
+"""The options of the honest body."""
+
 NEAR = 0.5
 """So near to its place before the landmark the robot is at the landmark, in metres."""
 
@@ -49,6 +54,16 @@ def main() -> None:
         help="long corridors and narrow doorways, another building for each seed",
     )
     parser.add_argument(
+        "--buildings",
+        action="store_true",
+        help="a building made at random, another one for each seed",
+    )
+    parser.add_argument(
+        "--honest",
+        action="store_true",
+        help="the honest body: " + ", ".join(f"{n}={v}" for n, v in HONEST.items()),
+    )
+    parser.add_argument(
         "--doorways",
         nargs=2,
         type=float,
@@ -60,19 +75,22 @@ def main() -> None:
         "--set",
         nargs="*",
         default=[],
-        metavar="NAME=NUMBER",
+        metavar="NAME=VALUE",
         help="options of the world",
     )
     given = parser.parse_args()
-    settings: dict[str, Atom] = {}
+    settings: dict[str, Atom] = dict(HONEST) if given.honest else {}
     for name, _, value in (text.partition("=") for text in given.set):
-        settings[name] = number(float(value))
+        symbol = value[:1].isalpha()
+        settings[name] = value if symbol else number(float(value))
     map, options = building(given.map, given.random_map)
     start, journeys = time.process_time(), []
     for seed in range(given.first_seed, given.first_seed + given.pairs):
         if given.corridors:
             map = corridors(seed, tuple(given.doorways))
             options = {"map": Text(toml_text(map))}
+        elif given.buildings:
+            map, options = building("", seed)
         journey = travel(seed, map, options | settings)
         journeys.append(journey)
         for line in told(seed, journey):
@@ -133,6 +151,7 @@ def sums(journeys: Sequence[Journey]) -> Iterator[str]:
     fastest = max((journey.truth.fastest for journey in journeys), default=0)
     count = sum(journey.truth.collisions for journey in journeys)
     yield f"{count} collisions, the fastest at {fastest} m/s"
+    yield f"{sum(journey.pushes for journey in journeys)} pushes by people"
     strayed = [journey for journey in journeys if journey.strays]
     yield f"{len(strayed)} journeys with a wrong belief about the space on the way"
     causes = Counter(s.cause for journey in strayed for s in journey.strays)

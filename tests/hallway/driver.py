@@ -39,7 +39,10 @@ class Driver:
         self, seed: int = 0, settings: HallwaySettings = STILL, map: Map | None = None
     ) -> None:
         self.sim = Simulation(
-            map or named_map("default"), catalogue(), Random(seed), settings
+            map or named_map("default"),
+            catalogue(settings.sonar),
+            Random(seed),
+            settings,
         )
         self.ticket = 0
         #: Everything told, with its time.

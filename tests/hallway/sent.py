@@ -46,6 +46,8 @@ class Journey(msgspec.Struct, frozen=True):
     away: float
     #: When it was wrong about the space that it was in.
     strays: Sequence[Stray] = ()
+    #: The contacts that the robot could not avoid: people ran into it.
+    pushes: int = 0
     #: Why the journey failed, if it did.
     because: events.Cause | None = None
 
@@ -107,6 +109,7 @@ def travel(
         world.figures(),
         away(world, goal.name, goal.space),
         strays.found,
+        sum(c.what == "push" for c in world.simulation.state.collisions),
         sent.because,
     )
 

@@ -8,11 +8,12 @@ import sys
 from random import Random
 from statistics import fmean
 
+import msgspec
 import pytest
 
 from rapc.worlds.hallway.channels import BEARINGS, RADIUS, SONAR_RANGE
 from rapc.worlds.hallway.people import GIRTH
-from rapc.worlds.hallway.robot import laser, sonar
+from rapc.worlds.hallway.robot import SONAR_MODELS, laser, sonar
 from rapc.worlds.hallway.state import HallwaySettings
 from rapc.worlds.skills.catalogue import SkillRequest
 from tests.effort import first
@@ -42,6 +43,79 @@ def test_sonars_see_people() -> None:
     heard = sonar(body, plan, [(8.5, 14.0, GIRTH)], Random(1))
     assert heard[6] == pytest.approx(1.25, abs=0.06)
     assert BEARINGS[6] == pytest.approx(math.pi / 2)
+
+
+def test_slanted_walls_are_silent_for_some_sonars() -> None:
+    driver = Driver()
+    driver.place(10.0, 14.0, 0.0)
+    body, plan = driver.sim.state.robot, driver.sim.plans[1]
+
+    def heard(model: str) -> set[int]:
+        """Return the angles to the wall's normal of the sonars with an echo."""
+        looks = [sonar(body, plan, [], Random(n), SONAR_MODELS[model]) for n in (1, 2)]
+        nearest = [min(pair) for pair in zip(*looks, strict=True)]
+        left = enumerate(nearest[:13])
+        return {abs(n - 6) * 15 for n, far in left if far < SONAR_RANGE}
+
+    slants = {0, 15, 30, 45, 60}
+    assert heard("ideal") & slants == slants
+    assert heard("slant-50") & slants == {0, 15, 30, 45}
+    assert heard("slant-30") & slants == {0, 15, 30}
+    someone = [(10.0, 13.0, GIRTH)]
+    near = sonar(body, plan, someone, Random(3), SONAR_MODELS["slant-30"])
+    assert near[18] == pytest.approx(0.75, abs=0.05)
+
+
+def test_a_cone_hears_the_nearest_wall_beside_its_axis() -> None:
+    driver = Driver()
+    driver.place(10.0, 14.0, 0.0)
+    body, plan = driver.sim.state.robot, driver.sim.plans[1]
+    looks = [sonar(body, plan, [], Random(n), SONAR_MODELS["cone"]) for n in range(9)]
+    heard = [sorted(one)[4] for one in zip(*looks, strict=True)]
+    assert heard[18] == pytest.approx(1.0, abs=0.02)
+    assert heard[20] == pytest.approx(1 / math.cos(math.radians(20)), abs=0.02)
+
+
+@pytest.mark.parametrize(("odometry", "counted"), [("body", 0), ("wheels", 0.15)])
+def test_blocked_wheels_slip_if_only_wheels_are_measured(
+    odometry: str, counted: float
+) -> None:
+    driver = Driver(0, msgspec.structs.replace(STILL, odometry=odometry))
+    driver.place(5.0, 13.26, math.pi / 2)
+    driver.on(SkillRequest("back-off", (0.5,)))
+    driver.tick(20)
+    body = driver.sim.state.robot
+    assert body.y == pytest.approx(13.25, abs=0.02)
+    assert body.y - body.reckoned_y == pytest.approx(counted, abs=0.05)
+
+
+@pytest.mark.parametrize(("odometry", "missed"), [("body", 0), ("wheels", 0.6)])
+def test_wheels_do_not_measure_a_push_to_the_side(odometry: str, missed: float) -> None:
+    driver = Driver(0, msgspec.structs.replace(STILL, odometry=odometry))
+    driver.place(10.0, 14.0, 0.0)
+    driver.sim.push(0.2, 0.3, 2)
+    driver.tick(30)
+    body = driver.sim.state.robot
+    assert (body.x, body.y) == pytest.approx((10.4, 14.6), abs=0.04)
+    assert body.x == pytest.approx(body.reckoned_x)
+    assert body.y - body.reckoned_y == pytest.approx(missed, abs=0.04)
+
+
+@pytest.mark.parametrize("careless", [0, 1])
+def test_careless_people_run_into_the_robot(careless: int) -> None:
+    driver = Driver(2, msgspec.structs.replace(STILL, people=1, careless=careless))
+    driver.place(10.0, 14.0, 0.0)
+    (walker,) = driver.sim.state.walkers
+    walker.x, walker.y, walker.space = 12.0, 14.0, "north-hall"
+    walker.way, walker.towards = [(8.0, 14.0)], "north-hall"
+    walker.careless, walker.pause = careless > 0, 0.0
+    driver.tick(40)
+    body, collisions = driver.sim.state.robot, driver.sim.state.collisions
+    assert [(c.what, c.speed) for c in collisions] == [
+        ("push", walker.speed)
+    ] * careless
+    assert [told.event for _, told in driver.heard] == ["bump"] * careless
+    assert 10.0 - body.x == pytest.approx(0.24 * careless, abs=0.09)
 
 
 def test_the_laser_gives_bearings_of_tags_that_can_be_seen() -> None:

@@ -140,6 +140,12 @@ def test_an_empty_battery_ends_the_run() -> None:
     ("options", "fault"),
     [
         ({"people": -1}, "`people` must not be below 0"),
+        ({"careless": 1.5}, "`careless` must not be above 1"),
+        (
+            {"sonar": "bat"},
+            "unknown `sonar` `bat`; expected one of `ideal`, `slant-50`",
+        ),
+        ({"odometry": "eye"}, "unknown `odometry` `eye`; expected one of `body`, `wh"),
         ({"map": Text("start = 3")}, "`map`: `start`: expected `str`, got `int`"),
         ({"map": Text("cellar")}, "`map`: unknown map `cellar`; there are `"),
         (

@@ -19,7 +19,12 @@ from rapc.worlds.hallway.state import Collision, HallwayState
 
 
 def move_robot(
-    state: HallwayState, drive: Drive | None, plan: FloorPlan, now: float, rng: Random
+    state: HallwayState,
+    drive: Drive | None,
+    plan: FloorPlan,
+    now: float,
+    rng: Random,
+    wheels: bool = False,
 ) -> bool:
     """Move the body by a tick; return whether a new collision happened.
 
@@ -29,6 +34,8 @@ def move_robot(
         plan: the robot's floor.
         now: the time in seconds.
         rng: the stream of the wheels' slip.
+        wheels: whether dead reckoning measures only the wheels. Blocked wheels slip
+            then, and a movement to the side is not measured.
     """
     body = state.robot
     robot.set_speeds(body, drive if body.battery > 0 else None)
@@ -37,16 +44,22 @@ def move_robot(
     x, y = body.x + vx * TICK, body.y + vy * TICK
     far, away_x, away_y, what = _touch(x, y, plan, people_around(state))
     towards = -(vx * away_x + vy * away_y)
-    bumped = False
+    bumped, rolled = False, None
+    if wheels:
+        middle = body.heading + turned / 2
+        rolled = (vx * math.cos(middle) + vy * math.sin(middle)) * TICK
     if far < RADIUS and towards > 0:
         bumped = not body.touching
-        body.speed = 0.0
+        if not wheels:
+            body.speed = 0.0
+        elif pushed:
+            rolled = 0.0
         if bumped:
             hit = "push" if pushed else what
             state.collisions.append(Collision(now, towards, body.x, body.y, hit))
         x, y = body.x, body.y
     body.touching = far < RADIUS
-    robot.move(body, x, y, turned, state.wear, rng)
+    robot.move(body, x, y, turned, state.wear, rng, rolled)
     return bumped
 
 

@@ -1,4 +1,4 @@
-"""People who walk about and never walk into the robot."""
+"""People who walk about, and walk into the robot only if they are careless."""
 
 from __future__ import annotations
 
@@ -24,6 +24,14 @@ PATIENCE = 2.0
 POLITE = 1.2
 """The distance that a standing person keeps from robot and doorways, in metres."""
 
+CONTACT = 0.1
+"""The distance from the robot at which a careless person walks into the robot, in
+metres: more than the way of the robot in a tick.
+"""
+
+SHOVE = 0.3
+"""The time for which a person who runs into the robot pushes it, in seconds."""
+
 STEP_ASIDE = 0.7
 """The distance from a doorway's middle at which a person starts through, in metres."""
 
@@ -47,6 +55,8 @@ class Walker(msgspec.Struct):
     #: The doorway at which the person turned back. The person does not try this doorway
     #: again before visiting another space.
     barred: str = ""
+    #: Whether the person does not look out for the robot on this way.
+    careless: bool = False
 
 
 class Surroundings(msgspec.Struct, frozen=True):
@@ -73,8 +83,9 @@ def walk(
     robot: tuple[float, float, float] | None,
     rng: Random,
     seconds: float,
-) -> None:
-    """Advance a person by some time.
+    careless: float = 0.0,
+) -> bool:
+    """Advance a person by some time; return whether the person runs into the robot.
 
     Args:
         walker: the person.
@@ -82,26 +93,31 @@ def walk(
         robot: its position and radius, if it is on the same floor.
         rng: the stream of all people.
         seconds: the time.
+        careless: the part of their ways on which people do not look out for the robot.
     """
     if walker.pause > 0:
         walker.pause -= seconds
         if robot and math.hypot(robot[0] - walker.x, robot[1] - walker.y) < POLITE:
             walker.pause = min(walker.pause, PATIENCE)
-        return
+        return False
     if not walker.way:
         _choose(walker, around, rng)
-        return
+        walker.careless = careless > 0 and rng.random() < careless
+        return False
     at = x, y = walker.way[0]
     away = math.hypot(x - walker.x, y - walker.y)
     step = min(away, walker.speed * seconds)
     if away > 0:
         x = walker.x + (x - walker.x) / away * step
         y = walker.y + (y - walker.y) / away * step
-    if _held_up(walker, around, robot, x, y):
+    meets = robot is not None and _meets(walker, robot, x, y)
+    if meets or around.plans[walker.floor].nearest(x, y, 0.1)[0] < 0.1:
+        ran = meets and walker.careless
+        walker.careless = walker.careless and not ran
         walker.held += seconds
         if walker.held >= PATIENCE:
             _turn_elsewhere(walker, around)
-        return
+        return ran
     walker.x, walker.y, walker.held = x, y, 0.0
     if step == away:
         walker.way.pop(0)
@@ -110,23 +126,18 @@ def walk(
             if not any(_near(gap, *at) for gap in _doors(walker, around)):
                 walker.barred = ""
                 walker.pause = rng.choice((0.0, 0.0, 1.0, 4.0, 15.0))
+    return False
 
 
-def _held_up(
-    walker: Walker,
-    around: Surroundings,
-    robot: tuple[float, float, float] | None,
-    x: float,
-    y: float,
+def _meets(
+    walker: Walker, robot: tuple[float, float, float], x: float, y: float
 ) -> bool:
-    """Return whether the robot or a closed door blocks the next step."""
-    if robot is not None:
-        rx, ry, radius = robot
-        near = math.hypot(rx - x, ry - y)
-        nearer = near < math.hypot(rx - walker.x, ry - walker.y)
-        if nearer and near < radius + GIRTH + ROOM:
-            return True
-    return around.plans[walker.floor].nearest(x, y, 0.1)[0] < 0.1
+    """Return whether the robot blocks the next step of a person."""
+    rx, ry, radius = robot
+    near = math.hypot(rx - x, ry - y)
+    nearer = near < math.hypot(rx - walker.x, ry - walker.y)
+    keeps = CONTACT if walker.careless else ROOM
+    return nearer and near < radius + GIRTH + keeps
 
 
 def _turn_elsewhere(walker: Walker, around: Surroundings) -> None:

@@ -53,8 +53,17 @@ class FloorPlan:
             dy: the direction, of length 1.
             limit: at most `REACH`.
         """
+        return self.hit(x, y, dx, dy, limit)[0]
+
+    def hit(
+        self, x: float, y: float, dx: float, dy: float, limit: float
+    ) -> tuple[float, float]:
+        """Return the result of `cast`, and the cosine of the angle of incidence.
+
+        The cosine is 1 if no wall is nearer than `limit`.
+        """
         right, left, above, below = self._around(x, y)
-        best = limit
+        best, cosine = limit, 1.0
         for walls, at, step, aside, drift in (
             (right if dx > 0 else left, x, dx, y, dy),
             (above if dy > 0 else below, y, dy, x, dx),
@@ -66,9 +75,9 @@ class FloorPlan:
                     if far >= best:
                         break
                     if far >= 0 and low <= aside + far * drift <= high:
-                        best = far
+                        best, cosine = far, abs(step)
                         break
-        return best
+        return best, cosine
 
     def nearest(self, x: float, y: float, limit: float) -> tuple[float, float, float]:
         """Return the nearest point of a wall within `limit`: distance, x, y.

@@ -34,6 +34,33 @@ ACCELERATION = 0.8
 
 TURN_ACCELERATION = 4.0
 
+
+class SonarModel(msgspec.Struct, frozen=True):
+    """The echoes that a sonar hears."""
+
+    #: The rays on each side of the middle ray, 5 degrees apart; the
+    #: nearest echo counts.
+    beside: int = 0
+    #: The maximum angle of incidence of a ray with an echo, in degrees.
+    steepest: float = 90.0
+
+
+SONAR_MODELS = {
+    "ideal": SonarModel(),
+    "slant-50": SonarModel(steepest=50),
+    "slant-30": SonarModel(steepest=30),
+    "cone": SonarModel(beside=2),
+}
+"""The models of sonars, by name."""
+
+FAN = 3
+"""The number of rays from a sonar to the next one, for sonars with rays beside."""
+
+RAYS = tuple(
+    (math.cos(angle), math.sin(angle))
+    for angle in (2 * math.pi * n / (SONARS * FAN) for n in range(SONARS * FAN))
+)
+
 SONAR_NOISE = 0.012
 DEAF = 0.1
 """The probability in a tick that one of the sonars hears no echo."""
@@ -105,7 +132,13 @@ def set_speeds(robot: Robot, drive: Drive | None) -> None:
 
 
 def move(
-    robot: Robot, x: float, y: float, turned: float, wear: Wear, rng: Random
+    robot: Robot,
+    x: float,
+    y: float,
+    turned: float,
+    wear: Wear,
+    rng: Random,
+    rolled: float | None = None,
 ) -> None:
     """Move the body, and update dead reckoning with its errors.
 
@@ -116,6 +149,8 @@ def move(
         turned: the radians turned.
         wear: the wear of its wheels.
         rng: the stream of its slip.
+        rolled: the way that the wheels rolled, if only the wheels are measured; None:
+            the movement of the body is measured.
     """
     dx, dy, middle = x - robot.x, y - robot.y, robot.heading + turned / 2
     ahead = dx * math.cos(middle) + dy * math.sin(middle)
@@ -123,6 +158,8 @@ def move(
     robot.x, robot.y = x, y
     robot.distance += math.hypot(dx, dy)
     robot.heading = math.remainder(robot.heading + turned, 2 * math.pi)
+    if rolled is not None:
+        ahead, aside = rolled, 0.0
     if ahead or aside or turned:
         _reckon(robot, ahead, aside, turned, wear, rng)
 
@@ -158,16 +195,29 @@ def drain(robot: Robot, usage: float) -> None:
 
 
 def sonar(
-    robot: Robot, plan: FloorPlan, people: Iterable[Circle], rng: Random
+    robot: Robot,
+    plan: FloorPlan,
+    people: Iterable[Circle],
+    rng: Random,
+    model: SonarModel = SONAR_MODELS["ideal"],
 ) -> tuple[float, ...]:
     """Return the readings of the sonar ring, in metres from its middle."""
     x, y = robot.x, robot.y
     cos, sin = math.cos(robot.heading), math.sin(robot.heading)
-    cast, gauss = plan.cast, rng.gauss
-    rays = [(cos * a - sin * b, sin * a + cos * b) for a, b in DIRECTIONS]
-    ranges = [cast(x, y, dx, dy, SONAR_RANGE) for dx, dy in rays]
+    hit, gauss = plan.hit, rng.gauss
+    ring = RAYS if model.beside else DIRECTIONS
+    rays = [(cos * a - sin * b, sin * a + cos * b) for a, b in ring]
+    hits = [hit(x, y, dx, dy, SONAR_RANGE) for dx, dy in rays]
     for circle in people:
-        _shadow(ranges, rays, circle[0] - x, circle[1] - y, circle[2])
+        _shadow(hits, rays, circle[0] - x, circle[1] - y, circle[2])
+    least = math.cos(math.radians(model.steepest))
+    ranges = [far if cosine >= least else SONAR_RANGE for far, cosine in hits]
+    if model.beside:
+        near = range(-model.beside, model.beside + 1)
+        ranges = [
+            min(ranges[(number + off) % len(ranges)] for off in near)
+            for number in range(0, len(ranges), FAN)
+        ]
     heard = [
         far if far >= SONAR_RANGE else max(0.0, far + gauss(0, SONAR_NOISE))
         for far in ranges
@@ -178,7 +228,7 @@ def sonar(
 
 
 def _shadow(
-    ranges: list[float],
+    hits: list[tuple[float, float]],
     rays: Sequence[tuple[float, float]],
     dx: float,
     dy: float,
@@ -192,8 +242,10 @@ def _shadow(
         if along > 0:
             across = dx * ay - dy * ax
             if -radius < across < radius:
-                far = max(0.0, along - math.sqrt(radius * radius - across * across))
-                ranges[number] = min(far, ranges[number])
+                deep = math.sqrt(radius * radius - across * across)
+                far = max(0.0, along - deep)
+                if far < hits[number][0]:
+                    hits[number] = far, deep / radius
 
 
 def laser(

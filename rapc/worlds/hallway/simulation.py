@@ -39,7 +39,12 @@ from rapc.worlds.hallway.map import Map, Opening, Sign, openings, signs
 from rapc.worlds.hallway.people import Surroundings
 from rapc.worlds.hallway.plan import floor_plans
 from rapc.worlds.hallway.robot import TICK, Robot
-from rapc.worlds.hallway.state import HallwaySettings, HallwayState, Push
+from rapc.worlds.hallway.state import (
+    Collision,
+    HallwaySettings,
+    HallwayState,
+    Push,
+)
 from rapc.worlds.skills.catalogue import Catalogue
 from rapc.worlds.skills.runtime import EventTold, SkillRuntime
 from rapc.worlds.states import reading_state
@@ -116,16 +121,17 @@ class Simulation:
         state.ticks += 1
         self._entrances.move_doors(state, self.now, self._chance["doors"])
         self._entrances.move_lift(state, self.now, self._chance["lift"])
-        self._move_people()
+        pushed = self._move_people()
         told = self.runtime.tick(self.now, self._sensors)
         state.called = self.runtime.value(CALL)
         if text := self.runtime.value(VOICE):
             state.said.append((self.now, text))
         self._charge()
         drive, plan = self.runtime.value(DRIVE), self.plans[state.robot.floor]
-        bumped = move_robot(state, drive, plan, self.now, self._chance["motion"])
+        wheels, rng = self.settings.odometry == "wheels", self._chance["motion"]
+        bumped = move_robot(state, drive, plan, self.now, rng, wheels)
         state.space = space_under(state, self.map.space)
-        return [*told, EventTold("bump", (), ())] if bumped else told
+        return [*told, EventTold("bump", (), ())] if bumped or pushed else told
 
     def spaces(self) -> list[str]:
         """Return the robot's space, and the spaces joined by a doorway around it."""
@@ -220,7 +226,8 @@ class Simulation:
     def _sonar(self) -> tuple[float, ...]:
         body, around = self.state.robot, people_around(self.state)
         plan, rng = self.plans[body.floor], self._chance["sonar"]
-        return robot.sonar(body, plan, around, rng)
+        model = robot.SONAR_MODELS[self.settings.sonar]
+        return robot.sonar(body, plan, around, rng, model)
 
     def _tags(self) -> tuple[Tag, ...]:
         body, around = self.state.robot, people_around(self.state)
@@ -240,11 +247,20 @@ class Simulation:
         cabin = self.state.lift
         return cabin.floor if cabin is not None and cabin.towards is None else -1
 
-    def _move_people(self) -> None:
-        body, rng = self.state.robot, self._chance["people"]
+    def _move_people(self) -> bool:
+        """Move the people; return whether a person runs into the robot."""
+        body, rng, pushed = self.state.robot, self._chance["people"], False
+        careless = self.settings.careless
         for walker in self.state.walkers:
             here = (body.x, body.y, RADIUS) if body.floor == walker.floor else None
-            people.walk(walker, self._around, here, rng, TICK)
+            if people.walk(walker, self._around, here, rng, TICK, careless):
+                pushed = True
+                x, y = body.x - walker.x, body.y - walker.y
+                pace = walker.speed / math.hypot(x, y)
+                self.push(pace * x, pace * y, people.SHOVE)
+                hit = Collision(self.now, walker.speed, body.x, body.y, "push")
+                self.state.collisions.append(hit)
+        return pushed
 
     def shut(self) -> frozenset[str]:
         """Return the doorways with a closed door, the lift's included."""

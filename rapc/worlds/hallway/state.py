@@ -7,6 +7,12 @@ import msgspec
 from rapc.worlds.hallway.people import Walker
 from rapc.worlds.hallway.robot import Robot, Wear
 
+ODOMETRIES = ("body", "wheels")
+"""What dead reckoning can measure.
+
+The `wheels` go on when the body is blocked, and do not turn when it is pushed aside.
+"""
+
 
 class HallwaySettings(msgspec.Struct, frozen=True):
     """The options of a run; times in seconds."""
@@ -21,6 +27,12 @@ class HallwaySettings(msgspec.Struct, frozen=True):
     drift: float = 1.0
     #: The use of the battery; 1 is usual, 0 none.
     usage: float = 1.0
+    #: The model of the sonars, a name in `SONAR_MODELS`.
+    sonar: str = "ideal"
+    #: What dead reckoning measures, one of `ODOMETRIES`.
+    odometry: str = "body"
+    #: The part of their ways on which people do not look out for the robot.
+    careless: float = 0.0
 
 
 class DoorState(msgspec.Struct):

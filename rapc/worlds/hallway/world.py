@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from random import Random
+from typing import ClassVar
 
 import msgspec
 
@@ -22,11 +23,12 @@ from rapc.worlds.hallway.map import Map
 from rapc.worlds.hallway.map_text import named_map, read_map
 from rapc.worlds.hallway.picture import picture
 from rapc.worlds.hallway.random_map import random_map
-from rapc.worlds.hallway.robot import TICK
+from rapc.worlds.hallway.robot import SONAR_MODELS, TICK
 from rapc.worlds.hallway.simulation import Simulation
 from rapc.worlds.hallway.skills.all import catalogue
-from rapc.worlds.hallway.state import HallwaySettings
+from rapc.worlds.hallway.state import ODOMETRIES, HallwaySettings
 from rapc.worlds.maps import MapError
+from rapc.worlds.skills.declarations import Compound, Skill
 from rapc.worlds.skills.runtime import EventTold
 from rapc.worlds.skills.world import SkillWorld, offer
 
@@ -43,6 +45,15 @@ OPTIONS = (
     Option("lift", "number", 90, "s", "between calls of the lift by others; 0: none"),
     Option("drift", "number", 1, "", "how much dead reckoning drifts; 1 is usual"),
     Option("usage", "number", 1, "", "how fast the battery is used up; 1 is usual"),
+    Option("sonar", "symbol", "ideal", "", "ideal, slant-50, slant-30 or cone"),
+    Option("odometry", "symbol", "body", "", "measures the body or the wheels"),
+    Option(
+        "careless",
+        "number",
+        0,
+        "",
+        "the part of people's ways without care",
+    ),
 )
 
 
@@ -84,15 +95,32 @@ class HallwayWorld(SkillWorld):
         solvers={"travel-to-distant-space": planner.plan},
     )
 
+    #: Skills of a subclass: further ones, and others in place of those of their names.
+    skills: ClassVar[Sequence[type[Skill] | Compound]] = ()
+
+    def __init_subclass__(cls) -> None:
+        """Offer the skills of the subclass."""
+        made = catalogue().extended(cls.skills)
+        cls.kit = msgspec.structs.replace(cls.kit, offer=offer(made, {BUMP: 0}))
+
     def __init__(self, rng: Random, options: Mapping[str, Atom | bool]) -> None:
         given = {o.name: o.default for o in OPTIONS} | dict(options)
         self._map = _read_map(given)
-        numbers = {name: given[name] for name in HallwaySettings.__struct_fields__}
-        for name, value in numbers.items():
-            if not isinstance(value, int | float) or value < 0:
+        values = {name: given[name] for name in HallwaySettings.__struct_fields__}
+        for name, value in values.items():
+            if isinstance(value, int | float) and value < 0:
                 raise ValueError(f"`{name}` must not be below 0")
-        settings = msgspec.convert(numbers, HallwaySettings)
-        self.simulation = Simulation(self._map, catalogue(), rng, settings)
+        for name, known in (("sonar", SONAR_MODELS), ("odometry", ODOMETRIES)):
+            if values[name] not in known:
+                listed = ", ".join(f"`{one}`" for one in known)
+                raise ValueError(
+                    f"unknown `{name}` `{values[name]}`; expected one of {listed}"
+                )
+        settings = msgspec.convert(values, HallwaySettings)
+        if settings.careless > 1:
+            raise ValueError("`careless` must not be above 1")
+        skills = catalogue(settings.sonar).extended(self.skills)
+        self.simulation = Simulation(self._map, skills, rng, settings)
         super().__init__(self.simulation.runtime)
 
     def facts(self) -> Iterable[Fact]:

@@ -17,6 +17,11 @@ from rapc.worlds.hallway.skills.landmarks import (
     TrackLandmark,
     WatchForLandmark,
 )
+from rapc.worlds.hallway.skills.lossy import (
+    RememberObstacles,
+    TrackDoorwayInSilence,
+    TrackLandmarkInSilence,
+)
 from rapc.worlds.hallway.skills.moving import BackOff, FaceDirection, SteerInDirection
 from rapc.worlds.hallway.skills.passages import DetectDoorway
 from rapc.worlds.hallway.skills.reporting import ReportPosition, WatchBattery
@@ -62,11 +67,22 @@ SENSORS = (
     channels.LIFT,
 )
 
+LOSSY = ("slant-50", "slant-30")
+"""The models of sonars that lose the echoes of slanted walls."""
+
+SILENT = (RememberObstacles, TrackLandmarkInSilence, TrackDoorwayInSilence)
+"""The skills of these robots in place of the usual ones."""
+
 ACTUATORS = (channels.DRIVE, channels.CHARGE, channels.CALL, channels.VOICE)
 
 
-def catalogue() -> Catalogue:
-    """Return the skills of the robot, checked."""
+def catalogue(sonar: str = "ideal") -> Catalogue:
+    """Return the skills of the robot, checked.
+
+    Args:
+        sonar: the model of its sonars. With sonars that lose the echoes of slanted
+            walls, `detect-obstacles` has a memory.
+    """
     skills = (
         MOVE_IN_DIRECTION,
         MOVE_TO_LANDMARK,
@@ -86,4 +102,5 @@ def catalogue() -> Catalogue:
         CallLift,
         Speak,
     )
-    return Catalogue(skills, SENSORS, ACTUATORS, (LowestLimit(),))
+    made = Catalogue(skills, SENSORS, ACTUATORS, (LowestLimit(),))
+    return made.extended(SILENT) if sonar in LOSSY else made

@@ -21,7 +21,7 @@ behind it begins on both sides of the way.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from statistics import median
 
 import msgspec
@@ -199,11 +199,11 @@ class TrackDoorJambs(Skill):
     ) -> None:
         """Find the wall, and enter the beams into the bins."""
         state = self.state
-        wall = _plane(echoes)
+        wall = plane_in(echoes)
         state.looks += 1
         if state.stage == "looking" and state.looks == 1:
             state.origin = across
-        if not _is_before(wall):
+        if not is_before(wall):
             self._look_aside(echoes, along, across)
         if wall is None and state.wall is None and state.looks > LOOKS:
             wall = _edges(echoes)
@@ -211,8 +211,14 @@ class TrackDoorJambs(Skill):
             state.wall = along + wall
         if state.wall is None:
             return
-        ahead = state.wall - along
-        for far, (x, y) in zip(ranges, echoes, strict=True):
+        self._enter(zip(ranges, echoes, strict=True), state.wall - along, across)
+
+    def _enter(
+        self, beams: Iterable[tuple[float, Point]], ahead: float, across: float
+    ) -> None:
+        """Enter beams into the bins, with the wall at a distance."""
+        state = self.state
+        for far, (x, y) in beams:
             if x <= 0.3 * far:
                 continue
             opens = x > ahead + DEEPER or far >= SONAR_RANGE
@@ -240,12 +246,16 @@ class TrackDoorJambs(Skill):
             if along > state.wall + BEYOND - 0.05:
                 state.stage = "through"
             return
-        gap = _gap(state.bins)
+        gap = self._gap()
         if gap is not None and state.looks >= LOOKS // 2:
             state.middle = state.origin + gap
             state.stage = "going"
         elif gap is None and state.looks >= LOOKS:
             state.stage = "closed"
+
+    def _gap(self) -> float | None:
+        """Return the middle of the gap, across the axis from the origin of the bins."""
+        return gap_in(self.state.bins)
 
     def _look_aside(self, echoes: Sequence[Point], along: float, across: float) -> None:
         """Note the jambs if both sides have a jamb."""
@@ -286,7 +296,7 @@ class TrackDoorJambs(Skill):
         state.stage = "through" if walled else "closed"
 
 
-def _plane(echoes: Sequence[Point]) -> float | None:
+def plane_in(echoes: Sequence[Point]) -> float | None:
     """Return the distance of the plane with most echoes; None for fewer than three."""
     ahead = sorted(x for x, y in echoes if 0.3 < x < 2.5 and abs(y) < 1.6)
     best, found = 2, None
@@ -313,12 +323,12 @@ def _edges(echoes: Sequence[Point]) -> float | None:
     return min(pairs)[1] if pairs else None
 
 
-def _is_before(wall: float | None) -> bool:
+def is_before(wall: float | None) -> bool:
     """Return whether the wall's distance shows that the robot is before a doorway."""
     return wall is not None and AHEAD[0] < wall < AHEAD[1]
 
 
-def _gap(bins: Sequence[float]) -> float | None:
+def gap_in(bins: Sequence[float]) -> float | None:
     """Return the middle of the gap nearest to the middle of the bins, in metres."""
     opened = [number for number, value in enumerate(bins) if value > 0]
     best: float | None = None

@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, ClassVar
 
 import msgspec
 
@@ -32,6 +32,7 @@ from rapc.worlds.hallway.channels import (
     POSE,
     SIGHTING,
     SONAR,
+    SONAR_RANGE,
     SONARS,
     TAGS,
     TRAJECTORY,
@@ -173,6 +174,8 @@ class TrackLandmark(Skill):
     events = (LandmarkVisible, LandmarkLost)
     State = Tracked
     state: Tracked
+    #: Whether a sonar without an echo shows that there is no wall in its reach.
+    silence_is_open: ClassVar[bool] = True
 
     def step(self, now: float, ports: Ports) -> None:
         """Update the estimate from the laser's view of the landmark."""
@@ -215,7 +218,8 @@ class TrackLandmark(Skill):
             far = distance(angle, half, cos)
             x, y = pose.x + far * math.cos(sight), pose.y + far * math.sin(sight)
             beyond = max(0.0, far - LASER_RANGE)
-            if open_to(ranges, normal + math.pi - pose.heading, far * cos):
+            ahead = normal + math.pi - pose.heading
+            if open_to(ranges, ahead, far * cos, self.silence_is_open):
                 beyond += 1.0
             places.append(Guess(math.remainder(normal, 2 * math.pi), x, y, beyond))
         if not self.state.guesses:
@@ -300,14 +304,22 @@ class ApproachLandmark(Skill):
         ports[TRAJECTORY] = Trajectory(bearing, float(self.arguments["speed"]), left)
 
 
-def open_to(ranges: Sequence[float], bearing: float, wall: float) -> bool:
+def open_to(
+    ranges: Sequence[float], bearing: float, wall: float, silence: bool = True
+) -> bool:
     """Return whether no wall is square to a bearing at this distance.
 
     A gap in that wall is a doorway: there is wall on at least one side of it.
+
+    Args:
+        ranges: the readings of the sonars.
+        bearing: the bearing.
+        wall: the distance, in metres.
+        silence: whether a sonar without an echo shows that there is no wall.
     """
     middle = round(bearing / (2 * math.pi) * SONARS)
     near = min(ranges[(middle + off) % SONARS] for off in (-1, 0, 1))
-    if near <= wall + OPEN:
+    if near <= wall + OPEN or (near >= SONAR_RANGE and not silence):
         return False
     echoes = turned(echo_points(ranges), bearing)
     return not any(abs(x - wall) < BESIDE[0] and abs(y) < BESIDE[1] for x, y in echoes)
