@@ -481,24 +481,32 @@ class Interpreter(Run):
         messages and tests monitors. The next step makes the choice. If there is no
         choice to make, the run ends and the method returns False.
         """
-        self.start()
-        if self.state.reason is None:
-            try:
-                reason = run_loop(self, 1, wait=True, choose=False)
-            except BaseException as error:
-                self._break(error)
-            if reason is not None:
-                self.end(reason)
+        self._go(1, wait=True, choose=False)
         return self.state.reason is None
 
-    def _go(self, most: int | None, wait: bool) -> int:
+    def come_to_arrival(self) -> bool:
+        """Advance to the next arrival before the next cycle, and stop there.
+
+        Something arrives if the clock moves or the world sends messages: data, signals
+        and ends of requests are taken in, and due timers start tasks. The run then
+        stands between two cycles. If nothing arrives, the method returns False: the run
+        stands before the next choice, or is over. Both ways the trace is that of a run
+        without the stop.
+        """
+        self.arrived = False
+        self._go(1, wait=True, arrive=True)
+        return self.arrived
+
+    def _go(
+        self, most: int | None, wait: bool, choose: bool = True, arrive: bool = False
+    ) -> int:
         state, recorder = self.state, self.recorder
         if not state.started:
             self.start()
         before = recorder.cycle
         if state.reason is None:
             try:
-                reason = run_loop(self, most, wait)
+                reason = run_loop(self, most, wait, choose, arrive)
             except BaseException as error:
                 self._break(error)
             if reason is not None:

@@ -84,6 +84,9 @@ class Run:
         self.when_waiting: list[Callable[[], None]] = []
         #: Whether the loop is running, and whether an error has aborted it.
         self.in_loop = self.broken = False
+        #: Whether time has passed or messages have arrived between two cycles; reset
+        #: only by `come_to_arrival`.
+        self.arrived = False
         #: Receives each evaluated context of a method, for coverage.
         self.context_listener: ContextListener | None = None
         #: Whether any RAP can recur below itself: a solver may add the recursion.

@@ -25,6 +25,7 @@ ACTS: Mapping[str, str] = {
     "Interpreter.call_at_end": "has the host called",
     "Interpreter.call_when_waiting": "has the host called",
     "Interpreter.cancel": "ends tasks",
+    "Interpreter.come_to_arrival": "runs on",
     "Interpreter.come_to_choice": "runs on",
     "Interpreter.end": "ends the run",
     "Interpreter.erase": "changes memory",

@@ -41,6 +41,7 @@ class RunState:
         "succeeded": Natural,
         "moved_at": int,
         "idle_waits": Natural,
+        "received": bool,
         "until": Time | None,
         "past_until": bool,
         "started": bool,
@@ -86,6 +87,8 @@ class RunState:
         self.moved_at = 0
         #: The number of waits since the last cycle.
         self.idle_waits = 0
+        #: Whether the present pass of the loop has read the clock and the messages.
+        self.received = False
         #: The time limit of the run, if there is one.
         self.until: Time | None = None
         #: Whether the world's clock has passed `until`.

@@ -8,6 +8,7 @@ there is no such time [T figure 3.3; L 4]. Not here: the cycle of a task
 from __future__ import annotations
 
 import heapq
+import sys
 
 from rapc.base.values import number
 from rapc.runtime.run import Run
@@ -18,7 +19,9 @@ from rapc.runtime.tasks.start import create_top, release
 from rapc.world import NOT_KNOWN, Time
 
 
-def run_loop(run: Run, most: int | None, wait: bool, choose: bool = True) -> str | None:
+def run_loop(
+    run: Run, most: int | None, wait: bool, choose: bool = True, arrive: bool = False
+) -> str | None:
     """Run the loop until the run is over; return the reason.
 
     The loop may stop before the run is over; then the result is None.
@@ -30,6 +33,9 @@ def run_loop(run: Run, most: int | None, wait: bool, choose: bool = True) -> str
             eligible.
         choose: whether the loop may choose a task; if not, the loop stops before the
             choice.
+        arrive: whether the loop stops between two cycles, as soon as the clock has
+            moved or messages have arrived, or else before the next choice. The next
+            loop continues this pass: it does not ask the world the same again.
 
     Returns:
         `until`, `world`, `done` or `runaway` (see `why_over`), `stuck` if the run
@@ -54,24 +60,32 @@ def run_loop(run: Run, most: int | None, wait: bool, choose: bool = True) -> str
     may_end = port.may_end
     last = -1 if most is None else cycle + most
     # The last cycle in which the run is not yet idle for too long, as far as the loop
-    # knows: `why_over` looks at the present state.
-    idle_cycles = run.settings.idle_cycles
+    # knows: `why_over` looks at the present state. A loop that stops at arrivals looks
+    # in each pass.
+    idle_cycles = run.settings.idle_cycles if not arrive else -sys.maxsize
     idle_limit = state.moved_at + idle_cycles
     reason: str | None = None
+    received = state.received
     run.in_loop = True
     try:
         while cycle != last and not state.over:
-            now = clock()
-            if now != recorder.time and run.set_clock(now):
-                reason = "until"
-                break
-            if timers or unsettled:
-                run.run_host_timers()
-                run.access.recognise()
-            messages = receive()
-            # None, an error of the world, is refused by `listed` like other types.
-            if messages or off or messages is None:
-                take_in(run, port.listed(messages))
+            if received:
+                received = state.received = False
+            else:
+                now = clock()
+                if now != recorder.time:
+                    run.arrived = True
+                    if run.set_clock(now):
+                        reason = "until"
+                        break
+                if timers or unsettled:
+                    run.run_host_timers()
+                    run.access.recognise()
+                messages = receive()
+                # None, an error of the world, is refused by `listed` like other types.
+                if messages or off or messages is None:
+                    run.arrived |= bool(messages)
+                    take_in(run, port.listed(messages))
             look = monitors.next_look
             if (
                 to_test
@@ -84,6 +98,9 @@ def run_loop(run: Run, most: int | None, wait: bool, choose: bool = True) -> str
                 or not state.foreground
                 or (may_end and port.ended() is not None)
             ):
+                if arrive and (run.arrived or len(eligible)):
+                    state.received = True
+                    break
                 reason = why_over(run)
                 if reason is not None:
                     break
@@ -96,6 +113,7 @@ def run_loop(run: Run, most: int | None, wait: bool, choose: bool = True) -> str
                 idle_limit = state.moved_at + idle_cycles
                 if reason is not None:
                     break
+                run.arrived = True
                 continue
             recorder.cycle = cycle = cycle + 1
             state.idle_waits = 0
