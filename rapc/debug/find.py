@@ -50,9 +50,9 @@ def count_before(history: History, kind: str, said: Iterable[str]) -> int:
 def _before(history: History, want: Want) -> Want:
     """Return a predicate: `want`, restricted to events before the present moment.
 
-    At the end of a run, the last cycle counts as before the present moment.
+    After the end of a cycle, that cycle counts as before the present moment.
     """
-    end = history.cycle + history.over
+    end = history.cycle + (history.over or history.between)
     return lambda told: told.cycle < end and want(told)
 
 

@@ -11,6 +11,7 @@ Not here: questions (`rapc.debug.questions`) and output (`rapc.repl`).
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
@@ -71,22 +72,41 @@ class Stop(msgspec.Struct, frozen=True):
 
 
 class Moment(NamedTuple):
-    """A moment of a run: the last cycle, and the number of acts before."""
+    """A moment of a run; moments are ordered like the run.
 
+    The run stands at the end of a cycle, or between two cycles, after an arrival: time
+    has passed, and data, signals or timers have arrived.
+    """
+
+    #: The last cycle.
     cycle: int
+    #: The number of arrivals since the end of that cycle.
+    arrivals: int = 0
+    #: The number of acts of the branch up to the moment.
     acts: int = 0
 
 
 _BEGINNING = Moment(0)
 
 
+class Done(NamedTuple):
+    """An act of the user, with its place in the run."""
+
+    #: The last cycle before the act, and the number of arrivals after that cycle.
+    cycle: int
+    arrivals: int
+    time: Time
+    act: Act
+
+
 class Save(NamedTuple):
-    """A saved state of a run, with its program, settings and world."""
+    """A saved state of a run, with its program, settings, world and time."""
 
     state: bytes
     program: Program
     settings: Settings
     world: World
+    time: Time
 
 
 Solutions = dict[tuple[int, Goal], Any]
@@ -100,8 +120,8 @@ class Branch:
     name: str
     #: The parent branch and its cycle, as text; empty for the first branch.
     begun: str = ""
-    #: The acts, each with the cycle that precedes the act.
-    acts: list[tuple[int, Act]] = field(default_factory=list)
+    #: The acts, in order.
+    acts: list[Done] = field(default_factory=list)
     #: The methods from solvers; see `Answers.solutions`.
     solutions: Solutions = field(default_factory=dict)
     #: The saved states, ordered by moment.
@@ -118,8 +138,15 @@ class Branch:
     left: Moment = _BEGINNING
 
     def moment_after(self, cycle: int) -> Moment:
-        """Return the moment at the end of a cycle, after all its acts."""
-        return Moment(cycle, sum(1 for done, _ in self.acts if done <= cycle))
+        """Return the moment at the end of a cycle, after the acts there."""
+        return Moment(cycle, 0, bisect_right(self.acts, (cycle, 0), key=_place))
+
+    def moment_before(self, cycle: int) -> Moment:
+        """Return the moment of the last act before a cycle, or its preceding end."""
+        acts = bisect_left(self.acts, (cycle, 0), key=_place)
+        last = self.acts[acts - 1] if acts else None
+        arrivals = last.arrivals if last and last.cycle == cycle - 1 else 0
+        return Moment(cycle - 1, arrivals, acts)
 
     def begun_at(self, moment: Moment, serial: int, name: str) -> Branch:
         """Return a new branch that begins at a moment of this branch.
@@ -155,6 +182,10 @@ class Branch:
         self.saves = {at: self.saves[at] for at in kept}
 
 
+def _place(done: Done) -> tuple[int, int]:
+    return done.cycle, done.arrivals
+
+
 class History:
     """A run that the user can step, stop, change and move to any moment.
 
@@ -186,8 +217,9 @@ class History:
         #: The serial number of the first event that the checks have not seen.
         self.fresh = self.serial
         self._paused = False
-        self._done = 0
-        self._saved = 0
+        #: The arrivals since the last cycle, the acts so far, and the cycle of the
+        #: last saved state.
+        self._arrivals = self._done = self._saved = 0
         self._questions: tuple[object, dict[str, HostQuery]] = (run, {})
         if isinstance(run, Playback):
             self.log = run
@@ -278,7 +310,12 @@ class History:
     @property
     def moment(self) -> Moment:
         """The present moment."""
-        return Moment(self.cycle, self._done)
+        return Moment(self.cycle, self._arrivals, self._done)
+
+    @property
+    def between(self) -> bool:
+        """Whether the run stands between two cycles, after an arrival."""
+        return self._arrivals > 0
 
     @property
     def seen(self) -> int:
@@ -299,6 +336,7 @@ class History:
     def stand(self) -> str:
         """Return the present moment as a line of text."""
         words = f"cycle {self.cycle}, time {readable(self.now)}"
+        words = f"after {words}" if self.between and not self.over else words
         words += f", run ended ({self.reason})" if self.over else ""
         return words if self.branch.name == "main" else f"{words}, {self.branch.name}"
 
@@ -327,9 +365,21 @@ class History:
             self._save()
         return stop
 
-    def _step(self, until: Callable[[], str | None] | None, heed: bool) -> Stop | None:
-        """Run a cycle; return the reason to stop, or None."""
-        stop = self._run_cycle()
+    def wait(self) -> Stop:
+        """Run to the next arrival, or else to the end of the next cycle.
+
+        Data, signals and ends of requests arrive, and timers become due.
+        """
+        return self._step(lambda: "", heed=True, arrivals=True) or Stop("asked")
+
+    def _step(
+        self,
+        until: Callable[[], str | None] | None,
+        heed: bool,
+        arrivals: bool = False,
+    ) -> Stop | None:
+        """Run a cycle, or to an arrival; return the reason to stop, or None."""
+        stop = self._run_cycle(arrivals and self.is_run)
         if stop is not None:
             return stop
         hits = (check() for check in self.checks.values()) if heed else ()
@@ -344,11 +394,11 @@ class History:
             return Stop("pause")
         return None
 
-    def _run_cycle(self) -> Stop | None:
-        """Run a cycle; return a stop if there is none, or it breaks off."""
+    def _run_cycle(self, arrivals: bool) -> Stop | None:
+        """Run a cycle, or to an arrival; return a stop if that is impossible."""
         before = self.moment
         try:
-            if self.over or not self._cycle():
+            if self.over or not (self._wait() if arrivals else self._cycle()):
                 return Stop("over", self.reason)
         except UnknownAnswerError as error:
             self._put_back(before)
@@ -358,20 +408,18 @@ class History:
         return None
 
     def _cycle(self) -> bool:
-        """Run a cycle and repeat the acts of the branch after that cycle.
+        """Run to the end of the next cycle, and repeat the acts of the branch.
 
         Returns:
             Whether a cycle was run; False if the run is over.
         """
-        if not self._run.step():
-            self.branch.over = True
-            return False
-        branch, cycle = self.branch, self.cycle
-        while self._done < len(branch.acts) and branch.acts[self._done][0] <= cycle:
-            self._do(branch.acts[self._done][1])
-        if cycle >= branch.end.cycle:
-            branch.end = max(branch.end, Moment(cycle, self._done))
-        if cycle >= self._saved + _RUNNING:
+        branch, end = self.branch, self.branch.moment_after(self.cycle + 1)
+        while self.moment < end:
+            if not self._advance(end):
+                branch.over = True
+                return False
+        branch.end = max(branch.end, end)
+        if self.cycle >= self._saved + _RUNNING:
             self._save()
         return True
 
@@ -381,10 +429,50 @@ class History:
         if self._log.elsewhere is None and event.n >= partings.seen:
             partings.compare(event, self.run.wrong_beliefs())
 
-    def _do(self, act: Act) -> None:
-        """Perform an act; replace the run if the act returns another run."""
-        self._run = act.do(self.run) or self.run
-        self._done += 1
+    def _wait(self) -> bool:
+        """Run to the next arrival or end of a cycle; return False if the run is over.
+
+        The acts of the branch there are performed.
+        """
+        branch = self.branch
+        if not self._advance(None):
+            branch.over = True
+            return False
+        while self._done < len(branch.acts) and (
+            _place(branch.acts[self._done]) <= (self.cycle, self._arrivals)
+        ):
+            self._advance(None)
+        branch.end = max(branch.end, self.moment)
+        return True
+
+    def _advance(self, to: Moment | None) -> bool:
+        """Perform the next act, or run to the next arrival or end of a cycle.
+
+        Args:
+            to: the moment to reach: the run stops only at arrivals that precede an act
+                or the moment. None: the run stops at the next arrival.
+
+        Returns:
+            Whether the run went on; False if it is over.
+        """
+        acts, cycle = self.branch.acts, self.cycle
+        last = len(acts) if to is None else to.acts
+        act = acts[self._done] if self._done < last else None
+        if act is not None and _place(act) <= (cycle, self._arrivals):
+            self._run = act.act.do(self.run) or self.run
+            self._done += 1
+            return True
+        is_near = act is not None and act.cycle == cycle
+        if to is None or cycle == to.cycle or is_near:
+            if self.run.come_to_arrival():
+                self._arrivals += 1
+                return True
+            if to is not None:
+                return False
+        if not self._run.step():
+            return False
+        self._arrivals = 0
+        return True
 
     def _save(self) -> None:
         self._saved = self.cycle
@@ -393,7 +481,7 @@ class History:
             return
         try:
             world = run.port.behind
-            save = Save(run.save(), run.library, run.settings, world)
+            save = Save(run.save(), run.library, run.settings, world, run.now)
             self.branch.keep(self.moment, save)
         except (StateError, PortError) as error:
             self.no_way_back = error.message
@@ -407,20 +495,24 @@ class History:
 
     # --- other moments --------------------------------------------------------------
 
-    def goto(self, cycle: int, *, heed: bool = False) -> Stop:
+    def goto(self, cycle: int | Moment, *, heed: bool = False) -> Stop:
         """Go to the end of a cycle, backwards or forwards.
 
         Args:
-            cycle: the number of the cycle.
+            cycle: the number of the cycle; or a moment of the branch, as `moment`
+                returned it.
             heed: whether breakpoints stop the run on the way forwards.
 
         Raises:
             StateError: if the run cannot go back.
         """
-        cycle = max(cycle, 0)
         if isinstance(self._run, Playback):
-            self._run.goto(cycle)
+            self._run.goto(cycle.cycle if isinstance(cycle, Moment) else max(cycle, 0))
             return Stop("over", self.reason) if self.over else Stop("asked")
+        if isinstance(cycle, Moment):
+            self._put_back(cycle)
+            return Stop("asked")
+        cycle = max(cycle, 0)
         moment = self.branch.moment_after(cycle)
         at = None if heed else self._nearest(moment)
         if at is not None and at > self.moment:
@@ -434,6 +526,9 @@ class History:
     def goto_time(self, time: Time, *, heed: bool = False) -> Stop:
         """Go to the last moment at or before a time, backwards or forwards.
 
+        The moment depends on the branch and the time alone. The run may then stand
+        between two cycles.
+
         Args:
             time: the time.
             heed: whether breakpoints stop the run on the way forwards.
@@ -443,17 +538,34 @@ class History:
         """
         if isinstance(self._run, Playback):
             return self.goto(self._run.cycle_by(time))
-        if time < self.now:
-            later = self.scan(want=lambda told: told.time > time)
-            found = next(iter(later), None)
-            stop = self.goto(self.cycle if found is None else found.cycle)
-        else:
+        stop = Stop("asked")
+        if time >= self.now:
+            at = self._nearest_by(time)
+            if not heed and at > self.moment:
+                self._restore(at)
             stop = self.go(lambda: "" if self.now > time else None, heed=heed)
             if self.no_way_back or stop.kind not in ("asked", "over"):
                 return stop
-            if self.over and self.now > time:  # the end advanced the clock
-                stop = self.goto(self.cycle)
-        return self.goto(self.cycle - 1) if self.now > time else stop
+        if self.now <= time:
+            return stop
+        at = self._nearest_by(time)
+        if self._log.has(at.cycle):
+            later = self._log.scan(at.cycle, want=lambda told: told.time > time)
+            cycle = later[0].cycle - 1 if later else 0
+            at = max(at, self.branch.moment_after(cycle))
+        self._put_back(at)
+        found = self.moment
+        while self.now <= time and self._wait():
+            found = self.moment if self.now <= time else found
+        if self.over or self.moment != found:
+            self._put_back(found)
+        return Stop("asked")
+
+    def _nearest_by(self, time: Time) -> Moment:
+        """Return the moment of the last saved state up to a time."""
+        saves = self.branch.saves.items()
+        found = (at for at, save in saves if save.time <= time)
+        return max(found, default=_BEGINNING)
 
     def _look_back(self) -> None:
         if self.no_way_back:
@@ -466,8 +578,7 @@ class History:
         if at is None:
             raise StateError("cannot go back: no saved state before that moment")
         self._restore(at)
-        while self.moment < moment:
-            self._replay(moment)
+        self._replay(moment)
         if self._log.elsewhere is None:
             self.fresh = self.serial
             if self.cycle >= at.cycle + _EVERY:
@@ -484,7 +595,8 @@ class History:
             run = run.remade(save.program, save.settings)
         run.port.enclose(save.world)
         run.restore(save.state)
-        self._run, self._done, self._saved = run, at.acts, at.cycle
+        self._run, self._saved = run, at.cycle
+        self._arrivals, self._done = at.arrivals, at.acts
         if self._log.elsewhere is None:
             self._log.serial = self.fresh = self.serial
 
@@ -495,15 +607,14 @@ class History:
         return self.log
 
     def _replay(self, moment: Moment) -> None:
-        """Perform the next act or cycle of the branch on the way to a moment."""
-        acts = self.branch.acts
-        if self._done < moment.acts and acts[self._done][0] <= self.cycle:
-            self._do(acts[self._done][1])
-        elif not self.run.step():
-            raise StateError(
-                f"the replay has ended at cycle {self.cycle}, before {moment.cycle}: "
-                "the world does not go on from its saved states as it did"
-            )
+        """Go forward to a moment of the branch that the run has reached before."""
+        while self.moment < moment:
+            if not self._advance(moment):
+                raise StateError(
+                    f"the replay has ended at cycle {self.cycle}, before "
+                    f"{moment.cycle}: the world does not go on from its saved states "
+                    "as it did"
+                )
 
     @contextmanager
     def at(self, cycle: int | None = None) -> Iterator[Interpreter]:
@@ -521,19 +632,39 @@ class History:
             StateError: if the run cannot go back.
         """
         self._look_back()
-        run, here, done, saved = self.run, self.run.save(), self._done, self._saved
-        world = run.port.behind
+        with self._aside():
+            if cycle is not None:
+                self._put_back(self.branch.moment_after(cycle))
+            yield self.run
+
+    @contextmanager
+    def at_choice(self, cycle: int) -> Iterator[Interpreter]:
+        """Move the run before the choice of a past cycle, as `at` does.
+
+        The acts of the user before the choice are performed, and all that arrives
+        before the choice is taken in.
+        """
+        self._look_back()
+        with self._aside():
+            self._put_back(self.branch.moment_before(cycle))
+            self.run.come_to_choice()
+            yield self.run
+
+    @contextmanager
+    def _aside(self) -> Iterator[None]:
+        """Undo every change to the run at the end of the `with` statement."""
+        run, here, saved = self.run, self.run.save(), self._saved
+        place, world = (self._arrivals, self._done), run.port.behind
         log, before = self._log, self._log.elsewhere
         log.elsewhere = _nobody
         closed, self.answers.closed = self.answers.closed, True
         try:
-            if cycle is not None:
-                self._put_back(self.branch.moment_after(cycle))
-            yield self.run
+            yield
         finally:
             run.port.enclose(world)
             run.restore(here)
-            self._run, self._done, self._saved = run, done, saved
+            self._run, self._saved = run, saved
+            self._arrivals, self._done = place
             log.elsewhere = before
             self.answers.closed = closed
             self.answers.solutions = self.branch.solutions
@@ -594,8 +725,7 @@ class History:
                 if told.serial < self.serial:
                     take(told)
             self._log.elsewhere = take
-            while self.moment < until:
-                self._replay(until)
+            self._replay(until)
             if over:
                 self.run.step()
         return gathered
@@ -651,7 +781,7 @@ class History:
         if isinstance(self._run, Playback):
             return self._run.seek(kinds, want)
         met: ToldEvent | None = None
-        start, over, heard = self.cycle, self.over, self.serial
+        start, over, heard = self.moment, self.over, self.serial
 
         def look() -> str | None:
             nonlocal met, heard
@@ -701,7 +831,7 @@ class History:
             log.elsewhere = None
         if moment < branch.end or moment.acts < len(branch.acts):
             branch = self.branch_off()
-        branch.acts.append((moment.cycle, act))
+        branch.acts.append(Done(moment.cycle, moment.arrivals, self.now, act))
         branch.over = False
         log.events = branch.events = branch.events.up_to(log.serial)
         branch.partings = branch.partings.up_to(log.serial)

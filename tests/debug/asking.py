@@ -46,6 +46,9 @@ from tests.debug.moments import RUNS, asked_for
 _QUESTIONS_EACH = 10
 """How many questions are asked at a moment."""
 
+_BETWEEN = 0.5
+"""The share of moments that may be between two cycles."""
+
 _IN_CYCLES = 0.05
 """The share of events at which a listener asks something."""
 
@@ -175,13 +178,13 @@ def _what_if(one: Asker) -> None:
 
 
 def _find_before(one: Asker) -> None:
-    here, kind = one.session.cycle, one.dice.choice(sorted(events.kinds()))
+    here, kind = one.session.moment, one.dice.choice(sorted(events.kinds()))
     find.find_event(one.session, kind, back=True)
     one.session.goto(here)
 
 
 def _there_and_back(one: Asker) -> None:
-    here = one.session.cycle
+    here = one.session.moment
     one.session.goto(one.cycle())
     one.session.goto(here)
 
@@ -314,6 +317,8 @@ def check(make: Callable[[int], History], cycles: int, points: int) -> Asked:
     most = min(points, alone.cycle - 1)
     for cycle in sorted(dice.sample(range(1, alone.cycle), most)):
         session.goto(cycle)
+        if dice.random() < _BETWEEN:
+            session.wait()
         state, serial = session.run.save(), session.serial
         for question in dice.sample(list(QUESTIONS), _QUESTIONS_EACH):
             answered = _answer(one, question)

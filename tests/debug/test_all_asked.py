@@ -59,6 +59,8 @@ ACTS: Mapping[str, str] = {
     "History.act": "does something to the run",
     "History.ahead": "runs on and is undone: `what_if` is asked",
     "History.at": "stands in the past for a while: `why` is asked",
+    "History.at_choice": "stands in the past for a while: `why` is asked",
+    "History.between": "says where it stands",
     "History.branch_off": "begins a branch",
     "History.check_is_run": "says what it is",
     "History.follow": "listens from then on",
@@ -71,6 +73,7 @@ ACTS: Mapping[str, str] = {
     "History.step": "runs on",
     "History.switch": "goes on in another branch",
     "History.take_up": "changes the library",
+    "History.wait": "runs on",
 }
 """What a host or user does to a run and its session, and what it comes to."""
 

@@ -106,6 +106,28 @@ def test_every_moment_is_reached_again_without_the_machine() -> None:
     assert len(states) > 300
 
 
+def test_stops_at_arrivals_ask_the_machine_nothing_more() -> None:
+    session, world = _session()
+    session.go()
+    other, asked = [*session.scan()], Counter(world.asked)
+    session, world = _session()
+    stood = []
+    while session.wait().kind == "asked":
+        stood.append((session.moment, _memory(session.run)))
+    assert [*session.scan()] == other
+    assert world.asked == asked
+    between = [one for one in stood if one[0].arrivals]
+    assert between
+    for moment, state in between:
+        session.goto(moment.cycle)
+        for _ in range(moment.arrivals):
+            session.wait()
+        assert (session.moment, _memory(session.run)) == (moment, state)
+    session.go()
+    assert [*session.scan()] == other
+    assert world.asked == asked
+
+
 def test_questions_about_the_past_do_not_ask_the_machine() -> None:
     session, world = _session()
     session.step(150)

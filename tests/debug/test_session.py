@@ -120,18 +120,63 @@ def test_a_time_is_the_same_moment_from_everywhere(world: str) -> None:
     session = moments.courier(0) if world == "courier" else truck()
     session.go(heed=False)
     assert session.over
-    end = session.now
+    end, between = session.now, 0
     for time in (0, 3, 14.2, end / 7, end / 2, end - 0.5, end, end + 1):
         stood = set()
         for start in (0, 10**6, 5, session.cycle // 2, session.cycle + 1):
             session.goto(start)
             session.goto_time(time)
             assert session.now <= time
-            stood.add((session.moment, session.over))
+            state = b"" if session.over else session.run.save()
+            stood.add((session.moment, session.over, state))
         assert len(stood) == 1, (time, stood)
+        between += session.between
         if not session.over:
-            session.step()
+            session.wait()
             assert session.now > time
+    assert between or world == "truck"
+
+
+def test_a_session_stands_at_each_arrival() -> None:
+    session = moments.courier(1000)
+    session.step(30)
+    events = _told(session)
+    session.goto(0)
+    stood = []
+    while session.cycle < 30:
+        assert session.wait().kind == "asked"
+        stood.append((session.moment, session.now, session.run.save()))
+    assert _told(session) == events
+    between = [one for one in stood if one[0].arrivals]
+    assert len(between) > 10
+    for moment, now, state in random.Random(1).sample(stood, 20):
+        session.goto_time(now)
+        assert session.moment >= moment
+        session.goto(moment.cycle)
+        for _ in range(moment.arrivals):
+            session.wait()
+        assert (session.moment, session.now, session.run.save()) == (moment, now, state)
+
+
+def test_acts_between_cycles_are_done_again_there() -> None:
+    session = moments.courier(1000)
+    session.step(20)
+    while not session.between:
+        session.wait()
+    before = session.cycle
+    session.act(AssertFact(("call", "ward-3")))
+    session.act(SubmitTask(read_task_request("(answer-calls)")))
+    here, state = session.moment, session.run.save()
+    session.step(40)
+    later, events = session.run.save(), _told(session)
+    session.goto(3)
+    session.goto(session.seen)
+    assert (session.run.save(), _told(session)) == (later, events)
+    session.goto(before)
+    assert session.moment.acts == 0
+    session.wait()
+    assert (session.moment, session.run.save()) == (here, state)
+    assert len(session.branches) == 1
 
 
 def test_lost_events_are_replayed() -> None:
@@ -159,7 +204,7 @@ def test_looking_elsewhere_changes_nothing() -> None:
         run.assert_fact("truck-fuel", 3)
     assert session.run.save() == here
     assert _told(session) == events
-    assert session.moment == (60, 0)
+    assert session.moment == (60, 0, 0)
 
 
 def test_acts_are_done_again_where_they_were_done() -> None:
@@ -253,7 +298,7 @@ def test_impossible_act_changes_nothing() -> None:
     with pytest.raises(ArgumentError, match="unknown task"):
         session.act(FailTask(99))
     assert session.run.save() == here
-    assert session.moment == (5, 0)
+    assert session.moment == (5, 0, 0)
 
 
 def test_saves_grow_few_with_age() -> None:

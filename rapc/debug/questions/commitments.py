@@ -72,8 +72,7 @@ def commitment(history: History, number: int) -> Commitment:
         raise ArgumentError(f"task [{number}] has no method under way")
     told = history.last(events.MethodChosen, want=lambda o: o.keys["task"] == number)
     assert told is not None
-    with history.at(told.cycle - 1) as run:
-        run.come_to_choice()
+    with history.at_choice(told.cycle) as run:
         before = run.task(number)
         run.read_inputs(before)
         plans = run.methods(before.plan)

@@ -164,8 +164,7 @@ def reasons(
     if events.TaskSelected not in [one.kind for one in own]:
         raise ArgumentError(f"task [{task}] was not selected in cycle {last}")
     settled = next((one for one in own if one.kind in _SETTLES), None)
-    with history.at(last - 1) as run:
-        run.come_to_choice()
+    with history.at_choice(last) as run:
         choice = _choice(history, task)
         doing, rests_on = _doing(run, run.task(task), settled)
     known = origins(history, rests_on, last)

@@ -238,8 +238,7 @@ def task_asked(history: History, number: int) -> TaskAnswer:
             return _answer(history.run, number, history.cycle)
         with history.at() as run:
             return _answer(run, number, history.cycle)
-    with history.at(last_cycle(history, number) - 1) as run:
-        run.come_to_choice()
+    with history.at_choice(last_cycle(history, number)) as run:
         return _answer(run, number, history.cycle)
 
 

@@ -12,7 +12,7 @@ from rapc.debug.acts import CancelTasks, SubmitTask
 from rapc.debug.answer import Answer, command, say
 from rapc.debug.arguments import Arguments
 from rapc.errors import LoadError, StateError, TextError
-from rapc.events import Event, RunStarted
+from rapc.events import RunStarted
 from rapc.ir.nodes import DefineTest
 from rapc.repl.shell import Shell
 from rapc.runtime.task_request import as_text
@@ -52,7 +52,7 @@ def _export_test(shell: Shell, args: Arguments) -> Answer:
         re.sub(r"[^a-z0-9]+", "-", path.name.removesuffix(_SUFFIX).lower()),
         told,
         task,
-        acts=_acts(shell, told),
+        acts=_acts(shell),
         not_atomic=[name for name, one in declared.items() if not one.atomic],
     )
 
@@ -78,15 +78,14 @@ def _export_test(shell: Shell, args: Arguments) -> Answer:
     )
 
 
-def _acts(shell: Shell, told: Sequence[Event]) -> Iterator[tuple[Time, str]]:
+def _acts(shell: Shell) -> Iterator[tuple[Time, str]]:
     """Yield the tasks that the user submitted or cancelled, as `at` actions."""
     history = shell.history
-    for cycle, act in history.branch.acts[: history.moment.acts]:
-        time = max((one.time for one in told if one.cycle <= cycle), default=0)
-        if isinstance(act, SubmitTask):
-            yield time, f"(task {as_text(act.request)})"
-        elif isinstance(act, CancelTasks):
-            yield time, f"(cancel {format_list(act.goal)})"
+    for done in history.branch.acts[: history.moment.acts]:
+        if isinstance(done.act, SubmitTask):
+            yield done.time, f"(task {as_text(done.act.request)})"
+        elif isinstance(done.act, CancelTasks):
+            yield done.time, f"(cancel {format_list(done.act.goal)})"
 
 
 def _requires(paths: Sequence[str], test: Path) -> str:

@@ -47,6 +47,16 @@ def _step(shell: Shell, args: Arguments) -> Answer:
     return _went(shell, lambda: shell.history.step(cycles))
 
 
+@command()
+def _wait(shell: Shell, args: Arguments) -> Answer:
+    """Run until something arrives, or to the end of the next cycle.
+
+    Data, signals and ends of requests arrive, and timers become due. The run then
+    stands between two cycles.
+    """
+    return _went(shell, shell.history.wait)
+
+
 @command("[TASK]", ":out", ":out 12")
 def _out(shell: Shell, args: Arguments) -> Answer:
     """Run until a task has ended."""

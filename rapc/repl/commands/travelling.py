@@ -32,13 +32,17 @@ def _back(shell: Shell, args: Arguments) -> Answer:
     `:assert`) begins a new branch; the old branch is kept.
     """
     cycles = args.count("number of cycles", 1)
-    cycles -= shell.history.over  # the end of the run counts as a step
+    # The end of the run, or an arrival after a cycle, counts as a step.
+    cycles -= shell.history.over or shell.history.between
     return _moved(shell, lambda history: history.goto(history.cycle - cycles))
 
 
 @command("CYCLE | at TIME | end", ":goto 264", ":goto at 240", ":goto end")
 def _goto(shell: Shell, args: Arguments) -> Answer:
-    """Go to the end of a cycle, or to a time, in the past or future."""
+    """Go to the end of a cycle, or to a time, in the past or future.
+
+    A time is the last moment at or before TIME, which may be between two cycles.
+    """
     if args.takes("at"):
         time = args.time("time")
         return _moved(shell, lambda history: history.goto_time(time))
@@ -72,7 +76,7 @@ def _branches(shell: Shell, args: Arguments) -> Answer:
             branch.name,
             branch.begun,
             branch.end.cycle,
-            "; ".join(f"{cycle}: {act}" for cycle, act in branch.acts),
+            "; ".join(f"{done.cycle}: {done.act}" for done in branch.acts),
         )
         for branch in history.branches
     ]

@@ -19,7 +19,7 @@ from rapc.runtime.tasks.start import create_top, release
 from rapc.world import NOT_KNOWN, Time
 
 
-def run_loop(
+def run_loop(  # noqa: PLR0912, PLR0915  # calls in each pass cost time
     run: Run, most: int | None, wait: bool, choose: bool = True, arrive: bool = False
 ) -> str | None:
     """Run the loop until the run is over; return the reason.
