@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from rapc.host import load as load
     from rapc.host import loads as loads
     from rapc.host import methods as methods
+    from rapc.host import methods_text as methods_text
     from rapc.host import rap_text as rap_text
     from rapc.host import run as run
     from rapc.runtime.events.trace import JsonTrace as JsonTrace
@@ -65,7 +66,8 @@ _NAMES = {
         "WorldError"
     ),
     "rapc.host": (
-        "CheckError CheckedLibrary RunResult check load loads methods rap_text run"
+        "CheckError CheckedLibrary RunResult check load loads methods methods_text "
+        "rap_text run"
     ),
     "rapc.runtime.interpreter": "Interpreter",
     "rapc.runtime.events.trace": "JsonTrace TextTrace",

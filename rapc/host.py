@@ -9,10 +9,12 @@ can cause is a `rapc.Error`. Not here: stepping and querying a run
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
+from itertools import count
 from typing import TYPE_CHECKING, Any
 
 import msgspec
+from msgspec.structs import replace
 
 from rapc.analysis.check_files import check_files
 from rapc.analysis.driver import CheckReport, check_library
@@ -25,7 +27,7 @@ from rapc.base.values import Atom, Fact, format_list
 from rapc.compiler.program import Program
 from rapc.errors import ArgumentError, Error, RefusedError, TextError
 from rapc.events import TaskResult
-from rapc.ir.nodes import DefineRap, Method
+from rapc.ir.nodes import DefineMethod, DefineRap, Method, Node, Require
 from rapc.ir.printer import format_node
 from rapc.language.atoms import kind, need_fact
 from rapc.library import loader, saved, saved_check
@@ -339,7 +341,41 @@ def rap_text(run: Interpreter, name: str) -> str:
         raise RefusedError([f"unknown RAP `{name}`"])
     plans = run.methods(run.library.known_rap(name))
     nodes = tuple([plan.node for plan in plans])
-    return format_node(msgspec.structs.replace(rap, methods=nodes))
+    return format_node(replace(rap, methods=nodes))
+
+
+def methods_text(run: Interpreter, requires: Iterable[str] = ()) -> str:
+    """Return the methods that solvers have found in a run, as a library.
+
+    The text has a `define-method` form for each method on a line, which `rapc fmt`
+    formats. A method with the name of a different method of its RAP gets a number
+    behind its name. The text is empty if the solvers have found no method.
+
+    Args:
+        run: the run.
+        requires: the names of required files, for example of the library of the run.
+    """
+    if not isinstance(run, Interpreter):
+        raise ArgumentError(f"`run` is {kind(run)}, no run")
+    forms: list[Node] = [Require(_text(name)) for name in requires]
+    found = run.added_methods
+    for name, plans in found.items():
+        own = run.library.known_rap(name).methods
+        taken = {plan.node.name for plan in own}
+        for plan in plans:
+            method = replace(plan.node, name=_free(plan.node.name, taken))
+            taken.add(method.name)
+            forms.append(DefineMethod(name, method))
+    return "".join(f"{format_node(form)}\n" for form in forms) if found else ""
+
+
+def _free(
+    name: str | int | None, taken: Container[str | int | None]
+) -> str | int | None:
+    """Return the name of a method, or a similar name if the name is taken."""
+    if name is None or name not in taken:
+        return name
+    return next(new for at in count(2) if (new := f"{name}-{at}") not in taken)
 
 
 def methods(text: str) -> tuple[Method, ...]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from functools import partial
 from itertools import chain
 from pathlib import Path
 from typing import Any, TextIO
@@ -72,6 +73,13 @@ _MOST_FRAMES = 1_000_000
     help="Write the state at the time of --until to FILE.",
 )
 @click.option(
+    "--keep",
+    "kept",
+    type=click.Path(dir_okay=False),
+    metavar="FILE",
+    help="Write the methods that solvers found to a new RAP file.",
+)
+@click.option(
     "--show",
     is_flag=True,
     help="Show the world and the robot's beliefs instead of the trace.",
@@ -89,6 +97,7 @@ def run(
     trace: str | None,
     trace_format: str,
     save: str | None,
+    kept: str | None,
     show: bool,
     show_every: int | None,
     **more: Any,
@@ -103,6 +112,10 @@ def run(
     With --save, the run stops before the first cycle at or after the time of --until.
     A test can begin in the saved state.
 
+    With --keep, FILE requires the library and has a `define-method` form for each
+    method that a problem solver has found, also after Ctrl-C. A run of FILE has these
+    methods from the start.
+
     Exit status: 0 if every foreground task succeeded and no background task failed, 1
     if not, 2 if the run could not start.
     """
@@ -114,6 +127,7 @@ def run(
         raise click.UsageError("cannot combine --save and --fault")
     if more["agenda"] is None and not more["tasks"]:
         fail("missing --task or --agenda")
+    keep = _keeping(kept)
     library = load_checked(path)
     end = end_time(until)
     spec = read_spec(world_name, until=end, **more)
@@ -126,6 +140,7 @@ def run(
         refuse_output("--save", save, SAVED_STATE, (library.library.files, told))
     report, mended = RunReport(world.kit.offer.sensors), MendedFailures()
     with ExitStack() as stack, _ended_by_interrupts(interpreter):
+        stack.callback(keep, interpreter, path)
         with interrupts_held():
             if trace is not None:
                 files = (path, *library.library.files)
@@ -148,6 +163,19 @@ def run(
         click.echo(visible(line))
     if not all(map(_went_well, interpreter.results())):
         raise SystemExit(1)
+
+
+def _keeping(file: str | None) -> Callable[[Interpreter, str], None]:
+    """Return the function that writes found methods to a file, if there is one.
+
+    A file that cannot be written ends the command.
+    """
+    if file is None:
+        return lambda interpreter, library: None
+    from rapc.cli.keep import keep, refuse_kept
+
+    refuse_kept(file)
+    return partial(keep, file)
 
 
 def _save_at(interpreter: Interpreter, time: Time, file: str) -> None:

@@ -750,6 +750,11 @@ class Interpreter(Run):
             raise ArgumentError(f"task [{number}] has ended: ask at an earlier moment")
         raise ArgumentError(f"unknown task [{number}]")
 
+    @property
+    def added_methods(self) -> Mapping[str, Sequence[MethodPlan]]:
+        """Return the methods that solvers have added, by RAP."""
+        return self.state.added_methods
+
     def methods(self, rap: RapPlan) -> tuple[MethodPlan, ...]:
         """Return the methods of a RAP, then those that solvers have added."""
         need_part(rap, RapPlan, "a RAP", "run.library")

@@ -156,7 +156,9 @@ def _observe(one: Asker) -> None:
                 if isinstance(part.part, Proposition):
                     run.pattern(part.part, env)
             assert all(part.solutions for part in asked[:-1])
-        for method in run.methods(task.plan):
+        methods = run.methods(task.plan)
+        assert set(methods).issuperset(run.added_methods.get(task.plan.name, ()))
+        for method in methods:
             run.obstacle(task, method, task.env)
         run.notations(task)
 
