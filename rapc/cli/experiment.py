@@ -16,10 +16,12 @@ from rapc.cli.common import load_checked, print_line, width_of
 from rapc.cli.options import WholeNumber, command, fail, say, settings
 from rapc.console.experiments import output
 from rapc.console.experiments.tables import show
+from rapc.debug import costs
 from rapc.errors import reason
 from rapc.experiments import definition
 from rapc.experiments.batch import BatchResult, Workers, WorkersLost, jobs, run_batch
 from rapc.experiments.local import LocalWorkers, cores
+from rapc.experiments.points import Point
 from rapc.experiments.session import Batch
 from rapc.experiments.store import Store, StoreError, sole_user
 from rapc.experiments.summary import PartSummary
@@ -28,6 +30,7 @@ EXAMPLES = """\b
 Examples:
   rapc experiment chapter6 --part one --seeds 10
   rapc experiment my-experiment.toml --jobs 4 --out results
+  rapc experiment my-experiment.toml --against ../yesterday/my-library
   rapc experiment my-experiment.toml --cluster tcp://10.0.0.5:8786
 """
 
@@ -66,6 +69,12 @@ _MOST_FAULTS = 10
     help="Folder for the results [default: NAME-results].",
 )
 @click.option(
+    "--against",
+    type=click.Path(),
+    metavar="LIBRARY",
+    help="Also run LIBRARY, and print what has changed since.",
+)
+@click.option(
     "--cluster",
     metavar="ADDRESS",
     help="Run on the workers of the Dask scheduler at ADDRESS.",
@@ -76,6 +85,7 @@ def experiment(
     seeds: int | None,
     processes: int | None,
     out: str | None,
+    against: str | None,
     cluster: str | None,
 ) -> None:
     """Run the experiment NAME of rapc, or the experiment in FILE.toml.
@@ -83,20 +93,26 @@ def experiment(
     Each result is saved when its run ends. If the experiment was interrupted, the same
     command runs only the missing runs.
 
+    With --against, each seed is also run with LIBRARY. The table of changes has the
+    figures whose average differs, with the 95 % confidence interval of the difference.
+
     Exit status: 0 if every run has a result, 1 if a run has none, 2 if no run could
     start.
     """
     if cluster is not None and processes is not None:
         raise click.UsageError("cannot combine --jobs and --cluster")
-    session = _session(name, parts, seeds)
+    session = _session(name, parts, seeds, against)
     folder = _folder(out or f"{session.made.name}-results")
     _check_outputs(session, folder)
     with sole_user(folder), Store(folder / output.RESULTS) as store:
         faults = _run_missing(session, store, cluster, processes)
         summaries = list(session.summaries(store))
+        compared = list(session.pairs(store))
     for summary in summaries:
         if summary.part.name in session.chosen:
             _print(summary)
+    for before, after, pairs in compared:
+        _print_changes(before, after, [*pairs.values()])
     _write(session, summaries, folder)
     if not settings().quiet:
         click.echo(f"results, tables and plots: `{visible(str(folder))}`")
@@ -104,10 +120,12 @@ def experiment(
     raise SystemExit(1 if faults else 0)
 
 
-def _session(name: str, parts: Sequence[str], seeds: int | None) -> Batch:
+def _session(
+    name: str, parts: Sequence[str], seeds: int | None, against: str | None
+) -> Batch:
     file = definition.experiment_file(name)
     made = definition.read_experiment(file)
-    return Batch(made, file.parent, load_checked, parts, seeds)
+    return Batch(made, file.parent, load_checked, parts, seeds, against)
 
 
 def _folder(name: str) -> Path:
@@ -261,6 +279,20 @@ def _draw(summaries: Sequence[PartSummary], folder: Path) -> list[str]:
             draw_plot([summary, *others], folder / name)
             drawn.append(name)
     return drawn
+
+
+def _print_changes(before: Point, after: Point, pairs: Sequence[costs.Pair]) -> None:
+    """Print what has changed between the libraries of two points."""
+    from rapc.repl.draw import draw
+
+    said = f"part `{after.part}`"
+    if after.value is not None:
+        said += f", {show(after.value)}"
+    print_line("title", f"{said}: {before.library} and {after.library}")
+    if pairs:
+        answer = costs.table_of(pairs, ("before", "after"))
+        width, color = width_of(sys.stdout), settings().colored()
+        click.echo(draw(answer, width, color=color))
 
 
 def _print(summary: PartSummary) -> None:

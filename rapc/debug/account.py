@@ -1,10 +1,12 @@
 """Account of the time of a run: actions, waits and suspensions, from its events.
 
 The account needs no library: it works for recorded runs, and in the workers of
-experiments. Each moment of a run counts for the request or the skills that began last
-among those under way. A moment without them counts for the wait that ended the
-interval: the wait of the first task that could go on. The same holds for the time of
-each family.
+experiments. Each moment of a run, and of a family, counts for the request or the skills
+that began last among those under way. A moment of a family without them counts for the
+wait that ended the interval: the wait of the first task that could go on. A moment of a
+run without them counts for a wait that does not depend on other tasks: the wait of a
+family that holds things for which others wait, or else of a foreground task, or else of
+a background task; the latest of these.
 """
 
 from __future__ import annotations
@@ -18,7 +20,7 @@ import msgspec
 from rapc import events
 from rapc.base.values import Fact, format_list
 from rapc.debug.log import ToldEvent
-from rapc.events import Event
+from rapc.events import Event, Goal
 from rapc.runtime.task_request import read_task_request
 from rapc.world import Time
 
@@ -31,6 +33,12 @@ SUSPENDED = "suspended"
 
 KINDS = (ACTING, SENSING, WAITING, SUSPENDED)
 """The kinds of time, in the order of tables."""
+
+
+_ROOTS = ("monitor", "window", "signal")
+"""The kinds of waits that do not depend on other tasks."""
+
+_ARRIVAL = "arrival of "
 
 
 class Wait(msgspec.Struct, eq=False):
@@ -103,15 +111,24 @@ class Family(msgspec.Struct, eq=False):
     background: bool = False
 
 
+class _Begun(NamedTuple):
+    """A wait of a task that has begun; see `Wait`."""
+
+    kind: str
+    on: str
+    by: int | None
+    start: Time
+
+
 class _Task(msgspec.Struct, eq=False):
     """A live task, with its wait or None."""
 
-    rap: str
-    goal: str
+    number: int
+    goal: Goal
     family: int
     parent: int | None
     made: Time
-    wait: Wait | None = None
+    wait: _Begun | None
     #: The time at which the last child ended; None before.
     child_ended: Time | None = None
 
@@ -127,7 +144,7 @@ class _Lane:
 
     def spend(self, now: Time, waited: Piece) -> None:
         """Count the time up to `now`: for the last request, or else as `waited`."""
-        if now > self.since:
+        if self.since < now:
             mine = waited
             if self.under_way:
                 mine = self.under_way[next(reversed(self.under_way))]
@@ -139,7 +156,7 @@ class _Lane:
             self.since = now
 
 
-_ENDS_OF_REQUESTS = (
+_ENDS_OF_REQUESTS: tuple[type[Event], ...] = (
     events.PrimitiveEnded,
     events.PrimitiveCancelled,
     events.RequestRefused,
@@ -151,6 +168,13 @@ _ENDS_OF_TASKS: Mapping[type[Event], str] = {
     events.TaskRemoved: "removed",
 }
 
+_OF_TASKS: tuple[type[Event], ...] = (
+    *(events.TaskSelected, events.TaskBlocked, events.TaskWoken),
+    *(events.MethodSuspended, events.PrimitiveRequested, events.SkillEnabled),
+    *_ENDS_OF_TASKS,
+)
+"""The events of a live task."""
+
 
 class Account:
     """The time of a run: a listener for `Interpreter.listen` with `Account.kinds`.
@@ -160,12 +184,9 @@ class Account:
     """
 
     kinds: tuple[type[Event], ...] = (
-        *(events.RunStarted, events.TaskCreated, events.TaskSelected),
-        *(events.TaskBlocked, events.TaskWoken, events.MethodSuspended),
-        *_ENDS_OF_TASKS,
-        *(events.PrimitiveRequested, *_ENDS_OF_REQUESTS),
-        *(events.SkillEnabled, events.SkillDisabled, events.SignalReceived),
-        events.RunEnded,
+        *(events.RunStarted, events.TaskCreated),
+        *(*_OF_TASKS, *_ENDS_OF_REQUESTS),
+        *(events.SkillDisabled, events.SignalReceived, events.RunEnded),
     )
     """The events that an account is made of."""
 
@@ -205,38 +226,33 @@ class Account:
         """The time of each family, from its arrival to its end."""
         return {task: lane.pieces for task, lane in self._of_family.items()}
 
-    def __call__(self, event: Event) -> None:
-        """Count an event object."""
-        keys = {name: getattr(event, name) for name in event.__struct_fields__}
-        self.take(ToldEvent(type(event), event.n, event.cycle, event.time, keys))
-
-    def take(self, told: ToldEvent) -> None:
+    def __call__(self, event: Any) -> None:
         """Count an event; events of other kinds than `Account.kinds` are ignored."""
-        kind, keys, self.now = told.kind, told.keys, told.time
-        number = keys.get("task")
-        if kind is events.RunStarted:
-            given = map(read_task_request, keys["spec"].tasks)
-            self._background = {format_list(t.goal) for t in given if t.background}
-        elif kind is events.RunEnded:
-            self.reason = keys["reason"]
-            for one in keys["results"]:
-                if one.task in self.families:
-                    self.families[one.task].background = one.background
-        elif kind is events.TaskCreated:
-            self._create(keys)
+        kind, self.now = type(event), event.time
+        number: Any = getattr(event, "task", None)
+        if kind is events.TaskCreated:
+            self._create(event)
+        elif kind in _OF_TASKS:
+            task = self._tasks.get(number)
+            if task is not None:
+                self._take(task, event)
         elif kind is events.SignalReceived:
             if number in self._activations:
-                self._activations[number].heard.append(keys["what"])
+                self._activations[number].heard.append(event.what)
         elif kind in _ENDS_OF_REQUESTS:
             if kind is events.RequestRefused:
                 self._refused = number
-            self._end_request(number, keys["request"])
+            self._end_request(number, event.request)
         elif kind is events.SkillDisabled:
             self._disable(number)
-        elif number in self._tasks:
-            if keys.get("cause") == "run-over":
-                self._spend_all()
-            self._take(kind, number, self._tasks[number], keys)
+        elif kind is events.RunStarted:
+            given = map(read_task_request, event.spec.tasks)
+            self._background = {format_list(t.goal) for t in given if t.background}
+        elif kind is events.RunEnded:
+            self.reason = event.reason
+            for one in event.results:
+                if one.task in self.families:
+                    self.families[one.task].background = one.background
 
     def close(self, now: Time) -> None:
         """Count the time up to `now` for all that is under way.
@@ -248,104 +264,108 @@ class Account:
         self._spend_all()
         for task in self._tasks.values():
             self._end_wait(task)
-        for spell in self.spells:
+        for spell in (*self._requests, *self._activations.values()):
             if spell in self._requests or spell.on:
                 spell.stop = self.now
 
     def _spend_all(self) -> None:
         """Count the time up to now for the run and all live families."""
         self._closing = True
-        last: dict[int | None, Wait] = {}
-        for task in self._tasks.values():
-            wait = task.wait
-            if wait is not None:
-                for key in (None, task.family):
-                    if key not in last or wait.start >= last[key].start:
-                        last[key] = wait
+        last: dict[int | None, tuple[Time, _Task]] = {}
+        for one in self._tasks.values():
+            if one.wait is not None:
+                for key in (None, one.family):
+                    if key not in last or one.wait.start >= last[key][0]:
+                        last[key] = one.wait.start, one
         for key, lane in ((None, self._run), *self._of_family.items()):
             if key is None or self.families[key].ended is None:
-                number = last[key].task if key in last else None
-                lane.spend(self.now, self._waited(number))
+                lane.spend(
+                    self.now, self._waited(last[key][1] if key in last else None)
+                )
 
     # --- events -----------------------------------------------------------------------
 
-    def _create(self, keys: Mapping[str, Any]) -> None:
-        number, goal, family = keys["task"], keys["goal"], keys["family"]
-        rap, text = goal.name, str(goal)
-        task = _Task(rap, text, family, keys["parent"], self.now)
-        if keys["parent"] is None:
-            arrival = Piece(0, 0, family, number, WAITING, f"arrival of {rap}", text)
-            self._run.spend(self.now, arrival)
+    def _create(self, event: events.TaskCreated) -> None:
+        number, goal, family = event.task, event.goal, event.family
+        wait = _Begun("order", "preceding steps", None, self.now)
+        if event.parent is None:
+            rap, text = goal.name, str(goal)
+            said = f"{_ARRIVAL}{rap}"
+            arrival = Piece(0, 0, family, number, WAITING, said, text)
+            if self._run.since < self.now:
+                self._run.spend(self.now, self._awaited(arrival))
             self._of_family[family] = _Lane(self.now)
             made = Family(number, text, rap, self.now)
             made.background = text in self._background
             self.families[family] = made
-            task.wait = self._new_wait(number, task, "turn", "its selection")
+            wait = self._turn()
         else:
-            self.parents[number] = keys["parent"]
-            task.wait = self._new_wait(number, task, "order", "preceding steps")
-        self._tasks[number] = task
+            self.parents[number] = event.parent
+        self._tasks[number] = _Task(number, goal, family, event.parent, self.now, wait)
 
-    def _take(
-        self, kind: type[Event], number: int, task: _Task, keys: Mapping[str, Any]
-    ) -> None:
+    def _turn(self) -> _Begun:
+        return _Begun("turn", "its selection", None, self.now)
+
+    def _take(self, task: _Task, event: Any) -> None:
         """Count an event of a live task."""
+        kind = type(event)
         if kind is events.PrimitiveRequested:
+            parts = [event.request]
             self._begin(
-                Spell(self.now, self.now, task.family, number, [keys["request"]])
+                Spell(self.now, self.now, task.family, task.number, parts), task
             )
             return
         if kind is events.SkillEnabled:
-            self._enable(number, task, keys)
+            self._enable(task, event)
             return
-        self._spend(number, task)
+        if kind is events.TaskRemoved and event.cause == "run-over":
+            self._spend_all()
+        self._spend(task)
         self._end_wait(task)
         if kind is events.TaskBlocked:
-            task.wait = self._blocked(number, task, keys["on"], keys.get("holder"))
+            wait = self._blocked(task, event.on, event.holder)
+            task.wait = _Begun(wait, event.on, event.holder, self.now)
         elif kind is events.MethodSuspended:
-            on, by = keys["for_"], keys["by"]
-            task.wait = self._new_wait(number, task, "suspended", on, by)
+            task.wait = _Begun(SUSPENDED, event.for_, event.by, self.now)
         elif kind is events.TaskWoken:
-            task.wait = self._new_wait(number, task, "turn", "its selection")
+            task.wait = self._turn()
         elif kind in _ENDS_OF_TASKS:
-            outcome = _ENDS_OF_TASKS[kind]
-            self._end_task(
-                number, task, "" if keys.get("cause") == "run-over" else outcome
-            )
-        if number == self._refused:
+            self._end_task(task, event)
+        if task.number == self._refused:
             self._refused = None
 
-    def _blocked(self, number: int, task: _Task, on: str, by: int | None) -> Wait:
-        """Return the wait of a task that is blocked."""
+    def _blocked(self, task: _Task, on: str, by: int | None) -> str:
+        """Return the kind of the wait of a task that is blocked."""
         if by is not None:
-            kind = "device" if number == self._refused else "thing"
-        elif on.startswith("(:"):
-            kind = "signal"
-        else:
-            kind = "window" if on.startswith("time ") else "monitor"
-        return self._new_wait(number, task, kind, on, by)
-
-    def _new_wait(
-        self, number: int, task: _Task, kind: str, on: str, by: int | None = None
-    ) -> Wait:
-        now, goal = self.now, task.goal
-        return Wait(kind, on, now, now, number, goal, task.family, by)
+            return "device" if task.number == self._refused else "thing"
+        if on.startswith("(:"):
+            return "signal"
+        return "window" if on.startswith("time ") else "monitor"
 
     def _end_wait(self, task: _Task) -> None:
         """End the wait of a task, if any; a step may have waited for its window too."""
-        wait, task.wait = task.wait, None
-        if wait is None or wait.start == self.now:
+        begun, task.wait = task.wait, None
+        if begun is None or begun.start == self.now:
             return
-        ordered = self._order_until(task)
-        if wait.kind == "order" and ordered < self.now:
-            window = msgspec.structs.replace(
-                wait, kind="window", on="its start time", start=ordered, stop=self.now
-            )
-            wait.stop = ordered
-            self.waits += [wait, window] if ordered > wait.start else [window]
-        else:
-            wait.stop = self.now
-            self.waits.append(wait)
+        ordered = self._order_until(task) if begun.kind == "order" else self.now
+        if begun.start < ordered:
+            self._add_wait(task, begun.kind, begun.on, begun.start, ordered, begun.by)
+        if ordered < self.now:
+            self._add_wait(task, "window", "its start time", ordered, self.now)
+
+    def _add_wait(  # the fields of a wait
+        self,
+        task: _Task,
+        kind: str,
+        on: str,
+        start: Time,
+        stop: Time,
+        by: int | None = None,
+    ) -> None:
+        goal = str(task.goal)
+        self.waits.append(
+            Wait(kind, on, start, stop, task.number, goal, task.family, by)
+        )
 
     def _order_until(self, task: _Task) -> Time:
         """Return the time at which the steps before a step had ended."""
@@ -359,22 +379,21 @@ class Account:
         others = (one for one in self._tasks.values() if one is not task)
         return any(one.parent == task.parent for one in others)
 
-    def _end_task(self, number: int, task: _Task, outcome: str) -> None:
-        del self._tasks[number]
+    def _end_task(self, task: _Task, event: Any) -> None:
+        del self._tasks[task.number]
         parent = self._tasks.get(task.parent or 0)
         if parent is not None:
             parent.child_ended = self.now
-        family = self.families.get(number)
-        if family is not None and outcome:
-            family.ended, family.outcome = self.now, outcome
+        over = type(event) is events.TaskRemoved and event.cause == "run-over"
+        if task.parent is None and not over:
+            family = self.families[task.number]
+            family.ended, family.outcome = self.now, _ENDS_OF_TASKS[type(event)]
 
     # --- requests and skills ----------------------------------------------------------
 
-    def _begin(self, spell: Spell) -> None:
+    def _begin(self, spell: Spell, task: _Task) -> None:
         """Begin a request or an activation."""
-        assert spell.task is not None
-        task = self._tasks[spell.task]
-        self._spend(spell.task, task)
+        self._spend(task)
         self.spells.append(spell)
         if not spell.on:
             self._requests.append(spell)
@@ -382,7 +401,7 @@ class Account:
             name = str(spell.parts[0][0])
             kind = SENSING if name in self._sensors else ACTING
             piece = Piece(0, 0, task.family, spell.task, kind, name)
-            for lane in self._lanes(task):
+            for lane in (self._run, self._of_family[task.family]):
                 lane.under_way[id(spell)] = piece
 
     def _end_request(self, number: int | None, request: Fact) -> None:
@@ -395,38 +414,32 @@ class Account:
     def _finish(self, spell: Spell) -> None:
         """End a request or an activation; its task may have ended before."""
         spell.stop = self.now
-        nothing = self._waited(None)
-        lanes = [self._run]
-        if spell.family in self._of_family:
-            lanes.append(self._of_family[spell.family])
-        for lane in lanes:
+        assert spell.family is not None
+        assert spell.task is not None
+        for lane in (self._run, self._of_family[spell.family]):
             if id(spell) in lane.under_way:
-                lane.spend(self.now, nothing)
+                if lane.since < self.now:
+                    lane.spend(self.now, self._waited(None))
                 del lane.under_way[id(spell)]
-        if spell.stop > spell.start and not spell.on and spell.task is not None:
-            self._wait_for_device(spell)
-
-    def _wait_for_device(self, spell: Spell) -> None:
-        task = self._tasks.get(spell.task or 0)
-        if task is not None:
+        task = self._tasks.get(spell.task)
+        if task is not None and spell.stop > spell.start and not spell.background:
             on = format_list(spell.parts[0])
-            times = (spell.start, spell.stop, spell.task or 0)
-            self.waits.append(Wait("device", on, *times, task.goal, task.family))
+            self._add_wait(task, "device", on, spell.start, spell.stop)
 
-    def _enable(self, number: int, task: _Task, keys: Mapping[str, Any]) -> None:
-        known = self._activations.get(number)
+    def _enable(self, task: _Task, event: events.SkillEnabled) -> None:
+        known = self._activations.get(task.number)
         if known is None or not known.on:
-            background = bool(keys.get("background"))
-            known = Spell(self.now, self.now, task.family, number, [keys["what"]])
-            known.heard, known.on, known.background = [], 1, background
-            self._activations[number] = known
-            self._begin(known)
+            parts = [event.what]
+            known = Spell(self.now, self.now, task.family, task.number, parts)
+            known.on, known.background = 1, event.background
+            self._activations[task.number] = known
+            self._begin(known, task)
             return
         known.on += 1
-        if keys["what"] not in known.parts:
-            known.parts.append(keys["what"])
+        if event.what not in known.parts:
+            known.parts.append(event.what)
 
-    def _disable(self, number: Any) -> None:
+    def _disable(self, number: int) -> None:
         known = self._activations[number]
         known.on -= 1
         if not known.on:
@@ -434,45 +447,78 @@ class Account:
 
     # --- the time of lanes ------------------------------------------------------------
 
-    def _lanes(self, task: _Task) -> tuple[_Lane, ...]:
-        family = self._of_family.get(task.family)
-        return (self._run,) if family is None else (self._run, family)
-
-    def _spend(self, number: int, task: _Task) -> None:
+    def _spend(self, task: _Task) -> None:
         """Count the time up to now; the wait of `task` has ended an idle interval."""
-        waited = None
-        for lane in self._lanes(task):
-            if lane.since < self.now:
-                waited = waited or self._waited(number)
-                lane.spend(self.now, waited)
+        family = self._of_family[task.family]
+        if self._run.since < self.now or family.since < self.now:
+            waited = self._waited(task)
+            family.spend(self.now, waited)
+            if not self._run.under_way:
+                waited = self._awaited(waited)
+            self._run.spend(self.now, waited)
 
-    def _waited(self, number: int | None) -> Piece:
+    def _awaited(self, other: Piece) -> Piece:
+        """Return the piece of an idle interval of the run; see the head of the module.
+
+        Args:
+            other: the result if all waits depend on other tasks; an arrival of a task
+                counts before the waits of background tasks.
+        """
+        latest: dict[int, _Task] = {}
+        holders = set()
+        for task in self._tasks.values():
+            wait = task.wait
+            if wait is None:
+                continue
+            if wait.by is not None:
+                holder = self._tasks.get(wait.by)
+                if holder is not None and holder.family != task.family:
+                    holders.add(holder.family)
+            elif wait.kind in _ROOTS:
+                known = latest.get(task.family)
+                if known is None or known.wait.start <= wait.start:  # type: ignore[union-attr]
+                    latest[task.family] = task
+        arrives = other.what.startswith(_ARRIVAL)
+        ahead = {n for n in latest if not self.families[n].background}
+        for families in (holders, ahead, set() if arrives else set(latest)):
+            roots = [latest[number] for number in families if number in latest]
+            if roots:
+                return self._waited(max(roots, key=_since))
+        return other
+
+    def _waited(self, task: _Task | None) -> Piece:
         """Return the piece of an idle interval that the wait of a task has ended."""
-        task = self._tasks.get(number or 0)
         if task is None:
             return Piece(0, 0, None, None, WAITING, "a task")
-        wait = task.wait
-        if wait is None:
-            what, on = f"the turn of {task.rap}", task.goal
-            return Piece(0, 0, task.family, number, WAITING, what, on)
-        kind, on = wait.kind, wait.on
+        rap = task.goal.name
+        kind, on, by, _ = task.wait or _Begun("turn", "its selection", None, 0)
         if kind == "order" and self._order_until(task) < self.now:
             kind, on = "window", "its start time"
-        family = self.families.get(self._family_of(wait.by))
-        by = "a task that has ended" if family is None else family.rap
-        whats = {
-            "signal": f"signal {on[1:].rstrip(')').split(' ')[0]} for {task.rap}",
-            "thing": f"{on} of {by}",
-            "device": f"the request {on[1:].rstrip(')').split(' ')[0]} of {by}",
-            SUSPENDED: f"by {by} for {on}",
-        }
-        what = whats.get(kind, f"{kind} of {task.rap}")
+        what = f"{kind} of {rap}"
+        if kind == "signal":
+            what = f"signal {_first_word(on)} for {rap}"
+        elif by is not None:
+            holder = self._tasks.get(by)
+            of = "a task that has ended"
+            if holder is not None:
+                of = self.families[holder.family].rap
+            what = f"{on} of {of}"
+            if kind == "device":
+                what = f"the request {_first_word(on)} of {of}"
+            elif kind == SUSPENDED:
+                what = f"by {of} for {on}"
         kind = SUSPENDED if kind == SUSPENDED else WAITING
-        return Piece(0, 0, task.family, number, kind, what, on)
+        return Piece(0, 0, task.family, task.number, kind, what, on)
 
-    def _family_of(self, number: int | None) -> int:
-        task = self._tasks.get(number or 0)
-        return 0 if task is None else task.family
+
+def _since(task: _Task) -> tuple[Time, int]:
+    """Return the start of the wait of a task, and its number."""
+    return task.wait.start if task.wait is not None else 0, task.number
+
+
+def _first_word(text: str) -> str:
+    """Return the first word of a list as text."""
+    return text[1:].rstrip(")").split(" ")[0]
 
 
 def account_of(
@@ -483,7 +529,7 @@ def account_of(
     for one in told:
         if one.time > now:
             break
-        found.take(one)
+        found(one.event())
     found.close(now)
     return found
 

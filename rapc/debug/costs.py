@@ -18,7 +18,7 @@ from rapc.debug.account import (
     Account,
     Piece,
 )
-from rapc.debug.answer import Cell
+from rapc.debug.answer import Answer, Cell, table
 
 _MOST_ROWS = 6
 """The highest number of rows of a section."""
@@ -249,6 +249,28 @@ def verdict(
     slower = time.is_one and time.difference >= threshold / 100 * time.before
     worse = done.difference < 0 if done.is_one else slower and time.difference > 0
     return Verdict(tuple(told) or ("no difference in time and successes",), worse)
+
+
+def table_of(
+    pairs: Sequence[Pair],
+    names: tuple[str, str],
+    *lines: str,
+    notes: Sequence[str] = (),
+) -> Answer:
+    """Return the verdict, further lines, and the table of the changes."""
+    said = (*verdict(pairs, names).lines, *by_pair(pairs), *lines)
+    made, none = rows(changes(pairs)), "no difference in times"
+    return table(columns(*names), made, *said, none=none, notes=notes)
+
+
+def by_pair(pairs: Sequence[Pair]) -> Iterator[str]:
+    """Yield a line with the number of pairs by their difference in time."""
+    if len(pairs) > 1:
+        slower = sum(after.time > before.time for before, after in pairs)
+        faster = sum(after.time < before.time for before, after in pairs)
+        equal = sum(after == before for before, after in pairs)
+        said = f"slower in {slower} of {len(pairs)} seeds, faster in {faster}"
+        yield f"{said}, equal in all figures in {equal}"
 
 
 def in_per_cent(one: Change) -> str:

@@ -7,6 +7,7 @@ from collections.abc import Container, Iterable, Mapping
 import msgspec
 
 from rapc import events
+from rapc.debug.costs import Times
 from rapc.world import Time
 
 LABELS: Mapping[str, str] = {
@@ -68,6 +69,8 @@ class Measures(msgspec.Struct, frozen=True):
     figures: Mapping[str, float] = {}
     #: The counted tasks that have come, in the order of arrival.
     tasks: tuple[TaskTold, ...] = ()
+    #: The time of the run by kind, family and request, if requested.
+    times: Times | None = None
 
 
 def tasks_told(

@@ -50,7 +50,11 @@ class Point(msgspec.Struct, frozen=True):
 
 
 def points(
-    experiment: Experiment, folder: Path, load: Callable[[str], Program]
+    experiment: Experiment,
+    folder: Path,
+    load: Callable[[str], Program],
+    *,
+    timed: bool = False,
 ) -> tuple[Point, ...]:
     """Return the points of all parts, in order.
 
@@ -58,17 +62,18 @@ def points(
         experiment: the experiment.
         folder: the folder of its file.
         load: returns the checked library of a file or folder.
+        timed: whether the time of each run is divided; see `PointConfig`.
 
     Raises:
         ExperimentError: if a world, an option, a setting, an agenda, a RAP or a task of
             the experiment is unknown.
     """
     with _blamed():
-        return tuple(_points(experiment, folder, load))
+        return tuple(_points(experiment, folder, load, timed))
 
 
 def _points(
-    experiment: Experiment, folder: Path, load: Callable[[str], Program]
+    experiment: Experiment, folder: Path, load: Callable[[str], Program], timed: bool
 ) -> Iterator[Point]:
     world = registry.find_world(experiment.world)
     for part in experiment.part:
@@ -81,6 +86,7 @@ def _points(
         for value in part.values or (None,):
             texts = _texts(experiment, part, value, folder)
             config = _config(experiment, library, world, texts, given)
+            config = msgspec.structs.replace(config, timed=timed)
             _try(library, config)
             digest = config.digest()
             yield Point(part.name, value, config, digest, texts, path, agenda, more)

@@ -19,6 +19,8 @@ import msgspec
 
 from rapc.base.source import SourceFile
 from rapc.compiler.program import Program
+from rapc.debug.account import Account
+from rapc.debug.costs import times_of
 from rapc.errors import Error
 from rapc.events import DeadlineMissed, QueryFaulted, TaskSucceeded
 from rapc.experiments.draws import Draws, drawn, with_draws
@@ -50,6 +52,8 @@ class PointConfig(msgspec.Struct, frozen=True):
     count: Mapping[str, str]
     #: The requested ground-truth figures of the world.
     figures: tuple[str, ...] = ()
+    #: Whether the time of a run is divided by kind, family and request.
+    timed: bool = False
     #: The values that each seed draws; their names are in braces in the spec and in
     #: `texts`.
     draws: Draws = {}
@@ -177,7 +181,7 @@ def measure(config: PointConfig, seed: int) -> Measures:
     """
     config = resolved(config, drawn(config.draws, seed))
     spec = msgspec.structs.replace(config.spec, seed=seed)
-    world_class = registry.find_world(spec.world)
+    world_class = registry.find_world(spec.world_class or spec.world)
     if digest_of_code(world_class) != config.code:
         raise OtherCode("the worker has another version of rapc or of the world")
     world = registry.world_of(spec)
@@ -185,8 +189,12 @@ def measure(config: PointConfig, seed: int) -> Measures:
     interpreter = Interpreter.prepared(library, world, spec)
     report = RunReport()
     interpreter.listen(report, *RunReport.kinds, TaskSucceeded)
+    account = Account(world.kit.offer.sensors)
+    if config.timed:
+        interpreter.listen(account, *Account.kinds)
     interpreter.start()
     reason = interpreter.run(until=spec.until)
+    account.close(interpreter.now)
     raps = [
         str(task.goal[0])
         for task in counted_tasks(interpreter.first_tasks, config.counted)
@@ -211,6 +219,7 @@ def measure(config: PointConfig, seed: int) -> Measures:
         query_faults=report.others[QueryFaulted],
         figures={name: figures[name] for name in config.figures},
         tasks=told,
+        times=times_of(account) if config.timed else None,
     )
 
 

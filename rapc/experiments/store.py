@@ -24,7 +24,7 @@ try:
 except ModuleNotFoundError:  # not a POSIX system
     fcntl = None  # type: ignore[assignment]
 
-FORMAT = 2
+FORMAT = 3
 """The version of the tables; different versions are refused."""
 
 _MEASURES = Measures.__struct_fields__
@@ -44,7 +44,7 @@ create table result (
 _PATIENCE = 60
 """The time limit for locks of other processes, in seconds: a process may be stopped."""
 
-_IN_JSON = ("counts", "figures", "tasks")
+_IN_JSON = ("counts", "figures", "tasks", "times")
 """The measures that are stored as JSON in one column."""
 
 _NO_LOCKS = (errno.EBADF, errno.ENOLCK, errno.EOPNOTSUPP, errno.EINVAL, errno.ENOSYS)

@@ -74,7 +74,7 @@ def test_steps_wait_for_order_then_for_a_window_or_a_signal() -> None:
     assert ("signal", "(:call ?x)", 4, 0, 20) in told
     assert [one[3] for one in _pieces(found)] == [
         "go",
-        "window of drive",
+        "signal :call for drive",
         "go",
         "signal :call for drive",
         "go",

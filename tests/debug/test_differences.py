@@ -60,8 +60,8 @@ def test_comparison_with_another_library_names_cause_and_cost(
         "    woken by (can-help ?)",
     )
     assert _row(found, "kind", "waiting") == (272, 456)
-    assert _row(found, "family", "(stay-charged)") == (300, 144)
-    assert _row(found, "waiting", "monitor of stay-until-charged") == (180, 0)
+    assert _row(found, "family", "(stay-charged)") == (300, 447)
+    assert _row(found, "waiting", "monitor of stay-until-charged") == (180, 323)
     waited = "(stay-charged): waiting for monitor of stay-until-charged"
     assert _row(found, "in family", waited) == (180, 323)
     place = str(never_charged / "charging.rap")

@@ -16,7 +16,7 @@ from rapc.experiments.store import sole_user
 from tests.cli.command import rapc
 from tests.effort import first
 
-from .small_experiment import on_a_terminal, rows, session, wait_for, watched
+from .small_experiment import CHECKOUT, on_a_terminal, rows, session, wait_for, watched
 
 pytestmark = pytest.mark.xdist_group("experiment")
 
@@ -216,3 +216,36 @@ def test_help_imports_nothing_of_it() -> None:
         check=False,
     )
     assert done.stdout.splitlines()[-1] == "[]"
+
+
+SHIFT = """\
+library = "slow"
+world = "courier"
+agenda = "shift"
+until = 3000
+[[part]]
+name = "shift"
+"""
+
+
+def test_changes_against_another_library_are_printed(tmp_path: Path) -> None:
+    courier = CHECKOUT / "examples" / "courier"
+    (tmp_path / "slow").mkdir()
+    for file in courier.glob("*.rap"):
+        text = file.read_text().replace("(< ?level 48)", "(< ?level 85)")
+        (tmp_path / "slow" / file.name).write_text(text)
+    (tmp_path / "shift.toml").write_text(SHIFT)
+    run = ("experiment", "shift.toml", "--out", "out", "--seeds", "3", "--against")
+    done = rapc(*run, str(courier), cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    told = done.stdout.partition(f"part `shift`: {courier} and slow\n")[2].splitlines()
+    assert re.match(
+        r"time: before \d+.*, after \d+.* \(\+\d+\.\d ± \d+\.\d %\)", told[0]
+    )
+    assert told[1] == "tasks succeeded: before 3, after 0 (-100.0 %)"
+    assert re.match(r"slower in \d of 3 seeds, faster in \d, equal ", told[2])
+    row = r"waiting +monitor of stay-until-charged +\d+.* \+\d+"
+    assert any(re.match(row, line) for line in told)
+    again = rapc("-v", *run, str(courier), cwd=tmp_path)
+    assert "\n0 runs are missing\n" in again.stderr
+    assert again.stdout == done.stdout

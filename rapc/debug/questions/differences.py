@@ -22,11 +22,12 @@ from rapc.debug.questions import why
 from rapc.debug.questions.times import sensors_of
 from rapc.debug.recording import Playback, Recording
 from rapc.debug.reload import differing
-from rapc.errors import ArgumentError, StateError
+from rapc.errors import ArgumentError, Error, StateError
 from rapc.host import load
 from rapc.library.library import Library
 from rapc.runtime.events.trace import record
 from rapc.runtime.interpreter import Interpreter
+from rapc.spec import RunSpec
 from rapc.world import Time
 from rapc.worlds.registry import world_of
 
@@ -50,8 +51,7 @@ def diff(history: History, args: Arguments) -> Answer:
     and a table with the cost of all differences in time.
     """
     if args and not args.peek().isdecimal():
-        here, there = this_run(history), _other(history, args)
-        return compared(here, there)
+        return compared(this_run(history), _other(history, args)).answer
     history.check_is_run()
     first = args.count("cycle")
     second = args.count("cycle", history.cycle)
@@ -99,6 +99,7 @@ class Side(msgspec.Struct):
     now: Time
     #: Whether the run is over at the moment.
     over: bool
+    spec: RunSpec
     sensors: Collection[str] = ()
     #: A history of the run that can explain its past decisions, if there is one.
     history: History | None = None
@@ -112,8 +113,13 @@ def this_run(history: History, name: str = "here") -> Side:
     if history.is_run:
         library = history.library.program.library
     explains = history if history.is_run and not history.no_way_back else None
-    now, over, sensors = history.now, history.over, sensors_of(history)
-    return Side(name, told, now, over, sensors, explains, library)
+    now, over, spec, sensors = (
+        history.now,
+        history.over,
+        history.spec,
+        sensors_of(history),
+    )
+    return Side(name, told, now, over, spec, sensors, explains, library)
 
 
 def recorded_run(path: Path, name: str = "there") -> Side:
@@ -150,8 +156,9 @@ def _branch(history: History, name: str) -> Side:
     told = history.told_by(name)
     now = told[-1].time if told else 0
     over = any(one.kind is events.RunEnded for one in told)
+    spec, sensors = history.spec, sensors_of(history)
     library = history.library.program.library
-    return Side(name, told, now, over, sensors_of(history), None, library)
+    return Side(name, told, now, over, spec, sensors, None, library)
 
 
 _LONGER = 10
@@ -403,13 +410,26 @@ def _state_at(side: Side, told: ToldEvent) -> str:
 # --- the whole comparison -----------------------------------------------------------
 
 
+def _library(side: Side) -> Library | None:
+    """Return the library of a side; None if it has changed since the recording."""
+    if side.library is not None:
+        return side.library
+    try:
+        found = load(side.spec.library).program
+    except Error:
+        return None
+    return found.library if found.digest == side.spec.digest else None
+
+
 def changed_definitions(here: Side, there: Side) -> list[str]:
     """Return the definitions that differ between the libraries of two sides.
 
     Each line has the place in the library of the second side, or of the first for a
     definition that was removed.
     """
-    one, other = here.library, there.library
+    if here.spec.digest == there.spec.digest and here.library is there.library:
+        return []
+    one, other = _library(here), _library(there)
     if one is None or other is None or one is other:
         return []
     found = []
@@ -427,18 +447,39 @@ def times_of(side: Side) -> costs.Times:
     return costs.times_of(account_of(side.told, side.now, side.sensors))
 
 
-def compared(here: Side, there: Side) -> Answer:
-    """Return the comparison of two runs: first difference, and its cost in time."""
-    pair = (times_of(here), times_of(there))
+class Comparison(msgspec.Struct, frozen=True):
+    """The comparison of two runs, or of pairs of runs."""
+
+    answer: Answer
+    #: Whether the second side is worse by at least the threshold.
+    worse: bool
+
+
+def compared(
+    here: Side,
+    there: Side,
+    *,
+    pairs: Sequence[costs.Pair] = (),
+    of: str = "",
+    threshold: float = 0,
+) -> Comparison:
+    """Compare two runs: the first different decision, and the cost of all differences.
+
+    Args:
+        here: the first run.
+        there: the second run.
+        pairs: the sums of several pairs of runs, one of which is the pair of the two
+            runs; default: of the two runs.
+        of: the name of the pair of the two runs.
+        threshold: see `costs.verdict`.
+    """
+    pairs = pairs or [(times_of(here), times_of(there))]
+    names, lines = (here.name, there.name), ["no difference in decisions"]
     found = first_difference(here, there)
-    names = (here.name, there.name)
-    lines = [*costs.verdict([pair], names).lines]
-    if found is None:
-        lines.append("no difference in decisions")
-    else:
-        lines += _lines(found, here, there)
+    if found is not None:
+        lines = list(_lines(found, here, there))
+    if of:
+        lines[0] = f"{of}: {lines[0]}"
     notes = changed_definitions(here, there)
-    rows = costs.rows(costs.changes([pair]))
-    return table(
-        costs.columns(*names), rows, *lines, none="no difference in times", notes=notes
-    )
+    answer = costs.table_of(pairs, names, *lines, notes=notes)
+    return Comparison(answer, costs.verdict(pairs, names, threshold).worse)
