@@ -110,6 +110,7 @@ class CourierWorld(Hospital):
             "robot-at": [("robot-at", state.room)],
             "docked": [("docked",)] if state.docked else [],
             "on-tray": [("on-tray", *each) for each in state.tray],
+            "delivered": [("delivered", o.goods, o.ward) for o in state.deliveries],
             "call": [("call", ward) for ward in state.calls],
         }
 
