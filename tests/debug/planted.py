@@ -6,10 +6,10 @@ and prints how the faulty and the sound library end.
 
 from __future__ import annotations
 
-import os
 import shutil
 import sys
 from collections.abc import Iterator, Mapping
+from itertools import takewhile
 from pathlib import Path
 
 import msgspec
@@ -52,8 +52,9 @@ class Fault(msgspec.Struct, frozen=True):
         text = file.read_text(encoding="utf-8")
         assert text.count(self.sound) == 1, self.name
         file.write_text(text.replace(self.sound, self.faulty), encoding="utf-8")
-        same = os.path.commonprefix([self.sound, self.faulty])
-        differs = min(len(same), len(self.sound) - 1)
+        pairs = zip(self.sound, self.faulty, strict=False)
+        differs = sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], pairs))
+        differs = min(differs, len(self.sound) - 1)
         row = text[: text.index(self.sound) + differs].count("\n") + 1
         return f"{self.file}:{row}"
 

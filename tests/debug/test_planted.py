@@ -1,4 +1,4 @@
-"""The planted faults show: what a user sees at the end is not as with the sound library."""
+"""The planted faults show at the end of the run, beside the sound library."""
 
 from __future__ import annotations
 
