@@ -108,9 +108,10 @@ class CheckedLibrary:
         return tuple(self.program.library.files)
 
     def extend(self, text: str) -> CheckedLibrary:
-        """Return a library with the RAPs of `text` added, checked together.
+        """Return a library with the forms of `text` added, checked together.
 
-        `Interpreter.extend` adds its `program` to a run in progress [T 4.10.1].
+        `text` may define RAPs, and methods for RAPs of this library (`define-method`).
+        `Interpreter.extend` adds RAPs to a run in progress, but no methods [T 4.10.1].
 
         Raises:
             CheckError: for findings of severity error.

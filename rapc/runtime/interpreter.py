@@ -423,7 +423,7 @@ class Interpreter(Run):
     def extend(self, library: Program) -> None:
         """Continue with additional RAPs, made by `rapc.extend` (T 4.10.1).
 
-        Tasks under way keep the RAPs with which they began.
+        The RAPs of the run stay unchanged: `define-method` adds no method to them.
 
         Raises:
             RefusedError: if the library is not the present library with added RAPs.

@@ -41,6 +41,8 @@ WANTED = [
     (f"{RAP}(method (primitive (p)) (", ["claims", "context"], [], ""),
     (f"{RAP}(method (claims ", [], ["THING"], "()"),
     ("(define-query (near (?x ", [], ["KIND"], ""),
+    ("(define-method ", [], ["RAP"], ""),
+    ("(define-method go (", ["context", "task-net", "primitive"], [], ""),
     ("(declare-kind door ", [":is"], ["STRING"], "()"),
     ("(define-agenda day (", ["require", "task"], [], ""),
     ("(define-agenda day (task (go) :", [":at", ":background", ":deadline"], [], ""),

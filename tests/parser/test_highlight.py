@@ -47,6 +47,7 @@ def test_tokens_have_the_kinds_of_the_grammar() -> None:
         ("(define-rap (index (go ?x)))", "go"),
         ("(define-query (near ?x) t)", "near"),
         ("(define-agenda day)", "day"),
+        ("(define-method go fast (task-net))", "go"),
         ("(define-test one (task (go)))", "one"),
         ("(DECLARE-PRIMITIVE grasp () (okay))", "grasp"),
     ],

@@ -85,6 +85,13 @@ def test_a_library_with_more_than_new_raps_is_refused() -> None:
         run.extend(Program(load_text(other).library))
 
 
+def test_added_methods_extend_a_library_but_no_run() -> None:
+    more = library().extend("(define-method go crawl (primitive (walk ?place)))")
+    assert [m.name for m in more.program.library.raps["go"].methods] == [None, "crawl"]
+    with pytest.raises(RefusedError, match="`go` differs from the RAP in the run"):
+        started().extend(more.program)
+
+
 def test_the_agenda_shows_each_task_with_its_slack() -> None:
     run = started()
     run.submit(read_task_request("(go park) :deadline 20 :priority 3"))
