@@ -9,6 +9,7 @@ from rapc.debug.acts import AssertFact
 from rapc.debug.breakpoints import Breakpoint, Breakpoints
 from rapc.debug.history import History
 from rapc.debug.questions.beliefs import belief
+from rapc.debug.questions.times import timeline
 from rapc.errors import ArgumentError
 from rapc.repl.commands.table import commands
 from rapc.repl.shell import Shell
@@ -126,3 +127,15 @@ def test_comparing_does_not_change_the_trace() -> None:
     run = library.start("courier", agenda="shift", seed=1, listeners=listeners)
     run.run()
     assert (history.serial, history.now) == (serials[-1] + 1, run.now)
+
+
+def test_timeline_lists_wrong_beliefs() -> None:
+    history = courier()
+    history.goto(5)
+    put_wrong(history)
+    history.goto(60)
+    first = rows(history, "(docked)")[0]
+    marks = [one for one in timeline(history).rows if "wrong" in str(one["what"])]
+    assert [(one["from"], one["to"], one["what"]) for one in marks] == [
+        (first[4], first[6], "wrong belief: (docked)")
+    ]

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Sequence
+from typing import Any
 
 from rapc import events
 from rapc.base.values import Atom, Fact, format_atom, format_list, number, readable
@@ -119,14 +120,14 @@ def timeline(history: History, args: Arguments) -> Answer:
     """Show the requests, active skills and waiting over time.
 
     Each request and skill is listed at its start, with the events reported by the
-    skill. If several requests or skills overlap, the last to start counts for its
+    skill. A wrong belief is listed too, if the world tells the truth. If several requests or skills overlap, the last to start counts for its
     family. A time without them counts for the wait that ended it; `:waits` lists all
     waits.
     """
     start = args.time("time") if args else 0
     stop = args.time("time") if args else None
     whole = account(history)
-    rows = [
+    rows: list[tuple[Any, ...]] = [
         (
             *(one.start, one.stop, one.family and f"[{one.family}]"),
             one.task and f"[{one.task}]",
@@ -135,6 +136,12 @@ def timeline(history: History, args: Arguments) -> Answer:
         )
         for one in spells(whole, start, stop)
     ]
+    for one in history.branch.partings.up_to(history.serial).all:
+        ended = history.now if one.ended is None else one.ended
+        if ended > max(start, one.time) and (stop is None or one.time < stop):
+            wrong = f"wrong belief: {format_list(one.fact)}"
+            rows.append((one.time, ended, None, None, wrong, ""))
+    rows.sort(key=lambda row: row[0])
     used = times(whole.of_run, _user, start, stop)
     total = sum(used.values())
     notes = [
