@@ -1,8 +1,9 @@
-"""Export of a run as a test: a script of the world's replies, and expectations.
+"""Export of a run as a test: with a script of the world's replies, or in its simulator.
 
-The rows of the script, one for each request, contain the changes that the handlers of
-the world made to memory. Not every run can be exported like this, so a caller must run
-the exported test.
+The rows of a script, one for each request, contain the changes that the handlers of
+the world made to memory. A test in a simulator repeats the run from its beginning or
+from a saved state. Not every run can be exported like this, so a caller must run the
+exported test.
 """
 
 from __future__ import annotations
@@ -15,7 +16,15 @@ import msgspec
 
 from rapc import events
 from rapc.base.source import SourceFile
-from rapc.base.values import Atom, Fact, Text, format_atom, format_list, readable
+from rapc.base.values import (
+    Atom,
+    Fact,
+    Text,
+    format_atom,
+    format_list,
+    number,
+    readable,
+)
 from rapc.errors import StateError
 from rapc.ir.layout import laid_out
 from rapc.ir.nodes import DefineTest
@@ -98,17 +107,22 @@ class Exported(msgspec.Struct):
     """A run as a test that can be shortened."""
 
     name: str
-    #: World, options, seed, tasks and the end, as text.
+    #: World, options, seed and tasks, or a saved state, as text.
     begun: str
+    #: The clause for the end of the recorded run; empty if all tasks ended.
+    until: str
     parts: list[TestPart]
     #: The goal of the task that the test is about.
     goal: str
     #: The result of the task and the requests, as text.
     expectations: tuple[str, ...]
+    #: The end of a test that expects success, as `until`.
+    limit: str
 
     def want(self) -> None:
         """Expect success of the task, in place of the recorded result."""
         self.expectations = (f"(succeeds {self.goal})",)
+        self.until = self.limit
 
     def node(self) -> DefineTest:
         """Return the present test.
@@ -120,7 +134,8 @@ class Exported(msgspec.Struct):
         others = " ".join(str(part) for part in self.parts if part.kind != "row")
         script = f"(script {rows})" if rows else ""
         expect = " ".join(self.expectations)
-        text = f"(define-test {self.name} {self.begun} {others} {script}"
+        begun = f"{self.begun} {self.until}"
+        text = f"(define-test {self.name} {begun} {others} {script}"
         unit = parse(SourceFile("<test>", f"{text} (expect {expect}))"))
         if unit.diagnostics or len(unit.tests) != 1:
             said = "; ".join(found.message for found in unit.diagnostics)
@@ -346,28 +361,89 @@ def exported(
     begun, last = told[0], told[-1]
     if not isinstance(begun, events.RunStarted):
         raise StateError("the beginning of the run is not known")
-    goal, outcome = _outcome(told, task)
+    goal, outcome = outcome_of(told, task)
     reading = _Reading(not_atomic)
     for event in told:
         reading.take(event)
     reading.finish(last.time, last.cycle)
     done = [TestPart("at", format_atom(time), f" {action}") for time, action in acts]
     over = isinstance(last, events.RunEnded) and last.reason == "done"
-    until = "" if over else f" (until (cycles {last.cycle}))"
+    until = "" if over else f"(until (cycles {last.cycle}))"
     asked = f"(primitives {' '.join(reading.asked)})"
-    clauses = _begun(begun.spec) + until
-    return Exported(name, clauses, [*reading.parts, *done], goal, (outcome, asked))
+    clauses = " ".join([*_made(begun.spec), *map(_given, begun.spec.tasks)])
+    parts = [*reading.parts, *done]
+    return Exported(name, clauses, until, parts, goal, (outcome, asked), until)
 
 
-def _begun(spec: RunSpec) -> str:
-    """Return the clauses for the start of a run."""
+def in_simulator(
+    name: str,
+    told: Sequence[events.Event],
+    task: int,
+    *,
+    acts: Iterable[tuple[Time, str]],
+    end: int,
+    state: tuple[str, int] | None = None,
+) -> Exported:
+    """Return a run as a test in its simulator of the result of a task.
+
+    Args:
+        name: the name of the test.
+        told: all events of the run.
+        task: the number of the task.
+        acts: the acts of the user as actions of an `at`, each with its time; with a
+            state, only those after it.
+        end: the last cycle of the test.
+        state: a file with a saved state and the cycle of the state; None for a test
+            from the beginning.
+
+    Raises:
+        StateError: if the task does not exist.
+    """
+    begun, last = told[0], told[-1]
+    if not isinstance(begun, events.RunStarted):
+        raise StateError("the beginning of the run is not known")
+    goal, outcome = outcome_of(told, task)
+    spec, first = begun.spec, 0
+    if state is None:
+        facts = [f"(facts {' '.join(spec.facts)})"] if spec.facts else []
+        clauses = [*_made(spec), *facts, *map(_given, spec.tasks)]
+    else:
+        file, first = state
+        clauses = [
+            f"(world {_world(spec)})",
+            f"(saved-state {format_atom(Text(file))})",
+        ]
+    parts = [TestPart("at", format_atom(time), f" {action}") for time, action in acts]
+    until = limit = ""
+    over = isinstance(last, events.RunEnded) and last.reason == "done"
+    if not over or end < last.cycle:
+        until = f"(until (cycles {max(end - first, 1)}))"
+    if spec.until is not None or not over:
+        latest = 2 * last.time or LATEST if spec.until is None else spec.until
+        limit = f"(until {format_atom(number(latest))})"
+    expected = (outcome,) if outcome else ()
+    return Exported(name, " ".join(clauses), until, parts, goal, expected, limit)
+
+
+def last_cycle(told: Sequence[events.Event], task: int) -> int:
+    """Return the cycle in which a task ended, or the last cycle of a run."""
+    ends = (one.cycle for one in told if isinstance(one, _ENDS) and one.task == task)
+    return next(ends, told[-1].cycle)
+
+
+_NO_VALUE = ("(", "?", "#", "")
+"""The first characters of inputs without a value yet, and of counters and sets."""
+
+_ENDS = events.TaskSucceeded | events.TaskFailed | events.TaskRemoved
+
+
+def _made(spec: RunSpec) -> list[str]:
+    """Return the clauses for the world of a run, its options and the seed."""
     clauses = [f"(world {_world(spec)})"] if spec.world != "scripted" else []
     if spec.options:
         pairs = [f"({name} {_option(value)})" for name, value in spec.options.items()]
         clauses.append(f"(options {' '.join(pairs)})")
-    clauses.append(f"(seed {spec.seed})")
-    clauses += map(_given, spec.tasks)
-    return " ".join(clauses)
+    return [*clauses, f"(seed {spec.seed})"]
 
 
 def _world(spec: RunSpec) -> str:
@@ -394,8 +470,14 @@ def _option(value: object) -> str:
     return format_atom(Text(value) if isinstance(value, str) else value)
 
 
-def _outcome(told: Iterable[events.Event], task: int) -> tuple[str, str]:
-    """Return the goal of a task, and the expectation of its result."""
+def outcome_of(told: Iterable[events.Event], task: int) -> tuple[str, str]:
+    """Return the goal of a task, and the expectation of its result.
+
+    No expectation describes the result of a task that was removed.
+
+    Raises:
+        StateError: if the task does not exist.
+    """
     goal, how, reason = None, "active", ""
     for event in told:
         match event:
@@ -406,12 +488,15 @@ def _outcome(told: Iterable[events.Event], task: int) -> tuple[str, str]:
             case events.TaskFailed() if event.task == task:
                 how, reason = "fails", f" {event.result}"
             case events.TaskRemoved() if event.task == task and event.cause != _OVER:
-                raise StateError(f"task [{task}] was removed: no test can expect that")
+                how = ""
     if goal is None:
         raise StateError(f"unknown task [{task}]")
     inputs = [
-        format_atom(part) if isinstance(part, str | int | float | Text) else "?"
+        format_atom(part)
+        if isinstance(part, int | float | Text)
+        or (isinstance(part, str) and part[:1] not in _NO_VALUE)
+        else "?"
         for part in goal.inputs
     ]
     said = f"({' '.join([goal.name, *inputs])})"
-    return said, f"({how} {said}{reason})"
+    return said, f"({how} {said}{reason})" if how else ""

@@ -98,6 +98,7 @@ def run_case(
     coverage: Coverage | None = None,
     listener: Listener | None = None,
     modules: Collection[str] = (),
+    state: SavedState | None = None,
 ) -> Outcome:
     """Run a test once.
 
@@ -108,13 +109,14 @@ def run_case(
         coverage: counts what the run exercises.
         listener: receives every event of the run, in the way of a trace.
         modules: the modules of which the test may name worlds, as `module:Class`.
+        state: the saved state that the test names, if it is not read from its file.
     """
     test, place = case.test, case.test.name_span
     seed = seed if test.seed is None else test.seed
     if case.faults:
         return _error(case, seed, [_problem(f) for f in case.faults])
     try:
-        state = saved_state(test)
+        state = state or saved_state(test)
         seed = seed if state is None else state.seed
         world, found = named_world(test, seed, modules, state)
         kit = Kit() if world is None else world.kit

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 import rapc
+from rapc import events
 from rapc.debug.history import History
 from rapc.repl.commands.table import commands
 from rapc.repl.shell import Shell
@@ -281,3 +282,124 @@ def test_unwritable_export_is_refused(tmp_path: Path, given: str, message: str) 
     assert not (tmp_path / "new.test.rap").exists()
     kept = (tmp_path / "there.test.rap").read_text(encoding="utf-8")
     assert kept == "; kept\n"
+
+
+# --- in the simulator -----------------------------------------------------------------
+
+COURIER = Path(__file__).parents[2] / "examples" / "courier"
+ORDERS = "orders.rap"
+
+
+def courier(
+    folder: Path, *, broken: bool = False, **more: object
+) -> tuple[Shell, Path]:
+    """A shell with a shift of the courier, and the file of a test."""
+    for file in COURIER.glob("*.rap"):
+        if not file.name.endswith(".test.rap"):
+            (folder / file.name).write_bytes(file.read_bytes())
+    if broken:
+        text = (folder / ORDERS).read_text(encoding="utf-8")
+        (folder / ORDERS).write_text(broken_orders(text), encoding="utf-8")
+    paths = [str(folder / "shift.rap")]
+    session = History.open(
+        rapc.load(paths[0]), "courier", agenda="shift", seed=4, **more
+    )
+    return Shell(session, commands(), paths), folder / "it.test.rap"
+
+
+def broken_orders(text: str) -> str:
+    """The orders of the courier with a RAP that always fails."""
+    head = "(define-rap (hand-to-the-nurse (?goods goods) (?ward ward))"
+    assert text.count(head) == 1
+    return text.replace(head, f"{head} (preconditions nil)")
+
+
+def test_run_beyond_scripts_becomes_a_test_in_the_simulator(tmp_path: Path) -> None:
+    shell, path = courier(tmp_path, options={"battery": 60}, facts=["(call ward-2)"])
+    said(shell, ":to 100")
+    assert "passes now" in said(shell, f":export-test {path} 3", width=400)
+    text = path.read_text(encoding="utf-8")
+    assert "(world courier)" in text
+    assert "(options (battery 60))" in text
+    assert "(facts (call ward-2))" in text
+    assert "(seed 4)" in text
+    assert "(cycles 100)" in text
+    assert "script" not in text
+    assert "(active (deliver medicine ward-3))" in text
+    assert statuses(path) == [Status.PASSED]
+
+
+def test_wanted_success_judges_a_repaired_robot(tmp_path: Path) -> None:
+    """The repaired robot sends other requests than the recorded run."""
+    shell, path = courier(tmp_path, broken=True)
+    said(shell, ":run")
+    told = said(shell, f":export-test {path} 3 succeeds", width=400)
+    assert "the test fails now" in told
+    assert statuses(path) == [Status.FAILED]
+    (tmp_path / ORDERS).write_bytes((COURIER / ORDERS).read_bytes())
+    assert statuses(path) == [Status.PASSED]
+
+
+def test_acts_of_the_user_are_acts_of_a_test_in_the_simulator(tmp_path: Path) -> None:
+    shell, path = courier(tmp_path)
+    said(shell, ":to 30", ":assert (call ward-2)", "(deliver linen ward-2)", ":to 60")
+    told = said(shell, f":export-test {path} 3 succeeds", width=400)
+    assert "written" in told
+    text = path.read_text(encoding="utf-8")
+    assert "(asserts (call ward-2))" in text
+    assert "(task (deliver linen ward-2))" in text
+    assert "saved-state" not in text
+
+
+@pytest.mark.parametrize("more", ["", " succeeds"])
+def test_test_begins_in_a_state_after_acts_beyond_tests(
+    tmp_path: Path, more: str
+) -> None:
+    shell, path = courier(tmp_path)
+    said(shell, ":to 30", ":retry 3", ":to 60")
+    told = said(shell, f":export-test {path} 3{more}", width=400)
+    state = tmp_path / "it.state"
+    assert f"written to {path} and {state}" in told
+    assert '(saved-state "it.state")' in path.read_text(encoding="utf-8")
+    assert Status.ERROR not in statuses(path)
+    again = said(shell, f":export-test {path} 3{more}", width=400)
+    assert f"cannot write `{path}`" in again
+    assert state.exists()
+
+
+def test_test_begins_in_a_state_with_other_settings(tmp_path: Path) -> None:
+    settings = rapc.Settings(futile_limit=3)
+    shell, path = courier(tmp_path, settings=settings)
+    said(shell, ":to 60")
+    assert "it.state" in said(shell, f":export-test {path} 3", width=400)
+    assert "(cycles 60)" in path.read_text(encoding="utf-8")
+    assert statuses(path) == [Status.PASSED]
+
+
+def test_state_file_in_the_way_leaves_no_test(tmp_path: Path) -> None:
+    shell, path = courier(tmp_path)
+    (tmp_path / "it.state").write_text("kept", encoding="utf-8")
+    said(shell, ":to 30", ":retry 3", ":to 60")
+    told = said(shell, f":export-test {path} 3 succeeds", width=400)
+    assert "it.state`: file exists" in told
+    assert not path.exists()
+
+
+def test_removed_task_can_only_be_wanted(tmp_path: Path) -> None:
+    shell, path = courier(tmp_path)
+    said(shell, ":to 100")
+    removed = next(
+        told.event().task  # type: ignore[attr-defined]
+        for told in shell.history.scan(events.TaskRemoved)
+    )
+    told = said(shell, f":export-test {path} {removed}", width=400)
+    assert f"task [{removed}] was removed, which no test can expect" in told
+    assert "written" in said(shell, f":export-test {path} {removed} succeeds")
+
+
+@pytest.mark.parametrize("cycle", range(0, 200, 50))
+def test_each_moment_of_a_shift_becomes_a_test(tmp_path: Path, cycle: int) -> None:
+    shell, path = courier(tmp_path)
+    said(shell, f":to {cycle}" if cycle else ":goto 0")
+    told = said(shell, f":export-test {path} 1 succeeds", width=400)
+    assert "the test fails now" in told
