@@ -295,7 +295,7 @@ class Breakpoints:
     def _untrue(self) -> Iterator[tuple[int, str]]:
         """Yield the breakpoints on beliefs that were found wrong, with texts."""
         for one in self._history.branch.partings.all:
-            if one.start < self._history.fresh:
+            if not self._history.fresh <= one.start < self._history.serial:
                 continue
             words = f"{format_list(one.fact)} is untrue"
             if one.truth:

@@ -139,3 +139,12 @@ def test_timeline_lists_wrong_beliefs() -> None:
     assert [(one["from"], one["to"], one["what"]) for one in marks] == [
         (first[4], first[6], "wrong belief: (docked)")
     ]
+
+
+def test_breakpoint_stops_at_the_same_cycle_after_going_back() -> None:
+    shell = Shell(courier(), commands())
+    shell.history.goto(5)
+    put_wrong(shell.history)
+    shell.history.goto(60)
+    said(shell, ":goto 2", ":break untrue (docked)", ":run")
+    assert shell.history.cycle == 6
