@@ -7,7 +7,7 @@ An author writes a catalogue, and the method `tick` for the effects of a tick.
         kit = Kit(offer(CATALOGUE))
 
         def __init__(self, rng: Random, options: Mapping[str, Atom | bool]) -> None:
-            super().__init__(SkillRuntime(CATALOGUE), Water(15.0))
+            super().__init__(SkillRuntime(CATALOGUE), Water(15.0), rng)
 
         def tick(self) -> Iterable[Told]:
             told = self.runtime.tick(self.time, {"heat": lambda: self.state.degrees})
@@ -19,11 +19,13 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
+from random import Random
 from typing import Any, ClassVar, NoReturn
 
 import msgspec
 
-from rapc.base.code_places import place_of
+from rapc.base.chance import Stream, stream_in, stream_state
+from rapc.base.code_places import place_of, place_of_error, said_by
 from rapc.base.graph import Graph
 from rapc.base.values import Atom, Fact, Number, number
 from rapc.errors import PortError
@@ -40,9 +42,10 @@ class _Saved(msgspec.Struct):
     rest: msgspec.Raw
 
 
-class _Rest(msgspec.Struct):
+class _Rest(msgspec.Struct, omit_defaults=True):
     skills: msgspec.Raw
     state: msgspec.Raw
+    chance: Stream | None = None
 
 
 def offer(skills: Catalogue, events: Mapping[str, int] | None = None) -> Offer:
@@ -69,16 +72,23 @@ class SkillWorld(World):
     Args:
         runtime: the skills.
         state: the other changing state, a msgspec struct, saved with the skills.
+        rng: the random stream of the world, saved with the skills as `self.rng`.
     """
 
     #: The number of ticks in a time unit.
     ticks_a_unit: ClassVar[int] = 10
 
     def __init__(
-        self, runtime: SkillRuntime, state: msgspec.Struct | None = None
+        self,
+        runtime: SkillRuntime,
+        state: msgspec.Struct | None = None,
+        rng: Random | None = None,
     ) -> None:
         self.runtime = runtime
         self.state: Any = state
+        if rng is not None:
+            #: The source of all chance, saved with the skills.
+            self.rng = rng
         #: The number of ticks, the present tick included.
         self.ticks = 0
         self._now: Number = 0
@@ -162,8 +172,20 @@ class SkillWorld(World):
             self._now = max(self._now, to)
 
     def _told(self) -> Iterable[EventTold]:
-        """Advance by a tick; validate and return its events."""
-        told = tuple(given) if isinstance(given := self.tick(), Iterable) else (given,)
+        """Advance by a tick; validate and return its events.
+
+        Raises:
+            PortError: if a skill of a world of rapc fails in code outside rapc.
+        """
+        try:
+            given = self.tick()
+        except Exception as error:  # any exception of the code of a skill
+            place = place_of_error(error).strip(" ()")
+            if isinstance(error, PortError) or not place:
+                raise
+            said = f"the world `{self.name}` failed at {place}: {said_by(error)}"
+            raise PortError(said) from error
+        told = tuple(given) if isinstance(given, Iterable) else (given,)
         for one in told:
             if not isinstance(one, EventTold):
                 raise PortError(
@@ -215,7 +237,8 @@ class SkillWorld(World):
             msgspec.json.encode(self.state), type=type(self.state)
         )
         state = msgspec.Raw(msgspec.json.encode(read))
-        return msgspec.json.encode(_Rest(skills, state))
+        chance = stream_state(self.rng) if "rng" in self.__dict__ else None
+        return msgspec.json.encode(_Rest(skills, state, chance))
 
     def restore_rest(self, rest: bytes) -> None:
         """Restore data of `save_rest`; after an error the world is unchanged.
@@ -226,8 +249,13 @@ class SkillWorld(World):
         with reading_state(f"the world `{self.name}`"):
             saved = msgspec.json.decode(rest, type=_Rest)
             state = msgspec.json.decode(saved.state, type=type(self.state))
+            rng = None if saved.chance is None else stream_in(saved.chance)
+            if (rng is None) == ("rng" in self.__dict__):
+                raise ValueError("the random stream is missing or unexpected")
         self.runtime.restore(bytes(saved.skills))
         self.state = state
+        if rng is not None:
+            self.rng = rng
 
 
 def _plain(value: Atom) -> Atom:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from random import Random
 from typing import Any
 
 import msgspec
@@ -83,6 +84,34 @@ def test_a_whole_number_in_the_state_is_saved_as_it_is_read() -> None:
     world, other = TankWorld(1), TankWorld()
     other.restore(world.save())
     assert other.save() == world.save()
+
+
+class RainyWorld(TankWorld):
+    """A tank with rain."""
+
+    def __init__(self, seed: int) -> None:
+        SkillWorld.__init__(self, SkillRuntime(catalogue()), Water(), Random(seed))
+
+    def tick(self) -> Iterable[EventTold]:
+        self.state.level += self.rng.random()
+        return super().tick()
+
+
+def test_the_random_stream_is_saved_with_the_world() -> None:
+    world, other = RainyWorld(1), RainyWorld(2)
+    world.advance(1)
+    other.restore(world.save())
+    for one in (world, other):
+        one.advance(50)
+    assert other.save() == world.save()
+    assert world.state.level > 0
+
+
+def test_a_state_without_the_random_stream_is_refused() -> None:
+    with pytest.raises(ValueError, match="the random stream is missing or unexpected"):
+        RainyWorld(1).restore(TankWorld().save())
+    with pytest.raises(ValueError, match="the random stream is missing or unexpected"):
+        TankWorld().restore(RainyWorld(1).save())
 
 
 @pytest.mark.parametrize(
