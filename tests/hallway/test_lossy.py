@@ -9,7 +9,6 @@ import pytest
 
 from rapc.worlds.hallway.channels import OBSTACLES, SONAR_RANGE, SONARS, Pose
 from rapc.worlds.hallway.skills.all import catalogue
-from rapc.worlds.hallway.skills.landmarks import open_to
 from rapc.worlds.hallway.skills.lossy import KEPT
 from rapc.worlds.skills.catalogue import SkillRequest
 from rapc.worlds.skills.runtime import SkillRuntime
@@ -56,12 +55,6 @@ def test_an_echo_from_behind_an_obstacle_shows_that_it_is_gone() -> None:
     obstacles.look(START, {0: 1.0})
     assert obstacles.look(START, {0: 2.0}) == {0: 2.0}
     assert obstacles.look(START, {}) == {}
-
-
-def test_silence_is_no_sign_of_an_opening() -> None:
-    assert open_to(_ring({}), 0.0, 1.0)
-    assert not open_to(_ring({}), 0.0, 1.0, silence=False)
-    assert open_to(_ring({0: 3.0, 1: 3.1, 23: 3.1}), 0.0, 1.0, silence=False)
 
 
 @pytest.mark.parametrize("shut", [False, True])

@@ -32,7 +32,6 @@ from rapc.worlds.hallway.channels import (
     POSE,
     SIGHTING,
     SONAR,
-    SONAR_RANGE,
     SONARS,
     TAGS,
     TRAJECTORY,
@@ -174,8 +173,8 @@ class TrackLandmark(Skill):
     events = (LandmarkVisible, LandmarkLost)
     State = Tracked
     state: Tracked
-    #: Whether a sonar without an echo shows that there is no wall in its reach.
-    silence_is_open: ClassVar[bool] = True
+    #: Whether the sonars hear each wall, so that silence shows that there is none.
+    hears_walls: ClassVar[bool] = True
 
     def step(self, now: float, ports: Ports) -> None:
         """Update the estimate from the laser's view of the landmark."""
@@ -219,7 +218,7 @@ class TrackLandmark(Skill):
             x, y = pose.x + far * math.cos(sight), pose.y + far * math.sin(sight)
             beyond = max(0.0, far - LASER_RANGE)
             ahead = normal + math.pi - pose.heading
-            if open_to(ranges, ahead, far * cos, self.silence_is_open):
+            if self.hears_walls and open_to(ranges, ahead, far * cos):
                 beyond += 1.0
             places.append(Guess(math.remainder(normal, 2 * math.pi), x, y, beyond))
         if not self.state.guesses:
@@ -304,22 +303,14 @@ class ApproachLandmark(Skill):
         ports[TRAJECTORY] = Trajectory(bearing, float(self.arguments["speed"]), left)
 
 
-def open_to(
-    ranges: Sequence[float], bearing: float, wall: float, silence: bool = True
-) -> bool:
+def open_to(ranges: Sequence[float], bearing: float, wall: float) -> bool:
     """Return whether no wall is square to a bearing at this distance.
 
     A gap in that wall is a doorway: there is wall on at least one side of it.
-
-    Args:
-        ranges: the readings of the sonars.
-        bearing: the bearing.
-        wall: the distance, in metres.
-        silence: whether a sonar without an echo shows that there is no wall.
     """
     middle = round(bearing / (2 * math.pi) * SONARS)
     near = min(ranges[(middle + off) % SONARS] for off in (-1, 0, 1))
-    if near <= wall + OPEN or (near >= SONAR_RANGE and not silence):
+    if near <= wall + OPEN:
         return False
     echoes = turned(echo_points(ranges), bearing)
     return not any(abs(x - wall) < BESIDE[0] and abs(y) < BESIDE[1] for x, y in echoes)

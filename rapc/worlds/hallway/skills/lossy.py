@@ -103,7 +103,7 @@ class RememberObstacles(Skill):
 class TrackLandmarkInSilence(TrackLandmark):
     """Keep an estimate of where a landmark is and how it is turned."""
 
-    silence_is_open = False
+    hears_walls = False
 
 
 class TrackDoorwayInSilence(TrackDoorJambs):
