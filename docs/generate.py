@@ -114,7 +114,8 @@ def pages() -> Iterator[tuple[Path, str]]:
 SECTIONS: Mapping[str, str] = {
     "Tutorials": "first-robot standard-library debugger skills",
     "How-to": "index behaviour-trees claims sensing maintenance-goals choosing "
-    "similar-items write-a-world drive-a-machine test ci experiments embed compile",
+    "similar-items write-a-world add-skills drive-a-machine test ci experiments embed "
+    "compile",
     "Explanation": "index how-raps-work memory rap-or-tree checker determinism",
     "Language": "index words",
     "Reference": "index cli rules repl tests trace python-api worlds-api settings "
