@@ -504,12 +504,14 @@ class RuleRun(Event, frozen=True, kw_only=True):
     """A rule over memory ran, for a result or a signal.
 
     `what` is the result at the end of `task`, or the signal; `task` is null for a rule
-    of no RAP. `at` is the position of the query and the actions, `doors.rap:12`.
+    of no RAP. `at` is the position of the query and the actions, `doors.rap:12`, and
+    `bindings` are the variables of the rule with the first solution of its query.
     """
 
     task: int | None
     what: str | Fact
     at: str
+    bindings: Mapping[str, Any]
 
 
 class QueryFaulted(Event, frozen=True, kw_only=True):

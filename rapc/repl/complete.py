@@ -17,6 +17,7 @@ import msgspec
 from rapc.base.values import format_atom
 from rapc.debug.arguments import split
 from rapc.debug.breakpoints import KINDS
+from rapc.debug.questions.names import definition_names
 from rapc.events import kinds
 from rapc.language.complete import fits
 from rapc.library.library import Library
@@ -147,8 +148,9 @@ def _arguments(shell: Shell, name: str, before: list[str], prefix: str) -> Named
         library = _library(shell)
         named |= {
             "ITEM": lambda: _items(shell),
-            "NAME": lambda: _of_kind(library, "PREDICATE"),
+            "NAME": lambda: definition_names(library),
             "PREDICATE": lambda: _of_kind(library, "PREDICATE"),
+            "memory NAME": lambda: _of_kind(library, "PREDICATE"),
             "RAP": lambda: _raps(library),
             "TASK": lambda: _tasks(shell),
             "branch NAME": lambda: [(o.name, o.begun) for o in shell.history.branches],

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from rapc.debug.acts import AssertFact, SendSignal
+from rapc.debug.history import History
 from rapc.debug.questions.facts import history_, who
+from rapc.debug.questions.state import beliefs
 from rapc.debug.questions.times import deadlines, retries
 from rapc.errors import ArgumentError
 from tests.debug.sessions import row, scripted, truck
@@ -75,12 +78,12 @@ def test_uses_of_a_fact_are_listed() -> None:
     session = truck()
     session.goto(50)
     found = who(session, "(truck-location ?where)").rows
-    assert found[0]["by"] == "(truck-location zone-2)"
-    assert ", by (truck-move)" in str(found[0]["where"])
-    listeners = [one["by"] for one in found if one["use"] == "monitored by"]
+    assert found[0]["what"] == "(truck-location zone-2)"
+    assert str(found[0]["by"]).startswith("(truck-move)")
+    listeners = [one["what"] for one in found if one["use"] == "monitored by"]
     assert [str(one).split()[0] for one in listeners] == ["[6]"]
     assert {one["use"] for one in found} >= {"test", "asserted"}
-    assert any(one["by"] == "define-rap travel-road" for one in found)
+    assert any(one["what"] == "RAP `travel-road`" for one in found)
     with pytest.raises(ArgumentError, match="unknown predicate `frob`"):
         who(session, "(frob)")
 
@@ -90,3 +93,70 @@ def test_history_names_the_notation_of_a_fact() -> None:
     session.goto(70)
     found = who(session, "(claimed item-1)").rows
     assert "noted by" in [one["use"] for one in found]
+
+
+RULES = """
+(declare-event :bell (?room))
+(declare-memory-property at ((?who symbol) (?where symbol)) nowhere)
+(declare-memory-proposition known ((?room symbol)))
+(define-query (lost (?room symbol))
+  (and (known ?room)
+       (at robot nowhere)))
+(define-event-rule (:bell ?room)
+  (rule
+    ((lost ?room)
+     (mem-add (at robot ?room)))))
+(define-rap (wait-here)
+  (monitor-state (lost cellar))
+  (method (task-net (t1 (pause)))))
+(define-rap (pause) (succeed true))
+(define-agenda all (task (wait-here)))
+"""
+
+
+def _rung() -> History:
+    session = scripted(RULES, "(wait-here)")
+    session.act(AssertFact(("known", "hall")))
+    session.act(SendSignal((":bell", "hall")))
+    return session
+
+
+def test_change_by_a_rule_has_its_line_and_the_facts_behind() -> None:
+    session = _rung()
+    [change] = history_(session, "(at robot ?)").rows
+    assert change["by"] == "rule for (:bell hall)"
+    assert change["where"] == "small.rap:11"
+    [made, behind] = who(session, "(at robot ?) in 0").rows
+    assert (made["what"], made["where"]) == ("(at robot hall)", "small.rap:11")
+    assert str(behind["what"]).strip() == "(known hall)"
+
+
+@pytest.mark.parametrize(
+    ("named", "uses"),
+    [
+        ("(lost ?)", ["defined", "monitored by", "test", "test"]),
+        ("lost", ["defined", "monitored by", "test", "test"]),
+        ("all", ["defined", "task", "submits"]),
+        (":bell", ["defined", "event", "defined", "ran 1 time"]),
+        ("small.rap:10", ["defined", "ran 1 time"]),
+        ("pause", ["defined", "goal"]),
+    ],
+)
+def test_uses_of_a_definition_are_listed(named: str, uses: list[str]) -> None:
+    assert [one["use"] for one in who(_rung(), named).rows] == uses
+
+
+def test_history_of_a_definition_lists_its_facts_runs_or_tasks() -> None:
+    session = _rung()
+    facts = [one["what"] for one in history_(session, "lost").rows]
+    assert facts == ["(known hall)", "(at robot hall)"]
+    [ran] = history_(session, ":bell").rows
+    assert (ran["what"], ran["where"]) == ("?room hall", "small.rap:10")
+    for named in ("all", "wait-here"):
+        [made] = history_(session, named).rows
+        assert (made[""], made["what"]) == ("created", "[1] (wait-here)")
+
+
+def test_memory_of_a_query_lists_the_facts_it_reads() -> None:
+    found = beliefs(_rung(), "lost").rows
+    assert [one["fact"] for one in found] == ["(known hall)", "(at robot hall)"]

@@ -7,8 +7,9 @@ from typing import Any
 
 from rapc import events
 from rapc.base.resources import Value
-from rapc.base.values import Fact, format_list
+from rapc.base.values import Fact, format_atom, format_list
 from rapc.ir import nodes
+from rapc.ir.walk import variables
 from tests.reference.run import Run
 from tests.reference.tasks import Task
 from tests.reference.terms import Fault
@@ -116,9 +117,15 @@ def act(
             source = run.library.files[alternative.span.file]
             row = source.position(alternative.span.start).row
             at = f"{alternative.span.file}:{row}"
-            run.tell(events.RuleRun, task=number, what=what, at=at)
+            bound = {**env, **found}
+            places = sorted(
+                (one.span.start, one.name) for one in variables(alternative.query)
+            )
+            names = [*env, *(name for _, name in places if name in bound)]
+            told = {name: format_atom(bound[name]) for name in dict.fromkeys(names)}
+            run.tell(events.RuleRun, task=number, what=what, at=at, bindings=told)
             for action in alternative.actions:
-                change(run, task, action, {**env, **found})
+                change(run, task, action, bound)
             break
 
 

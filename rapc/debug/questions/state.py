@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
-from rapc.base.source import Span
 from rapc.base.values import Atom, format_atom, format_list, number, readable
 from rapc.debug.answer import Answer, question, table
 from rapc.debug.arguments import Arguments
 from rapc.debug.history import History
+from rapc.debug.questions.names import (
+    definition_names,
+    definitions,
+    in_words,
+    predicates,
+)
 from rapc.errors import ArgumentError, TextError
 from rapc.events import TaskCreated
-from rapc.library.library import Library
-from rapc.world import Drawable, Thing
+from rapc.library.library import Library, Named
+from rapc.world import Drawable, Thing, Time
+
+_MOST_LISTED = 10
+"""The number of facts of a name up to which the facts behind a query are listed."""
 
 
 def names_with_facts(history: History) -> Answer:
@@ -31,18 +39,50 @@ def beliefs(history: History, name: str, *values: Atom | None) -> Answer:
     run = history.run
     signatures = run.library.signatures
     if name not in signatures.relations:
-        raise ArgumentError(str(signatures.unknown("test", name)))
+        return _beliefs_of(history, name)
     wrong = signatures.wrong_kind("erased", name, values)
     if wrong is not None:
         raise ArgumentError(wrong)
-    rows = []
-    for fact, stamp in run.memory.facts(name).items():
+    rows = _ages(history, name, values)
+    return table(("fact", "since", "age"), rows, none="no matching facts")
+
+
+def _ages(
+    history: History, name: str, values: Sequence[Atom | None] = ()
+) -> Iterator[tuple[str, Time | None, Time | None]]:
+    for fact, stamp in history.run.memory.facts(name).items():
         given = zip(values, fact[1:], strict=False)
         if all(want is None or want == value for want, value in given):
             since = None if stamp is None else number(stamp)
             age = None if since is None else history.now - since
-            rows.append((format_list(fact), since, age))
-    return table(("fact", "since", "age"), rows, none="no matching facts")
+            yield format_list(fact), since, age
+
+
+def _beliefs_of(history: History, name: str) -> Answer:
+    """Return the facts that a named query reads, with ages.
+
+    Raises:
+        ArgumentError: for another name.
+    """
+    program = history.library.program
+    signatures, memory = program.signatures, history.run.memory
+    known = signatures.predicates.get(name)
+    if known is None or known.formula is None:
+        if name not in dict(definition_names(program.library)):
+            raise ArgumentError(str(signatures.unknown("test", name)))
+        said = in_words(definitions(program, name)[0])
+        raise ArgumentError(f"{said} is not in memory", f"use `:source {name}`")
+    rows: list[tuple[str, Time | None, Time | None]] = []
+    notes: list[str] = []
+    for read in predicates(signatures, known.formula):
+        facts = memory.facts(read) if read in signatures.relations else {}
+        if len(facts) > _MOST_LISTED:
+            notes.append(f"{len(facts)} facts of `{read}`: use `:memory {read}`")
+        else:
+            rows += _ages(history, read) if facts else []
+    said = f"facts that query `{name}` reads"
+    columns = ("fact", "since", "age")
+    return table(columns, rows, said, none="no facts", notes=notes)
 
 
 @question()
@@ -160,35 +200,41 @@ def _thing(thing: Thing) -> str:
     return f"{format_atom(thing.look)} {thing.kind}" if thing.look else thing.kind
 
 
-@question("[TASK | RAP]", ":source", ":source 12", ":source fill-order")
+@question(
+    "[TASK | NAME | QUERY | FILE:LINE]",
+    ":source",
+    ":source 12",
+    ":source fill-order",
+    ":source (truck-location ?)",
+)
 def source(history: History, args: Arguments) -> Answer:
-    """Show the source text of a RAP, or of the RAP of a task."""
-    program = history.library.program
-    name = args.peek()
+    """Show the source text of a definition, or of the RAP of a task.
+
+    NAME is a RAP, a query, an agenda, a declared name, or the signal of a rule.
+    """
+    program, name = history.library.program, args.peek()
     if not name or name.strip("[]").isdecimal():
         name = _rap_of(history, args.task(history))
     else:
-        name = args.word("RAP").lower()
-    node = program.library.raps.get(name)
-    if node is None:
-        raise ArgumentError(str(program.signatures.unknown("goal", name)))
-    file = program.library.files.get(node.span.file)
-    if file is None or not file.text:
-        raise TextError(f"the source text of `{node.name}` is not available")
-    added = [one.span for one in program.library.methods if one.rap == name]
+        args.word("name")
     lines = [
-        line for span in (node.span, *added) for line in _text_of(program.library, span)
+        line
+        for form in definitions(program, name)
+        for line in _text_of(program.library, form)
     ]
     return Answer(tuple(lines), is_code=True)
 
 
-def _text_of(library: Library, span: Span) -> Iterator[str]:
-    """Yield the file of a form and its numbered lines."""
-    file = library.files[span.file]
-    first, last = file.row(span.start), file.row(span.end)
+def _text_of(library: Library, form: Named) -> Iterator[str]:
+    """Yield the file of a definition and its numbered lines."""
+    file = library.files.get(form.span.file)
+    if file is None or not file.text:
+        raise TextError(f"the source text of {in_words(form)} is not available")
+    first, last = file.row(form.span.start), file.row(form.span.end)
     width = len(str(last))
     yield file.name
-    yield from [f"{row:>{width}} {file.line(row)}" for row in range(first, last + 1)]
+    for row in range(first, last + 1):
+        yield f"{row:>{width}} {file.line(row)}"
 
 
 def _rap_of(history: History, number: int) -> str:

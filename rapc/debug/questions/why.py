@@ -20,6 +20,7 @@ from rapc.debug.answer import Answer, bound_to, numbers, question, say
 from rapc.debug.arguments import Arguments
 from rapc.debug.history import History
 from rapc.debug.log import ToldEvent
+from rapc.debug.questions.sources import Source, sources
 from rapc.debug.questions.why_not import (
     MethodAnswer,
     in_words,
@@ -42,8 +43,10 @@ class Origin(msgspec.Struct, frozen=True):
     #: The time of the last assertion; None if the events do not contain one.
     time: Time | None
     cycle: int | None
-    #: The source: a primitive of a task, a datum, a notation, or the user.
+    #: The source: a primitive of a task, a datum, a rule, a notation, or the user.
     by: str
+    #: The file and line of a rule; empty for other sources.
+    where: str = ""
 
     def __str__(self) -> str:
         told = f"because of {format_list(self.fact)}"
@@ -51,7 +54,8 @@ class Origin(msgspec.Struct, frozen=True):
             told += f", asserted at {readable(self.time)}"
         if self.cycle is not None:
             told += f" in cycle {self.cycle}"
-        return f"{told} by {self.by}" if self.by else told
+        told += f" by {self.by}" if self.by else ""
+        return f"{told} at {self.where}" if self.where else told
 
 
 class Choice(msgspec.Struct, frozen=True):
@@ -167,7 +171,7 @@ def reasons(
     with history.at_choice(last) as run:
         choice = _choice(history, task)
         doing, rests_on = _doing(run, run.task(task), settled)
-    known = origins(history, rests_on, last)
+    known = origins(history, rests_on, own[0].serial)
     return choice, msgspec.structs.replace(doing, rests_on=known)
 
 
@@ -240,54 +244,30 @@ def _supports_of(run: Interpreter, task: Task, query: Query | None) -> Evidence:
 
 
 def origins(history: History, found: Evidence, before: int) -> tuple[Origin, ...]:
-    """Return the last assertion of each fact before a cycle."""
+    """Return the last assertion of each fact before the event of a serial number."""
     last: dict[Fact, ToldEvent] = {}
     for told in history.log.backwards(events.FactAsserted):
         if len(last) == len(found):
             break
-        if told.cycle < before and told.keys["fact"] in found:
+        if told.serial < before and told.keys["fact"] in found:
             last.setdefault(told.keys["fact"], told)
     if len(last) < len(found) and not history.log.has(0):
         for told in history.scan(
             events.FactAsserted,
-            want=lambda one: one.cycle < before and one.keys["fact"] in found,
+            want=lambda one: one.serial < before and one.keys["fact"] in found,
         ):
             last[told.keys["fact"]] = told
-    return tuple(_origin(history, fact, found[fact], last.get(fact)) for fact in found)
+    known = sources(history, last.values())
+    return tuple(_origin(fact, found[fact], last.get(fact), known) for fact in found)
 
 
 def _origin(
-    history: History, fact: Fact, since: Time | None, told: ToldEvent | None
+    fact: Fact, since: Time | None, told: ToldEvent | None, known: dict[int, Source]
 ) -> Origin:
     if told is None:
         return Origin(fact, None if since is None else number(since), None, "")
-    return Origin(fact, told.time, told.cycle, _by_whom(history, told))
-
-
-def _by_whom(history: History, told: ToldEvent) -> str:
-    """Return the source of a change of a fact as text."""
-    by: str = told.keys["by"]
-    if told.cycle == 0 or by in ("user", "memory"):
-        return by
-    chosen_by = None
-    for one in history.scan(first=told.cycle, want=lambda o: o.cycle == told.cycle):
-        if one.kind is events.TaskSelected and chosen_by is None:
-            chosen_by = one.keys["task"]
-        if one.serial < told.serial:
-            continue
-        if by == "notation" and one.kind in (events.MethodEnded, events.TaskRemoved):
-            break
-        if one.kind in (events.PrimitiveEnded, events.DataReceived):
-            return source(one)
-    return by if chosen_by is None else f"{by} of [{chosen_by}]"
-
-
-def source(told: ToldEvent) -> str:
-    """Return an ended request with its task, or a datum, as text."""
-    if told.kind is events.DataReceived:
-        return f"datum {format_list(told.keys['data'])}"
-    task = told.keys["task"]
-    return format_list(told.keys["request"]) + ("" if task is None else f" [{task}]")
+    by, where, _ = known[told.serial]
+    return Origin(fact, told.time, told.cycle, by, where)
 
 
 # --- failures -----------------------------------------------------------------------

@@ -23,7 +23,7 @@ from rapc.errors import FactError
 from rapc.events import RuleRun
 from rapc.ir import nodes
 from rapc.runtime.run import Run
-from rapc.runtime.state.task import Env, Task
+from rapc.runtime.state.task import Env, Task, as_told
 from rapc.runtime.tasks.primitives import fill_in
 from rapc.world import OKAY
 
@@ -150,9 +150,14 @@ def _act(
     env: Env,
     what: str | Fact,
 ) -> None:
-    if run.recorder.on:
-        number = None if task is None else task.number
-        run.recorder.emit(RuleRun, task=number, what=what, at=alternative.row)
+    if run.recorder.on and run.recorder.wants(RuleRun):
+        run.recorder.emit(
+            RuleRun,
+            task=None if task is None else task.number,
+            what=what,
+            at=alternative.row,
+            bindings=as_told(env),
+        )
     for action in alternative.actions:
         run.context.task = task
         fact = fill_in(run, action.plan, env)

@@ -1,0 +1,123 @@
+"""Definitions of a library: found by name or by file and line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rapc.base.names import hint
+from rapc.base.source import SourceFile
+from rapc.compiler.program import Program
+from rapc.errors import ArgumentError
+from rapc.ir import nodes
+from rapc.ir.walk import subformulas
+from rapc.library.library import KINDS, Library, Named
+from rapc.library.signatures import Signatures
+
+
+def definitions(program: Program, text: str) -> list[Named]:
+    """Return the definitions that a text names: a name, a use in a list, FILE:LINE.
+
+    A rule has the name of its signal or of its RAP. A line stands for the definition
+    around it.
+
+    Raises:
+        ArgumentError: if no definition has the name or contains the line.
+    """
+    file, _, row = text.rpartition(":")
+    if file and row.isdecimal():
+        return _at_line(program.library, file, int(row))
+    name = text.strip("()").partition(" ")[0].lower()
+    found = list(_of_name(program.library, name))
+    if not found:
+        known = [one for one, _ in definition_names(program.library)]
+        raise ArgumentError(f"no definition of `{name}`{hint(name, known)}")
+    return found
+
+
+def definition_names(library: Library) -> Iterator[tuple[str, str]]:
+    """Yield the names of all definitions, each with its definition in words."""
+    for form in _all(library):
+        for name in names_of(form):
+            yield name, in_words(form)
+
+
+def names_of(form: Named) -> tuple[str, ...]:
+    """Return the names of a definition: for a rule, its RAP and its signals."""
+    if isinstance(form, nodes.EventRule):
+        return (form.signal,)
+    if isinstance(form, nodes.DefineMethod):
+        return (form.rap,)
+    if isinstance(form, nodes.MemoryRule):
+        results = (case.result for case in form.cases)
+        signals = (one.name for one in results if isinstance(one, nodes.Signal))
+        return (form.index.name, *signals)
+    return (str(getattr(form, "name", "")),)
+
+
+def in_words(form: Named) -> str:
+    """Return the kind and the name of a definition: query `low`."""
+    kind = KINDS.get(type(form))
+    if kind is not None:
+        return f"{kind[2]} `{names_of(form)[0]}`"
+    if isinstance(form, nodes.EventRule):
+        return f"rule for `{form.signal}`"
+    if isinstance(form, nodes.MemoryRule):
+        return f"rule of `{form.index.name}`"
+    if isinstance(form, nodes.DefineMethod):
+        return f"method `{form.method.name}` of `{form.rap}`"
+    return type(form).__name__
+
+
+def predicates(signatures: Signatures, formula: nodes.Formula) -> dict[str, None]:
+    """Return the names of the predicates of a formula, also inside named queries."""
+    found: dict[str, None] = {}
+    stack = [formula]
+    while stack:
+        for part in subformulas(stack.pop()):
+            if isinstance(part, nodes.Proposition) and part.name not in found:
+                found[part.name] = None
+                inner = signatures.predicates[part.name].formula
+                if inner is not None:
+                    stack.append(inner)
+    return found
+
+
+def _all(library: Library) -> Iterator[Named]:
+    for field, _, _ in KINDS.values():
+        yield from getattr(library, field).values()
+    yield from _unnamed(library)
+
+
+def _of_name(library: Library, name: str) -> Iterator[Named]:
+    for field, _, _ in KINDS.values():
+        table = getattr(library, field)
+        if name in table:
+            yield table[name]
+    for rule in _unnamed(library):
+        if name in names_of(rule):
+            yield rule
+
+
+def _unnamed(library: Library) -> tuple[Named, ...]:
+    """Return the definitions that have their names from others."""
+    return (*library.methods, *library.memory_rules, *library.event_rules)
+
+
+def _at_line(library: Library, file: str, row: int) -> list[Named]:
+    found = [
+        form
+        for form in _all(library)
+        for source in [library.files.get(form.span.file)]
+        if source is not None
+        and _is_file(source, file)
+        and source.row(form.span.start) <= row <= source.row(form.span.end)
+    ]
+    if not found:
+        raise ArgumentError(f"no definition at {file}:{row}")
+    return found
+
+
+def _is_file(source: SourceFile, file: str) -> bool:
+    """Return whether a text is the path or the end of the path of a file."""
+    path = source.name.replace("\\", "/")
+    return f"/{path}".endswith(f"/{file}")

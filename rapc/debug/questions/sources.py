@@ -1,0 +1,147 @@
+"""Sources of changes of memory: requests, data, rules, notations and the user."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
+
+from rapc import events
+from rapc.base.values import Fact, format_list
+from rapc.compiler.program import Program
+from rapc.debug.history import History
+from rapc.debug.log import ToldEvent, Want
+from rapc.ir import nodes
+
+FACTS = (events.FactAsserted, events.FactErased)
+
+CAUSES = (
+    *(events.PrimitiveEnded, events.DataReceived),
+    *(events.TaskSelected, events.RuleRun),
+)
+"""The kinds of events that show the sources of changes."""
+
+
+class Source(NamedTuple):
+    """The source of a change of memory."""
+
+    #: A request with its task, a datum, a rule, a notation, `user`, ...
+    by: str
+    #: The file and line of the action of a rule; empty for other sources.
+    where: str = ""
+    #: The event of a rule; None for other sources.
+    rule: ToldEvent | None = None
+
+    def __str__(self) -> str:
+        return f"{self.by} at {self.where}" if self.where else self.by
+
+
+Change = tuple[ToldEvent, Source]
+"""A change of memory with its source."""
+
+
+def changes(history: History, told: Iterable[ToldEvent], want: Want) -> list[Change]:
+    """Return the wanted changes among events, each with its source.
+
+    Args:
+        history: the run.
+        told: events in order, with those of `CAUSES`, from the start of a cycle.
+        want: selects the changes.
+    """
+    found: list[Change] = []
+    open_since = 0
+    chooser: int | None = None
+    rule: ToldEvent | None = None
+    program = history.library.program if history.is_run else None
+    for one in told:
+        if one.kind is events.TaskSelected:
+            chooser, open_since = one.keys["task"], len(found)
+        elif one.kind is events.RuleRun:
+            rule = one
+        elif one.kind in CAUSES:
+            by = Source(_ended(one))
+            for at in range(open_since, len(found)):
+                if found[at][1].by == "handler":
+                    found[at] = found[at][0], by
+            open_since = len(found)
+        elif want(one):
+            found.append((one, _source(program, one, chooser, rule)))
+    return found
+
+
+def sources(history: History, told: Iterable[ToldEvent]) -> dict[int, Source]:
+    """Return the source of each given change of a fact, by the serial of its event."""
+    cycles = {one.serial: one.cycle for one in told}
+    wanted = set(cycles.values())
+    scanned = history.scan(
+        *(*FACTS, *CAUSES),
+        first=min(wanted, default=0),
+        want=lambda one: one.cycle in wanted,
+    )
+    found = changes(history, scanned, lambda one: one.serial in cycles)
+    return {one.serial: source for one, source in found}
+
+
+def _source(
+    program: Program | None,
+    change: ToldEvent,
+    chooser: int | None,
+    rule: ToldEvent | None,
+) -> Source:
+    """Return the source of a change; `handler` if its end follows later."""
+    by = change.keys.get("by", "handler")
+    if by == "notation" and chooser is not None:
+        return Source(f"notation [{chooser}]")
+    if by != "rule" or rule is None:
+        return Source(by)
+    where = rule.keys["at"]
+    if program is not None:
+        where = _action_at(program, where, change) or where
+    return Source(rule_in_words(rule), where, rule)
+
+
+def rule_in_words(rule: ToldEvent) -> str:
+    """Return a run of a rule as text: its task, and its signal or result."""
+    what, task = rule.keys["what"], rule.keys["task"]
+    said = what if isinstance(what, str) else format_list(what)
+    return f"rule for {said}" if task is None else f"rule of [{task}] for {said}"
+
+
+def _ended(told: ToldEvent) -> str:
+    """Return an ended request with its task, or a datum, as text."""
+    if told.kind is events.DataReceived:
+        return f"datum {format_list(told.keys['data'])}"
+    task = told.keys["task"]
+    return format_list(told.keys["request"]) + ("" if task is None else f" [{task}]")
+
+
+# --- rules in the text ----------------------------------------------------------------
+
+
+def alternative_at(program: Program, row: str) -> nodes.Alternative | None:
+    """Return the alternative of a rule at a file and line; see `events.RuleRun`."""
+    library, row_of = program.library, program.compiler.row
+    rules = [one for rule in library.memory_rules for one in alternatives(rule)]
+    rules += [one for rule in library.event_rules for one in alternatives(rule)]
+    return next((one for one in rules if row_of(one.span) == row), None)
+
+
+def alternatives(
+    rule: nodes.MemoryRule | nodes.EventRule,
+) -> Iterator[nodes.Alternative]:
+    """Yield the alternatives of a rule, in the order of the text."""
+    owners = rule.cases if isinstance(rule, nodes.MemoryRule) else (rule,)
+    for owner in owners:
+        for one in owner.rules:
+            yield from one.alternatives
+
+
+def _action_at(program: Program, row: str, change: ToldEvent) -> str:
+    """Return the file and line of the action of a rule that made a change."""
+    alternative = alternative_at(program, row)
+    fact: Fact = change.keys["fact"]
+    op = "mem-add" if change.kind is events.FactAsserted else "mem-del"
+    actions = () if alternative is None else alternative.actions
+    for action in actions:
+        if action.pattern.name == fact[0] and op in (action.op, "mem-del"):
+            return program.compiler.row(action.span)
+    return ""
