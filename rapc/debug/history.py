@@ -669,6 +669,24 @@ class History:
             self.answers.closed = closed
             self.answers.solutions = self.branch.solutions
 
+    def repeat(self, cycle: int, hear: Hear) -> None:
+        """Repeat a past cycle to the next choice; call `hear` with each event.
+
+        The run is in the state of the event while `hear` is called.
+
+        Raises:
+            StateError: if the run cannot go back.
+        """
+        branch = self.branch
+        self._look_back()
+        with self._aside(), suppress(UnknownAnswerError):
+            self._put_back(branch.moment_before(cycle) if cycle else _BEGINNING)
+            if cycle:
+                self.run.come_to_choice()
+            self._log.elsewhere = hear
+            self._replay(branch.moment_before(cycle + 1))
+            self.run.come_to_choice()
+
     def ahead(self, acts: Iterable[Act], cycles: int) -> list[ToldEvent]:
         """Return the events of the next cycles after given acts, then undo all.
 

@@ -23,6 +23,7 @@ from rapc.base.values import Fact, format_list
 from rapc.debug import acts, find, recorded
 from rapc.debug.acts import AssertFact, EraseFacts, FailTask
 from rapc.debug.history import History
+from rapc.debug.log import ToldEvent
 from rapc.debug.questions import (
     beliefs,
     commitments,
@@ -35,6 +36,7 @@ from rapc.debug.questions import (
     why,
     why_not,
 )
+from rapc.debug.questions.names import definition_names
 from rapc.errors import Error
 from rapc.events import Event
 from rapc.ir.nodes import Proposition
@@ -80,6 +82,11 @@ class Asker:
         """Return a fact that is believed and says something of something."""
         facts = self.session.run.beliefs.facts
         return self.dice.choice([fact for fact in facts if len(fact) > 1])
+
+    def named(self) -> str:
+        """Return the name of a definition."""
+        library = self.session.library.program.library
+        return self.dice.choice([name for name, _ in definition_names(library)])
 
     def pattern(self) -> str:
         """Return a fact with gaps in it, as text."""
@@ -165,12 +172,22 @@ def _observe(one: Asker) -> None:
 
 def _stand(one: Asker) -> None:
     session = one.session
-    assert session.stand().startswith(f"cycle {session.moment.cycle}, time ")
+    assert f"cycle {session.moment.cycle}, time " in session.stand()
     assert session.seen >= session.cycle
     assert session.seen_over in (True, False)
     assert session.now == session.run.now
     assert session.over == bool(session.reason)
     assert session.selected is None or session.selected > 0
+
+
+def _repeat(one: Asker) -> None:
+    cycle = one.cycle()
+
+    def hear(event: ToldEvent) -> None:
+        assert event.cycle == cycle
+        _memory(one)
+
+    one.session.repeat(cycle, hear)
 
 
 def _what_if(one: Asker) -> None:
@@ -240,6 +257,13 @@ QUESTIONS: Mapping[str, Callable[[Asker], object]] = {
         one.session, one.dice.choice(one.formulas)
     ),
     "who": lambda one: facts.who(one.session, one.pattern()),
+    "who in a cycle": lambda one: facts.who(
+        one.session, f"{one.pattern()} in {one.cycle()}"
+    ),
+    "who uses a definition": lambda one: facts.who(one.session, one.named()),
+    "history of a definition": lambda one: facts.history_(one.session, one.named()),
+    "source": lambda one: state.source(one.session, one.named()),
+    "repeat": _repeat,
     "what if": _what_if,
     "belief": lambda one: beliefs.belief(one.session),
     "belief of a fact": lambda one: beliefs.belief(one.session, one.pattern()),

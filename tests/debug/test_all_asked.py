@@ -63,6 +63,8 @@ ACTS: Mapping[str, str] = {
     "History.between": "says where it stands",
     "History.branch_off": "begins a branch",
     "History.check_is_run": "says what it is",
+    "History.check_knows_truth": "says what it is",
+    "History.knows_truth": "says what it is",
     "History.follow": "listens from then on",
     "History.is_run": "says what it is",
     "History.goto_time": "goes to a cycle, as `goto` does",

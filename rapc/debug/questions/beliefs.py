@@ -33,10 +33,11 @@ def belief(history: History, args: Arguments) -> Answer:
         else:
             wanted = match_pattern(pattern, one.fact[: len(pattern)]) is not None
         if wanted:
-            (origin,) = origins(history, {one.fact: one.believed}, one.cycle + 1)
+            believed = {one.fact: one.believed}
+            (origin,) = origins(history, believed, (one.cycle + 1, 0))
             since = None if one.believed is None else number(one.believed)
             truth = " or ".join(map(format_list, one.truth)) or "not so"
             ended = None if one.ended is None else number(one.ended)
-            told = (format_list(one.fact), since, origin.by, truth)
+            told = (format_list(one.fact), since, origin.source, truth)
             rows.append((*told, number(one.time), one.cycle, ended))
     return table(_COLUMNS, rows, none="no wrong beliefs")

@@ -23,7 +23,7 @@ from rapc.compiler.watches import WatchKey
 from rapc.debug.answer import Answer, in_pairs, question, table
 from rapc.debug.arguments import Arguments, read_pattern
 from rapc.debug.history import History
-from rapc.debug.log import EventLog, ToldEvent, Want
+from rapc.debug.log import ToldEvent, Want
 from rapc.debug.questions.names import definitions, in_words, names_of, predicates
 from rapc.debug.questions.sources import (
     CAUSES,
@@ -283,7 +283,7 @@ def _of_fact(history: History, pattern: Fact) -> Iterator[_Row]:
         for fact, since in run.memory.facts(name).items()
         if match_pattern(pattern, fact[: len(pattern)]) is not None
     }
-    for origin in origins(history, stamps, history.serial):
+    for origin in origins(history, stamps, (history.cycle + 1, 0)):
         use = "noted" if origin.by.startswith("notation") else "believed"
         since = "the start" if origin.time is None else origin.time
         yield use, format_list(origin.fact), since, origin.by, origin.where
@@ -353,7 +353,8 @@ def _changed_in(history: History, pattern: Fact, cycle: int) -> Answer:
         rows.append((sign, fact, told.time, source.by, source.where))
         rule = source.rule
         if rule is not None and all(one.rule is not rule for _, one in found[at:]):
-            for one in origins(history, _behind(history, rule), told.serial):
+            behind = _behind(history, rule)
+            for one in origins(history, behind, (cycle, rule.serial)):
                 fact = f"  {format_list(one.fact)}"
                 rows.append(("", fact, one.time, one.by, one.where))
     said = format_list(pattern)
@@ -365,19 +366,13 @@ def _behind(history: History, rule: ToldEvent) -> Evidence:
     """Return the facts that made the query of a rule true, as the rule ran."""
     found: Evidence = {}
     alternative = alternative_at(history.library.program, rule.keys["at"])
-    log = history.log
-    assert isinstance(log, EventLog)
-    with history.at(max(rule.cycle - 1, 0)) as run:
 
-        def hear(told: ToldEvent) -> None:
-            if told.serial == rule.serial and alternative is not None:
-                bound = rule.keys["bindings"]
-                found.update(run.supporting(alternative.query, bound))
+    def hear(told: ToldEvent) -> None:
+        if told.serial == rule.serial and alternative is not None:
+            bound = rule.keys["bindings"]
+            found.update(history.run.supporting(alternative.query, bound))
 
-        log.elsewhere = hear
-        if rule.cycle:
-            run.step()
-        run.come_to_choice()
+    history.repeat(rule.cycle, hear)
     return found
 
 

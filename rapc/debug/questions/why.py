@@ -54,8 +54,12 @@ class Origin(msgspec.Struct, frozen=True):
             told += f", asserted at {readable(self.time)}"
         if self.cycle is not None:
             told += f" in cycle {self.cycle}"
-        told += f" by {self.by}" if self.by else ""
-        return f"{told} at {self.where}" if self.where else told
+        return f"{told} by {self.source}" if self.by else told
+
+    @property
+    def source(self) -> str:
+        """The source with the file and line of a rule."""
+        return f"{self.by} at {self.where}" if self.where else self.by
 
 
 class Choice(msgspec.Struct, frozen=True):
@@ -171,7 +175,7 @@ def reasons(
     with history.at_choice(last) as run:
         choice = _choice(history, task)
         doing, rests_on = _doing(run, run.task(task), settled)
-    known = origins(history, rests_on, own[0].serial)
+    known = origins(history, rests_on, (last, own[0].serial))
     return choice, msgspec.structs.replace(doing, rests_on=known)
 
 
@@ -243,19 +247,22 @@ def _supports_of(run: Interpreter, task: Task, query: Query | None) -> Evidence:
 # --- where facts come from ----------------------------------------------------------
 
 
-def origins(history: History, found: Evidence, before: int) -> tuple[Origin, ...]:
-    """Return the last assertion of each fact before the event of a serial number."""
+def origins(
+    history: History, found: Evidence, before: tuple[int, int]
+) -> tuple[Origin, ...]:
+    """Return the last assertion of each fact before a cycle and serial number."""
+
+    def want(told: ToldEvent) -> bool:
+        return told.keys["fact"] in found and (told.cycle, told.serial) < before
+
     last: dict[Fact, ToldEvent] = {}
     for told in history.log.backwards(events.FactAsserted):
         if len(last) == len(found):
             break
-        if told.serial < before and told.keys["fact"] in found:
+        if want(told):
             last.setdefault(told.keys["fact"], told)
     if len(last) < len(found) and not history.log.has(0):
-        for told in history.scan(
-            events.FactAsserted,
-            want=lambda one: one.serial < before and one.keys["fact"] in found,
-        ):
+        for told in history.scan(events.FactAsserted, want=want):
             last[told.keys["fact"]] = told
     known = sources(history, last.values())
     return tuple(_origin(fact, found[fact], last.get(fact), known) for fact in found)
