@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from os.path import basename
 
-from bench.mutation_base import Base, Edit, Kind
+from bench.mutation_base import Base, Edit, Kind, denied
 from rapc.analysis.facts.logic import is_never
 from rapc.base.source import Span
 from rapc.ir import nodes
@@ -68,7 +68,7 @@ def _standing_with_a_goal(base: Base) -> Iterator[Edit]:
     """What a standing task brings about is made its goal."""
     for rap in base.raps:
         if _stands(rap) and rap.succeed is not None and rap.monitor_state is not None:
-            yield Edit(rap.succeed.span, f"(not {base.text(rap.monitor_state.span)})")
+            yield Edit(rap.succeed.span, denied(base, rap.monitor_state))
 
 
 def _stands(rap: nodes.DefineRap) -> bool:

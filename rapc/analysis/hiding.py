@@ -78,6 +78,10 @@ HIDES = (
     Row(("stray-variable",), ("succeeds-at-once", "unreachable-method"), "form"),
     Row(("unheard-monitor", "vain-protection"), ("stray-variable",), "form"),
     Row(("idle-part",), ("succeeds-at-once",), "form"),
+    Row(("standing-task-ends",), ("monitor-always-holds",), "form"),
+    Row(("monitor-always-holds", "age-in-monitor"), ("idle-wait",), "form"),
+    Row(("stray-variable",), ("uncompared-number", "idle-wait"), "form"),
+    Row(("uncompared-number",), ("idle-part",), "name"),
     Row(
         ("monitor-always-holds", "settled-comparison", "contradiction"),
         ("idle-part", "stray-variable"),

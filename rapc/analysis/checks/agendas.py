@@ -64,9 +64,8 @@ def agenda_bands(run: Pass) -> Iterator[Diagnostic]:
             *_reaches(run, agenda, reach, told),
         )
         for task in agenda.tasks:
-            ended = _ended(run, task)
-            if ended is not None:
-                yield ended
+            if task.background:
+                yield from _ended(run, task, task.goal.name)
 
 
 def _stands(run: Pass, task: nodes.GivenTask) -> bool:
@@ -175,18 +174,24 @@ def _raised(name: str, reach: _Reach) -> nodes.Step | None:
     return most
 
 
-def _ended(run: Pass, task: nodes.GivenTask) -> Diagnostic | None:
-    rap = run.library.raps.get(task.goal.name)
-    if rap is None or not task.background or not rap.methods:
-        return None
+def _ended(run: Pass, task: nodes.GivenTask, name: str) -> Iterator[Diagnostic]:
+    """Find RAPs of a standing task that end, also as one of its steps with monitors."""
+    rap = run.library.raps.get(name)
+    if rap is None or not rap.methods or is_never(rap.succeed):
+        return
     monitors = [rap.monitor_state, rap.monitor_time]
     monitor = next((one for one in monitors if one is not None), None)
-    if monitor is None or is_never(rap.succeed):
-        return None
+    if monitor is None:
+        for step in (
+            (s for m in rap.methods for s in steps(m)) if _reacts(run, rap) else ()
+        ):
+            if not step.annotations and step.goal.name != name:
+                yield from _ended(run, task, step.goal.name)
+        return
     message = f"`{rap.name}` ends when a method has succeeded once"
     if rap.succeed is not None:
         message = f"`{rap.name}` ends when this formula holds once"
-    return ENDS.at(
+    yield ENDS.at(
         rap.name_span if rap.succeed is None else rap.succeed.span,
         message,
         labels=(

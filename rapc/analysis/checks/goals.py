@@ -12,17 +12,21 @@ from __future__ import annotations
 from collections.abc import Container, Iterator, Sequence
 
 from rapc.analysis.check import Pass, check
+from rapc.analysis.facts.clashes import rules_out
 from rapc.analysis.facts.effects import (
     EFFECTS,
     Effect,
     calls_of,
     done_by_method,
+    goals_of_method,
     may_establish,
 )
 from rapc.analysis.facts.logic import (
     Literal,
     asked_through,
+    conjunction,
     entails,
+    expanded,
     fact_name,
     is_never,
     literals,
@@ -75,6 +79,8 @@ def hopeless(run: Pass) -> Iterator[Diagnostic]:
             continue
         denied = list(_denied(rap))
         yield from denied
+        again = list(_brought_about(run, rap))
+        yield from again
         done = effects.of(rap.name)
         if done is not None:
             lost = _hopeless(run, rap, done)
@@ -82,7 +88,8 @@ def hopeless(run: Pass) -> Iterator[Diagnostic]:
                 hopeless[rap.name] = lost
                 continue
             promised = () if denied else _empty(run, rap, done)
-            yield from (*_endless(run, rap, done), *promised)
+            endless = () if again else _endless(run, rap, done)
+            yield from (*endless, *promised)
     for name in _causes(run.library, hopeless) if hopeless else ():
         yield hopeless[name]
 
@@ -120,23 +127,48 @@ def _endless(
     run: Pass, rap: nodes.DefineRap, done: Sequence[Effect]
 ) -> Iterator[Diagnostic]:
     monitor = rap.monitor_state
-    if monitor is None or rap.monitor_time is not None or not is_never(rap.succeed):
+    if monitor is None or not _stands(rap):
         return
-    asked = asked_through(run.library, monitor)
-    if not asked:
-        return
-    if not _ends(run.library, monitor, done):
+    if asked_through(run.library, monitor) and not _ends(run.library, monitor, done):
         yield ENDLESS.at(
             monitor.span,
             f"no action of `{rap.name}` can end the state that wakes the task",
             help=_said(done),
         )
-    elif _brings_it_about(run, rap, monitor):
+
+
+def _stands(rap: nodes.DefineRap) -> bool:
+    """Return whether only the monitor of a RAP wakes its task, again and again."""
+    return rap.monitor_time is None and is_never(rap.succeed)
+
+
+def _brought_about(run: Pass, rap: nodes.DefineRap) -> Iterator[Diagnostic]:
+    """Find a monitor that surely holds after any method has succeeded."""
+    monitor = rap.monitor_state
+    if monitor is None or not _stands(rap):
+        return
+    if all(_wakes_again(run, rap, method, monitor) for method in rap.methods):
         yield ENDLESS.at(
             monitor.span,
             f"the actions of `{rap.name}` bring about the state that wakes the task",
             help="query the opposite in the monitor, or change the actions",
         )
+
+
+def _wakes_again(
+    run: Pass, rap: nodes.DefineRap, method: nodes.Method, monitor: nodes.Formula
+) -> bool:
+    """Return whether a monitor surely holds after a method has succeeded."""
+    library, relations = run.library, run.signatures.relations
+    given = {variable.name for variable in rap.inputs}
+    done = [*done_by_method(library, method), *goals_of_method(library, method)]
+    held = list(expanded(library, done))
+    return bool(held) and all(
+        entails(held, conjunction(expanded(library, [wanted])), given, relations)
+        if wanted.holds
+        else rules_out(run, held, wanted.formula, given)
+        for wanted in literals(monitor)
+    )
 
 
 def _ends(library: Library, monitor: nodes.Formula, done: Sequence[Effect]) -> bool:
@@ -145,16 +177,6 @@ def _ends(library: Library, monitor: nodes.Formula, done: Sequence[Effect]) -> b
         may_establish(library, Literal(one.formula, not one.holds), done)
         for one in literals(monitor)
         if not isinstance(one.formula, _BESIDE)
-    )
-
-
-def _brings_it_about(run: Pass, rap: nodes.DefineRap, monitor: nodes.Formula) -> bool:
-    """Return whether the monitor surely holds after any method has succeeded."""
-    given = {variable.name for variable in rap.inputs}
-    relations = run.signatures.relations
-    return all(
-        entails(done_by_method(run.library, method), monitor, given, relations)
-        for method in rap.methods
     )
 
 

@@ -22,10 +22,14 @@ from rapc.analysis.facts.index import INDEX, Form, Index
 from rapc.analysis.facts.logic import (
     Always,
     Literal,
+    apart,
     asked_by,
     asked_through,
+    conjunction,
     entails,
+    expanded,
     fact_name,
+    follows,
     is_computed,
     is_never,
     literals,
@@ -33,6 +37,7 @@ from rapc.analysis.facts.logic import (
     through,
 )
 from rapc.analysis.facts.statistics import LIMITS, THRESHOLDS
+from rapc.analysis.facts.task_nets import Net, sure_nets
 from rapc.analysis.facts.variables import BINDINGS
 from rapc.base.diagnostics import (
     Applicability,
@@ -47,7 +52,15 @@ from rapc.base.source import Span
 from rapc.base.values import Number, format_atom
 from rapc.ir import clauses, nodes
 from rapc.ir.printer import format_formula
-from rapc.ir.walk import formulas, input_terms, substitute, variable_names
+from rapc.ir.walk import (
+    formulas,
+    given_names,
+    input_terms,
+    steps,
+    substitute,
+    variable_names,
+    ways,
+)
 from rapc.library.library import Library
 
 AGE_IN_MONITOR = Rule(
@@ -138,6 +151,185 @@ def standing(run: Pass) -> Iterator[Diagnostic]:
                 yield from _unheard(library, rap.monitor_state, changed, idle)
             yield from _unready(library, rap, changed, always)
             yield from _failing(library, rap, changed, always)
+
+
+IDLE_WAIT = Rule(
+    code="RAP185",
+    name="idle-wait",
+    severity=Severity.WARNING,
+    summary="a RAP without methods fails where it should wait or succeed",
+    ignore="where the RAP only tests its `succeed`, and the caller handles the failure",
+    source="T 4.7.1",
+)
+
+
+POWERLESS_STEP = Rule(
+    code="RAP187",
+    name="powerless-step",
+    severity=Severity.WARNING,
+    summary="a step that waits has no higher priority than the busy step that it ends",
+    ignore="where the other step has pauses in which the waiting step can end it",
+    source="T 4.7.1, 5.4.1",
+)
+
+
+UNHEEDED_STEP = Rule(
+    code="RAP189",
+    name="unheeded-step",
+    severity=Severity.WARNING,
+    summary="a step only waits for a state, and its end has no effect",
+    ignore="where the wait is shown in a trace or a report only",
+    source="T 4.7.1",
+)
+
+
+@check(IDLE_WAIT, POWERLESS_STEP, UNHEEDED_STEP, needs_whole="form")
+def waiting_steps(run: Pass) -> Iterator[Diagnostic]:
+    """Find RAPs and steps that wait for a state in vain."""
+    for rap in run.library.raps.values():
+        goal, monitor = rap.succeed, rap.monitor_state
+        if rap.methods or goal is None or isinstance(goal, nodes.Truth):
+            continue
+        if monitor is not None and not _serves_goal(run, rap, monitor, goal):
+            yield IDLE_WAIT.at(
+                monitor.span,
+                f"`{rap.name}` fails when this wakes the task: `succeed` requires more",
+                labels=(Label(goal.span, "this does not follow from the monitor"),),
+                help="query the same in `monitor-state` and in `succeed`",
+            )
+    told: set[str] = set()
+    for _, method, net in sure_nets(run):
+        own = steps(method)
+        ends = {at: _ended_by(step) for at, step in enumerate(own)}
+        for at, step in enumerate(own):
+            called = run.library.raps.get(step.goal.name)
+            if called is None:
+                continue
+            others = [o for o, tags in ends.items() if step.tag in tags and o != at]
+            if (others or ends[at]) and _only_tests(called) and called.name not in told:
+                told.add(called.name)
+                yield _untimely(called, step)
+            elif called.monitor_state is not None:
+                yield from _in_vain(run.library, called, net, own, at, others, ends[at])
+
+
+def _ended_by(step: nodes.Step) -> list[str]:
+    """Return the tags of the steps that end a step by `until`."""
+    until = nodes.UntilEnd | nodes.UntilStart
+    return [note.tag for note in step.annotations if isinstance(note, until)]
+
+
+def _only_tests(rap: nodes.DefineRap) -> bool:
+    """Return whether a RAP does nothing and waits for nothing."""
+    waits = rap.monitor_state is not None or rap.monitor_time is not None
+    plain = rap.succeed is None or isinstance(rap.succeed, nodes.Truth)
+    return not (rap.methods or waits or plain)
+
+
+def _untimely(called: nodes.DefineRap, step: nodes.Step) -> Diagnostic:
+    assert called.succeed is not None
+    return IDLE_WAIT.at(
+        called.succeed.span,
+        f"`{called.name}` does not wait for this: it has no monitor and no method",
+        labels=(Label(step.span, "this step is to wait beside another step"),),
+        help="write the awaited state as `monitor-state`, too",
+    )
+
+
+def _is_busy(library: Library, step: nodes.Step) -> bool:
+    """Return whether a step has steps in a loop, or in an order."""
+    below = reached(library, [step.goal.name]).values()
+    return any(
+        rap.repeat_while is not None or len(steps(method)) > 1
+        for rap in below
+        for method in rap.methods
+        if isinstance(method.body, nodes.TaskNet)
+    )
+
+
+def _in_vain(
+    library: Library,
+    called: nodes.DefineRap,
+    net: Net,
+    own: Sequence[nodes.Step],
+    at: int,
+    others: Sequence[int],
+    ended_by: Sequence[str],
+) -> Iterator[Diagnostic]:
+    """Find a step with a monitor that is too weak, or whose end has no effect."""
+    step = own[at]
+    for other in others:
+        if own[other].priority >= step.priority and _is_busy(library, own[other]):
+            yield POWERLESS_STEP.at(
+                step.span,
+                f"step `{step.tag}` waits for a state, and has no higher priority than "
+                f"`{own[other].tag}`, which it ends",
+                labels=(Label(own[other].span, f"priority {own[other].priority}"),),
+                help="give the waiting step a higher priority",
+            )
+            return
+    if others or not ended_by or called.methods or step.goal.outputs:
+        return
+    enders = [net.tags[tag] for tag in ended_by]
+    after = [to for to in range(len(own)) if net.is_before(at, to)]
+    if all(any(net.is_before(end, to) for end in enders) for to in after):
+        yield UNHEEDED_STEP.at(
+            step.span,
+            f"step `{step.tag}` only waits, and its end has no effect on other steps",
+            labels=tuple(Label(own[end].span, "ends the wait") for end in enders),
+            help=f"add `(until-end {step.tag})` to the step that is to end",
+        )
+
+
+def _serves_goal(
+    run: Pass, rap: nodes.DefineRap, monitor: nodes.Formula, goal: nodes.Formula
+) -> bool:
+    """Return whether one way of a monitor to hold also makes a goal hold."""
+    given, relations = given_names(rap), run.signatures.relations
+    for way in ways(monitor):
+        held = list(literals(way))
+        for end in ways(goal):
+            facts = conjunction(expanded(run.library, literals(end)))
+            known = list(expanded(run.library, held))
+            for formula, there in ((end, held), (facts, known)):
+                wanted = apart(formula, given, "@goal")
+                free = set(variable_names(wanted)) - given
+                if follows(list(literals(wanted)), there, free, relations, given):
+                    return True
+    return False
+
+
+CONTRARY_WAIT = Rule(
+    code="RAP191",
+    name="contrary-wait",
+    severity=Severity.WARNING,
+    summary="a RAP waits for the contrary of the state that other RAPs wait for",
+    ignore="where this RAP alone needs the contrary",
+    source="T 4.7.2",
+)
+
+
+@check(CONTRARY_WAIT, needs_whole="form")
+def contrary_waits(run: Pass) -> Iterator[Diagnostic]:
+    """Find a RAP that waits for the contrary of what several other RAPs wait for.
+
+    A standing task reacts to a state, and may well react to the contrary.
+    """
+    waiting: dict[Literal, list[nodes.DefineRap]] = {}
+    for rap in run.library.raps.values():
+        if rap.monitor_state is not None and not is_never(rap.succeed):
+            for one in literals(rap.monitor_state):
+                waiting.setdefault(one, []).append(rap)
+    for one, raps in waiting.items():
+        others = waiting.get(Literal(one.formula, not one.holds), [])
+        if len(raps) == 1 and len(others) >= THRESHOLDS.same_wait:
+            yield CONTRARY_WAIT.at(
+                one.span,
+                f"`{raps[0].name}` waits for the contrary of what {len(others)} other "
+                "RAPs wait for",
+                labels=(Label(others[0].span, f"`{others[0].name}` is one of them"),),
+                help="query the same state, if this is meant",
+            )
 
 
 def _endless(task: nodes.GivenTask, cause: Span, work: bool) -> Diagnostic:

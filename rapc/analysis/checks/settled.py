@@ -1,4 +1,4 @@
-"""RAP108, RAP112 to RAP116: conditions with a constant result.
+"""RAP108, RAP112 to RAP116, RAP183, RAP193: conditions with a constant result.
 
 A property with a default always has a value: a fact that queries the property with a
 new variable always holds [L 2.20]. Identical methods are reported here, too.
@@ -14,11 +14,15 @@ from rapc.analysis.facts.effects import does_nothing
 from rapc.analysis.facts.index import INDEX, Index
 from rapc.analysis.facts.logic import (
     Always,
+    Literal,
+    apart,
+    follows,
     is_never,
     literals,
     number_of,
 )
 from rapc.analysis.facts.resources import FirstValues
+from rapc.analysis.facts.usage import USAGE
 from rapc.base.diagnostics import (
     Diagnostic,
     Label,
@@ -32,6 +36,7 @@ from rapc.ir.printer import format_formula
 from rapc.ir.walk import (
     formulas,
     given_names,
+    steps,
     subformulas,
     variable_names,
     ways,
@@ -88,8 +93,11 @@ def settled(run: Pass) -> Iterator[Diagnostic]:
     """Find identical methods, and clauses with a constant result."""
     always = Always(run.signatures)
     for rap in run.library.forms:
-        if isinstance(rap, nodes.DefineRap) and rap.methods:
-            given = given_names(rap)
+        if not isinstance(rap, nodes.DefineRap):
+            continue
+        given = given_names(rap)
+        yield from _without_a_wait(run, rap, given)
+        if rap.methods:
             yield from _copies(rap)
             yield from _settled(rap, always, given)
 
@@ -219,6 +227,31 @@ def _settled(
         )
 
 
+def _without_a_wait(
+    run: Pass, rap: nodes.DefineRap, given: set[str]
+) -> Iterator[Diagnostic]:
+    """Find a RAP whose `succeed` holds wherever its monitor does not."""
+    monitor, goal = rap.monitor_state, rap.succeed
+    if monitor is None or goal is None or isinstance(goal, nodes.Truth):
+        return
+    parts = [one for way in ways(monitor) for one in literals(way)]
+    denied = [Literal(one.formula, not one.holds) for one in parts]
+    if len(parts) > 1 and not isinstance(monitor, nodes.Or):
+        denied = [Literal(monitor, False)]
+    for way in ways(goal):
+        wanted = apart(way, given, "@goal")
+        free = set(variable_names(wanted)) - given
+        relations = run.signatures.relations
+        if follows(list(literals(wanted)), denied, free, relations, given):
+            yield ALWAYS.at(
+                monitor.span,
+                f"`{rap.name}` never waits: `succeed` holds where the monitor does not",
+                labels=(Label(way.span, "the task has succeeded then"),),
+                help="query the awaited state in the monitor",
+            )
+            return
+
+
 def _not_at_first(rap: nodes.DefineRap, first: FirstValues) -> Iterator[Diagnostic]:
     for clause, formula in clauses.held(clauses.RAP, rap):
         failing = first.fails(formula) if clause.is_condition else None
@@ -238,15 +271,16 @@ _ADVICE = "a property has a value even if nothing is known: query the value"
 
 
 def _waits(rap: nodes.DefineRap) -> bool:
-    """Return whether a RAP has a monitor, or a step that waits for a signal or time."""
+    """Return whether a RAP has a monitor, or each method waits for a signal or time."""
     if rap.monitor_state is not None or rap.monitor_time is not None:
         return True
-    return any(
-        isinstance(annotation, nodes.WaitFor | nodes.Window)
+    return all(
+        any(
+            isinstance(annotation, nodes.WaitFor | nodes.Window)
+            for step in steps(method)
+            for annotation in step.annotations
+        )
         for method in rap.methods
-        if isinstance(method.body, nodes.TaskNet)
-        for step in method.body.steps
-        for annotation in step.annotations
     )
 
 
@@ -300,6 +334,47 @@ def _idle_part(part: nodes.Formula, how: str) -> Diagnostic:
         help="query the value that is meant, or remove the part",
         about=tuple(Subject(part.span, name) for name in variable_names(part)),
     )
+
+
+UNCOMPARED = Rule(
+    code="RAP193",
+    name="uncompared-number",
+    severity=Severity.WARNING,
+    summary="a monitor, goal or condition binds a number that nothing compares",
+    ignore="never: write `?` for any number",
+    source="T 4.1",
+)
+
+
+@check(UNCOMPARED, needs_whole="form")
+def uncompared_numbers(run: Pass) -> Iterator[Diagnostic]:
+    """Find numbers that a clause binds for itself and does not use."""
+    usage = run.result(USAGE)
+    for variable, parent, rap in run.result(INDEX).used_once():
+        if (
+            not isinstance(rap, nodes.DefineRap)
+            or type(parent) is not nodes.Proposition
+        ):
+            continue
+        if parent.args[-1] is not variable or parent.name not in run.library.properties:
+            continue
+        clause = _local_clause(rap, variable)
+        if clause and usage.kinds(list(usage.of(rap, variable.name))) == ("number",):
+            yield UNCOMPARED.at(
+                variable.span,
+                f"nothing compares the number `{variable.name}` of `{clause}`",
+                help="compare the number, or write `?` for any number",
+                about=(Subject(variable.span, variable.name),),
+            )
+
+
+def _local_clause(rap: nodes.DefineRap, variable: nodes.Var) -> str:
+    """Return the clause of a RAP with a variable; empty if its bindings are kept."""
+    for clause, formula in clauses.held(clauses.RAP, rap):
+        inside = formula.span.start <= variable.span.start < formula.span.end
+        if inside and not clause.hands_on:
+            return clause.word
+    return ""
 
 
 SETTLED_COMPARISON = Rule(

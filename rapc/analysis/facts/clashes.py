@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Sequence
+from collections.abc import Collection, Container, Iterator, Sequence
 
 from rapc.analysis.check import Pass
-from rapc.analysis.facts.logic import Clash, Conjunction, Literal, may_clash
+from rapc.analysis.facts.logic import (
+    Clash,
+    Conjunction,
+    Literal,
+    apart,
+    expanded,
+    literals,
+    may_clash,
+)
 from rapc.base.diagnostics import Diagnostic, Label, Rule
 from rapc.base.source import Span
+from rapc.ir import nodes
 from rapc.ir.printer import format_formula
+from rapc.ir.walk import substitute, variable_names
 
 
 def first_clash(
@@ -35,6 +45,48 @@ def first_clash(
         if clash is not None:
             return clash
     return None
+
+
+def rules_out(
+    run: Pass, held: Sequence[Literal], formula: nodes.Formula, given: Collection[str]
+) -> bool:
+    """Return whether a formula has no solution where some literals hold.
+
+    The values of a property in the formula and in the literals are one value.
+    """
+    wanted = list(literals(apart(formula, given, "@out")))
+    bound = {*given, *variable_names(*[one.formula for one in held])}
+    if first_clash(run, (), held, bound) is not None:
+        return False
+    return any(
+        first_clash(run, held, _with_values_of(run, held, there), bound) is not None
+        for there in (wanted, list(expanded(run.library, wanted)))
+    )
+
+
+def _with_values_of(
+    run: Pass, held: Sequence[Literal], wanted: Sequence[Literal]
+) -> Sequence[Literal]:
+    """Return literals with the values that other literals have for properties."""
+    known = _of_properties(run, held)
+    values = {(fact.name, fact.args[:-1]): fact.args[-1] for fact in known}
+    terms: dict[str, nodes.Term] = {}
+    for fact in _of_properties(run, wanted):
+        last = fact.args[-1]
+        value = values.get((fact.name, fact.args[:-1]))
+        if value is not None and type(last) is nodes.Var:
+            terms.setdefault(last.name, value)
+    return [Literal(substitute(one.formula, terms), one.holds) for one in wanted]
+
+
+def _of_properties(run: Pass, found: Sequence[Literal]) -> Iterator[nodes.Proposition]:
+    """Yield the facts of properties that hold."""
+    for one in found:
+        fact = one.formula
+        if not one.holds or not isinstance(fact, nodes.Proposition):
+            continue
+        if fact.args and fact.name in run.library.properties:
+            yield fact
 
 
 def clash_at(rule: Rule, message: str, span: Span, label: Label) -> Diagnostic:

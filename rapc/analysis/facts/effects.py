@@ -29,6 +29,7 @@ import msgspec
 from rapc.analysis.check import Fact, Pass
 from rapc.analysis.facts.logic import (
     Literal,
+    apart,
     asked_by,
     fact_name,
     is_computed,
@@ -452,6 +453,22 @@ def done_by_method(library: Library, method: nodes.Method) -> list[Literal]:
     for one in found:
         often.setdefault(fact_name(one), set()).add(one.holds)
     return [one for one in found if len(often[fact_name(one)]) == 1]
+
+
+def goals_of_method(library: Library, method: nodes.Method) -> Iterator[Literal]:
+    """Yield what `succeed` of each step requires, in the terms of the method.
+
+    Steps that may be ended early, and steps with several ways to succeed, are left out.
+    """
+    for step in steps(method):
+        rap = library.raps.get(step.goal.name)
+        if rap is None or any(map(_ends, step.annotations)):
+            continue
+        if rap.succeed is None or isinstance(rap.succeed, nodes.Or | nodes.Truth):
+            continue
+        inputs = {variable.name for variable in rap.inputs}
+        goal = apart(rap.succeed, inputs, f"@{step.tag}")
+        yield from literals(substitute(goal, input_terms(rap, step.goal)))
 
 
 def _ends(note: nodes.Annotation) -> bool:

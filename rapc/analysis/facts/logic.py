@@ -79,6 +79,37 @@ def literals(formula: nodes.Formula | None) -> Iterator[Literal]:
             yield Literal(here, True)
 
 
+def expanded(library: Library, found: Iterable[Literal]) -> Iterator[Literal]:
+    """Yield literals with the formulas of queries in place of queries that hold.
+
+    A belief counts as its fact: the fact was just asserted.
+    """
+    left = [(one, LIMITS.query_depth) for one in reversed(list(found))]
+    number = 0
+    while left:
+        one, depth = left.pop()
+        fact = one.formula
+        if isinstance(fact, nodes.Believe):
+            fact = fact.pattern
+        name = fact.name if isinstance(fact, nodes.Proposition) else ""
+        query = library.queries.get(name) if one.holds and depth else None
+        if query is None or not isinstance(fact, nodes.Proposition):
+            yield Literal(fact, one.holds)
+            continue
+        number += 1
+        names = [argument.variable.name for argument in query.args]
+        inner = apart(query.formula, names, f"@{number}")
+        asked = substitute(inner, dict(zip(names, fact.args, strict=False)))
+        left += [(part, depth - 1) for part in reversed(list(literals(asked)))]
+
+
+def conjunction(found: Iterable[Literal]) -> nodes.Formula:
+    """Return the formula that requires some literals."""
+    return nodes.And(
+        tuple([f.formula if f.holds else nodes.Not(f.formula) for f in found])
+    )
+
+
 def is_never(formula: nodes.Formula | None) -> bool:
     """Return whether a formula is never true by its form: `nil`, `(not true)`."""
     if isinstance(formula, nodes.Not):
@@ -243,7 +274,7 @@ class _Search:
     ) -> bool:
         """Return whether a denial follows from another denial."""
         denied = list(literals(substitute(goal.formula, choice)))
-        inner = _Search(self._relations, None, self._left)
+        inner = _Search(self._relations, self._given, self._left)
         late = self._late(other, aim.held)
         turned = _Aim(list(literals(other.formula)), denied, late)
         found = inner.find(turned) is not None
@@ -280,13 +311,34 @@ class _Search:
     ) -> bool:
         """Return whether a fact equals a held fact; a default needs a known index."""
         choice, declared = match.choice, self._relations.get(one.name)
-        if one.name != two.name or declared is None:
-            return one.name == two.name and _same_row(one.args, two.args, None, choice)
+        if one.name != two.name:
+            return False
+        if declared is None:
+            return self._one_query(one.args, two.args, match)
         terms, others = declared.full(one.args), declared.full(two.args)
         index = match.free if self._is_stored(two) else None
         return _same_row(terms[:-1], others[:-1], index, choice) and _same_row(
             terms[-1:], others[-1:], match.free, choice
         )
+
+    def _one_query(
+        self, ones: Sequence[nodes.Term], twos: Sequence[nodes.Term], match: _Match
+    ) -> bool:
+        """Return whether a query or function equals a held one.
+
+        A variable without a value is only equal to one that had no value, either.
+        """
+        choice = match.choice
+        if len(ones) != len(twos):
+            return False
+        for one, two in zip(ones, twos, strict=True):
+            is_open = isinstance(two, nodes.Var) and (
+                two.anonymous or two.name in match.late
+            )
+            free = match.free if is_open else None
+            if not _same(one, two, free, choice):
+                return False
+        return True
 
     def _one_age(self, one: nodes.Believe, two: nodes.Believe, match: _Match) -> bool:
         """Return whether a wanted age follows from a held age.

@@ -37,6 +37,9 @@ class Thresholds(msgspec.Struct, frozen=True):
     failures_alike: int = 2
     #: Minimum share of primitives that must declare effects, as a fraction.
     described: tuple[int, int] = (3, 4)
+    #: Minimum number of RAPs that wait for a state, so that one RAP that waits for the
+    #: contrary counts as a fault.
+    same_wait: int = 3
     #: Minimum number of other forms in which one variable stands at two places, so that
     #: a variable of one place may stand for an input of the other.
     same_variable: int = 2
@@ -54,6 +57,8 @@ class Limits(msgspec.Struct, frozen=True):
     true_literals: int = 8
     #: Literals of a conjunction that are searched for contradictions.
     conjunction: int = 24
+    #: Levels of queries that are replaced by their formulas.
+    query_depth: int = 3
     #: Inputs through which a resource is followed.
     resource_inputs: int = 200
     #: Levels of callers that receive the knowledge about an input.
