@@ -22,6 +22,7 @@ from rapc.experiments import definition
 from rapc.experiments.batch import BatchResult, Workers, WorkersLost, jobs, run_batch
 from rapc.experiments.local import LocalWorkers, cores
 from rapc.experiments.points import Point
+from rapc.experiments.run import run_job
 from rapc.experiments.session import Batch
 from rapc.experiments.store import Store, StoreError, sole_user
 from rapc.experiments.summary import PartSummary
@@ -201,7 +202,7 @@ def _workers(
     found: AbstractContextManager[Workers]
     if cluster is None:
         count = min(processes or cores(), total)
-        found = LocalWorkers(count, session.made.time_limit)
+        found = LocalWorkers(count, run_job, session.made.time_limit)
     else:
         try:
             from rapc.experiments.cluster import ClusterWorkers

@@ -200,9 +200,8 @@ def _in_processes(
     running: TestSession, paths: Sequence[str], cases: Sequence[Case], jobs: int
 ) -> list[Outcome]:
     """Run the tests in several processes; show their progress on a terminal."""
-    from concurrent.futures.process import BrokenProcessPool
-
     from rapc.console.experiments import output
+    from rapc.experiments.batch import WorkersLost
     from rapc.testing.parallel import run_parallel
 
     given = settings()
@@ -215,8 +214,8 @@ def _in_processes(
             for outcome in run_parallel(running, paths, cases, jobs):
                 outcomes.append(outcome)
                 advance(1)
-    except BrokenProcessPool:
-        fail(f"a process ended before its test: {len(outcomes)} of {len(cases)} ran")
+    except WorkersLost as error:
+        fail(f"{error.message}: {len(outcomes)} of {len(cases)} ran")
     return outcomes
 
 

@@ -12,16 +12,21 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+from collections.abc import Callable
 from concurrent.futures import Future
 from multiprocessing import resource_tracker
 from threading import Thread
+from typing import Generic, TypeVar
 
-from pebble import ProcessPool
+from pebble import ProcessExpired, ProcessPool
 
 from rapc.base.interrupts import interrupts_held
-from rapc.experiments.run import Job, Result, run_job
 
-_Results = tuple[Result, ...]
+J = TypeVar("J")
+R = TypeVar("R")
+
+LOST = ProcessExpired
+"""The error of a future whose process was lost with the job, or did not start."""
 
 
 def cores() -> int:
@@ -31,7 +36,7 @@ def cores() -> int:
     return os.cpu_count() or 1
 
 
-class _Slot:
+class _Slot(Generic[J, R]):
     """One process, in a separate pool, and its latest job.
 
     The processes of one pool share a pipe and its locks: a process that is killed while
@@ -39,29 +44,32 @@ class _Slot:
     separate pool, and gets a new pool after any error.
     """
 
-    def __init__(self, time_limit: float) -> None:
-        self._limit = time_limit
-        self._pool = _pool()
-        self._last: Future[_Results] | None = None
+    def __init__(self, work: Callable[[J], R], time_limit: float | None) -> None:
+        self._work, self._limit = work, time_limit
+        self._pool = _pool(work)
+        self._last: Future[R] | None = None
 
     @property
     def free(self) -> bool:
         return self._last is None or self._last.done()
 
-    def submit(self, job: Job) -> Future[_Results]:
+    def submit(self, job: J) -> Future[R]:
         if self._last is not None and self._last.exception() is not None:
             self._renew()
         try:
-            self._last = self._pool.schedule(run_job, args=[job], timeout=self._limit)
+            self._last = self._pool.schedule(
+                self._work, args=[job], timeout=self._limit
+            )
         except (RuntimeError, OSError, EOFError) as error:
             self._last = Future()  # as if the process was lost with the job
-            self._last.set_exception(error)
+            what = f"{type(error).__name__}: {error}"
+            self._last.set_exception(ProcessExpired(what))
         return self._last
 
     def _renew(self) -> None:
         self._pool.stop()
         Thread(target=self._pool.join, daemon=True).start()
-        self._pool = _pool()
+        self._pool = _pool(self._work)
 
     def stop(self) -> None:
         self._pool.stop()
@@ -81,13 +89,13 @@ _LAST_WAIT = 5.0
 """Seconds to wait for the threads of a stopped pool."""
 
 
-def _pool() -> ProcessPool:
+def _pool(work: Callable[[J], R]) -> ProcessPool:
     context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(["rapc.experiments.run"])
-    return ProcessPool(max_workers=1, context=context, initializer=end_with_parent)
+    context.set_forkserver_preload([work.__module__])
+    return ProcessPool(max_workers=1, context=context, initializer=_end_with_parent)
 
 
-def end_with_parent() -> None:
+def _end_with_parent() -> None:
     """Start a thread that ends this process when its parent ends in any way.
 
     Otherwise the process would continue its run, which may be endless, and keep the
@@ -103,22 +111,25 @@ def _wait_and_end() -> None:
     os._exit(1)
 
 
-class LocalWorkers:
+class LocalWorkers(Generic[J, R]):
     """Processes of this machine; to be used with `with`, which ends the processes.
 
     Args:
         jobs: the number of processes.
-        time_limit: seconds that a run may take; a process that takes longer is killed
-            and replaced by a new process.
+        work: the function of a module that carries out a job.
+        time_limit: seconds that a job may take; a process that takes longer is killed
+            and replaced by a new process. None: no limit.
     """
 
     chunk = 1
 
-    def __init__(self, jobs: int, time_limit: float) -> None:
-        self._slots = [_Slot(time_limit) for _ in range(jobs)]
+    def __init__(
+        self, jobs: int, work: Callable[[J], R], time_limit: float | None = None
+    ) -> None:
+        self._slots = [_Slot(work, time_limit) for _ in range(jobs)]
         self.room = jobs
 
-    def __enter__(self) -> LocalWorkers:
+    def __enter__(self) -> LocalWorkers[J, R]:
         resource_tracker.ensure_running()  # its start permits interrupts
         return self
 
@@ -131,7 +142,7 @@ class LocalWorkers:
             for slot in self._slots:
                 slot.join()
 
-    def submit(self, job: Job) -> Future[_Results]:
+    def submit(self, job: J) -> Future[R]:
         """Run `job` on a free process; at least one process must be free.
 
         A process that cannot be started counts as lost: the future has the error.

@@ -12,7 +12,7 @@ from rapc.debug.costs import Pair
 from rapc.experiments.batch import jobs, run_batch
 from rapc.experiments.local import LocalWorkers, cores
 from rapc.experiments.measures import Measures
-from rapc.experiments.run import PointConfig, digest_of_code
+from rapc.experiments.run import PointConfig, digest_of_code, run_job
 from rapc.experiments.session import pairs_of
 from rapc.spec import RunSpec
 from rapc.worlds.registry import find_world
@@ -58,7 +58,7 @@ def run_pairs(
     found: list[dict[int, Measures]] = [{}, {}]
     faults = []
     count = min(processes or cores(), 2 * len(seeds))
-    with LocalWorkers(count, time_limit) as workers:
+    with LocalWorkers(count, run_job, time_limit) as workers:
         work = jobs([(config, seeds) for config in configs], workers.chunk)
         for done in run_batch(workers, work):
             for side, config in enumerate(configs):

@@ -6,17 +6,20 @@ between processes.
 
 from __future__ import annotations
 
-import multiprocessing
-import signal
+from collections import deque
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from functools import cache, partial
+from concurrent.futures import FIRST_COMPLETED, Future, wait
+from functools import cache
 from typing import Any
 
-from rapc.experiments.local import end_with_parent
+from rapc.experiments.batch import WorkersLost
+from rapc.experiments.local import LOST, LocalWorkers
 from rapc.testing import discover
 from rapc.testing.run import Case, Outcome
 from rapc.testing.session import TestSession
+
+_Job = tuple[TestSession, tuple[str, ...], int]
+"""The options, the files and folders of the tests, and the position of a test."""
 
 
 def run_parallel(
@@ -31,32 +34,33 @@ def run_parallel(
         jobs: the number of processes.
 
     Raises:
-        concurrent.futures.process.BrokenProcessPool: if a process was lost.
+        WorkersLost: if a process was lost.
     """
-    context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(["rapc.testing.parallel"])
-    pool = ProcessPoolExecutor(min(jobs, len(cases)), context, _begin)
-    run = partial(_run, session, tuple(paths))
+    waiting = deque(range(len(cases)))
+    under_way: dict[Future[tuple[Any, ...]], int] = {}
+    done: dict[int, tuple[Any, ...]] = {}
+    with LocalWorkers(min(jobs, len(cases)), _run) as workers:
+        for number, case in enumerate(cases):
+            while number not in done:
+                while waiting and len(under_way) < workers.room:
+                    future = workers.submit((session, tuple(paths), waiting[0]))
+                    under_way[future] = waiting.popleft()
+                for future in wait(under_way, return_when=FIRST_COMPLETED).done:
+                    done[under_way.pop(future)] = _result(future)
+            yield Outcome(case, *done.pop(number))
+
+
+def _result(future: Future[tuple[Any, ...]]) -> tuple[Any, ...]:
     try:
-        for case, parts in zip(cases, pool.map(run, range(len(cases))), strict=True):
-            yield Outcome(case, *parts)
-    except BaseException:  # after Ctrl-C no process may finish its tests first
-        for process in multiprocessing.active_children():
-            process.kill()
-        raise
-    finally:
-        pool.shutdown(cancel_futures=True)
+        return future.result()
+    except LOST as error:
+        raise WorkersLost("a process ended before its test") from error
 
 
-def _begin() -> None:
-    """Prepare a process; Ctrl-C concerns only its parent."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    end_with_parent()
-
-
-def _run(session: TestSession, paths: tuple[str, ...], index: int) -> tuple[Any, ...]:
+def _run(job: _Job) -> tuple[Any, ...]:
     """Run a test; return the fields of its outcome after the test itself."""
-    outcome = session.run_one(_cases(paths)[index])
+    session, paths, number = job
+    outcome = session.run_one(_cases(paths)[number])
     return tuple([getattr(outcome, name) for name in Outcome.__struct_fields__[1:]])
 
 

@@ -30,7 +30,7 @@ def drain(batch: Iterable[BatchResult]) -> list[Result]:
 
 def test_a_worker_killed_in_the_middle_changes_nothing() -> None:
     truck = config()
-    with LocalWorkers(2, 60) as workers:
+    with LocalWorkers(2, run_job, 60) as workers:
         batch = run_batch(workers, jobs([(truck, SEEDS)], workers.chunk))
         results = list(next(batch).results)
         killed = multiprocessing.active_children()[0].pid
@@ -58,7 +58,7 @@ def test_failed_process_start_counts_as_a_try(
         return connect(*args)
 
     monkeypatch.setattr(forkserver, "connect_to_new_process", lost_at_first)
-    with LocalWorkers(1, 60) as workers:
+    with LocalWorkers(1, run_job, 60) as workers:
         results = drain(run_batch(workers, jobs([(config(), range(2))], workers.chunk)))
     assert [result.fault for result in results] == ["", ""]
     assert len(tries) > 1
