@@ -197,6 +197,8 @@ class Account:
         #: The end reason of the run; empty before the end.
         self.reason = ""
         self.families: dict[int, Family] = {}
+        #: How often tasks failed, by the family, the RAP and the result.
+        self.failures: Counter[tuple[int, str, str]] = Counter()
         #: The waits that took time, in the order of their ends.
         self.waits: list[Wait] = []
         #: The requests and activations, ordered by start.
@@ -381,6 +383,8 @@ class Account:
 
     def _end_task(self, task: _Task, event: Any) -> None:
         del self._tasks[task.number]
+        if type(event) is events.TaskFailed:
+            self.failures[task.family, task.goal.name, event.result] += 1
         parent = self._tasks.get(task.parent or 0)
         if parent is not None:
             parent.child_ended = self.now

@@ -47,6 +47,8 @@ class Times(msgspec.Struct, frozen=True):
     ahead: tuple[str, ...]
     #: For each request or skill, by its name: how often, and how long.
     requests: Mapping[str, tuple[int, float]]
+    #: How often tasks of a RAP failed with a result in a family, as text.
+    failures: Mapping[str, int]
 
 
 def times_of(account: Account) -> Times:
@@ -70,6 +72,7 @@ def times_of(account: Account) -> Times:
         within=_shares(within, goals),
         ahead=tuple(dict.fromkeys(one.goal for one in ahead)),
         requests=requests,
+        failures=_failures(account, goals),
     )
 
 
@@ -80,6 +83,14 @@ def _shares(pieces: Iterable[Piece], goals: Mapping[int, str]) -> tuple[Share, .
         key = (family, one.kind, one.what)
         found[key] = found.get(key, 0) + one.stop - one.start
     return tuple([(*key, time) for key, time in found.items()])
+
+
+def _failures(account: Account, goals: Mapping[int, str]) -> dict[str, int]:
+    found: dict[str, int] = {}
+    for (family, rap, result), count in account.failures.items():
+        said = f"{goals[family]}: {rap} failed, {result}"
+        found[said] = found.get(said, 0) + count
+    return found
 
 
 Pair = tuple[Times, Times]
@@ -167,6 +178,7 @@ _SECTIONS: Mapping[str, Callable[[Times], _Figures]] = {
         [s for s in one.within if s[0] in one.ahead], lambda s: s[0]
     ),
     "in family": _in_family,
+    "failures": lambda one: dict(one.failures),
     "requests": lambda one: {name: n for name, (n, _) in one.requests.items()},
 }
 """The sections of the table: the figures of a run by name.

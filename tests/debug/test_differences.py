@@ -143,7 +143,7 @@ def _times(
     families: Mapping[str, float] = MappingProxyType({}),
 ) -> costs.Times:
     shares = tuple([(goal, "acting", "go", t) for goal, t in families.items()])
-    return costs.Times(time, "done", succeeded, 0, shares, shares, (), {})
+    return costs.Times(time, "done", succeeded, 0, shares, shares, (), {}, {})
 
 
 def test_change_of_pairs_has_a_confidence_interval() -> None:
