@@ -35,6 +35,7 @@ from rapc.experiments.batch import jobs, run_batch
 from rapc.experiments.local import LocalWorkers, cores
 from rapc.experiments.measures import Measures
 from rapc.experiments.paired import timed_config
+from rapc.experiments.run import run_job
 from rapc.experiments.session import pairs_of
 from rapc.runtime.interpreter import Interpreter
 from rapc.spec import RunSpec
@@ -157,7 +158,7 @@ def _measured(
 ) -> list[dict[int, Measures]]:
     configs = [timed_config(one, spec) for one in libraries]
     found: list[dict[int, Measures]] = [{} for _ in configs]
-    with LocalWorkers(cores(), 300) as workers:
+    with LocalWorkers(cores(), run_job, 300) as workers:
         work = jobs([(config, seeds) for config in configs], workers.chunk)
         for done in run_batch(workers, work):
             at = next(n for n, one in enumerate(configs) if one is done.config)

@@ -112,7 +112,7 @@ def pages() -> Iterator[tuple[Path, str]]:
 # --- Navigation -----------------------------------------------------------------------
 
 SECTIONS: Mapping[str, str] = {
-    "Tutorials": "first-robot standard-library debugger skills",
+    "Tutorials": "first-robot standard-library debugger compare skills",
     "How-to": "index behaviour-trees claims sensing maintenance-goals choosing "
     "similar-items write-a-world add-skills drive-a-machine test ci experiments embed "
     "compile",

@@ -1,4 +1,4 @@
-"""The changes of `bench.compared`: they apply, and the comparison says what they are."""
+"""The changes of `bench.compared` apply, and the comparison tells faults apart."""
 
 from __future__ import annotations
 
