@@ -230,7 +230,7 @@ def _of_skills(name: str, folder: Path) -> str:
     runs = [made(one, effector=0, sensor=0, failed=0) for one in STILL]
     drawn = summary(runs, runs)
     if name == "nothing":
-        drawn = made(drawn, counted=())
+        drawn = made(drawn, told=(), counted=())
     svg, _ = plots.draw_plot([drawn], folder / name)
     return svg.read_text()
 
@@ -246,6 +246,22 @@ def test_empty_panel_is_omitted(tmp_path: Path) -> None:
     text = _of_skills("nothing", tmp_path)
     assert "axes_2" in text
     assert "axes_3" not in text
+
+
+def test_figures_of_the_world_have_a_panel_each(tmp_path: Path) -> None:
+    """A count and two figures of the world are drawn below the actions."""
+    made = msgspec.structs.replace
+    runs = [
+        made(one, figures={"right": n, "hood-open": 10 * n})
+        for n, one in enumerate(STILL)
+    ]
+    drawn = made(summary(runs, runs), told=("moves", "right", "hood-open"))
+    svg, _ = plots.draw_plot([drawn], tmp_path / "figures")
+    text = svg.read_text()
+    for name in ("actions", "times that it happened", "right", "hood-open"):
+        assert f"<!-- {name} -->" in text
+    assert "axes_6" in text
+    assert "axes_7" not in text
 
 
 def test_non_numeric_values_are_drawn_side_by_side(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from matplotlib import rc_context
 from matplotlib.axes import Axes
@@ -37,53 +37,70 @@ _THEIRS = "#555555"
 _WIDTH = 80
 _MARKERS = "osD^"
 _ACTIONS = ("effector", "sensor", "failed")
-"""The measures of the lowest panel."""
+"""The measures of the panel of actions."""
 _LINES: tuple[Any, ...] = ("-", "--", ":", "-.", (0, (1, 5)), (0, (5, 5)))
-"""The line styles of the lowest panel."""
+"""The line styles of the measures in a panel."""
 _CROSSES = {"effector": "x", "sensor": "+", "failed": "*"}
-"""The markers of reference figures in the lowest panel."""
+"""The markers of reference figures in the panel of actions."""
 
 
 def draw_plot(drawn: Sequence[PartSummary], file: Path) -> tuple[Path, Path]:
     """Draw parts that vary the same setting into one plot, titled by the first.
 
     The top panel has the time for each completed task, the next panel the number of
-    completed tasks, the lowest panel the actions, or the counted successes if skills do
-    all the work. Bars go from the tenth to the ninetieth of a hundred runs; points are
-    means (of time: over all runs). Figures from elsewhere are crosses; verbal ranges
+    completed tasks. Below are the actions, the counted successes, and each figure of
+    the world. Bars go from the tenth to the ninetieth of a hundred runs; points are
+    means (of time: over all runs). Numbers from elsewhere are crosses; verbal ranges
     are thick bars. Return the files, `.svg` and `.png`.
     """
     with rc_context(_STYLE), warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Glyph")  # no font has all characters
-        below = _lowest(drawn)
-        size, heights = (8.2, (3, 2, 3)) if below else (5.2, (3, 2))
-        figure = Figure(figsize=(6.4, size), layout="constrained")
+        drawing = list(_panels(drawn))
+        heights = [panel.height for panel in drawing]
+        figure = Figure(figsize=(6.4, sum(heights) + 0.2), layout="constrained")
         panels = figure.subplots(len(heights), 1, sharex=True, height_ratios=heights)
         figure.suptitle("\n".join(wrapped(heading(drawn[0].part), _WIDTH)))
-        for number, summary in enumerate(drawn):
-            _series(panels[0], summary, number, "time-each")
-            _series(panels[1], summary, number, "completed")
-            for at, measure in enumerate(below):
-                line = _LINES[at % len(_LINES)]
-                _series(panels[2], summary, number, measure, line)
-        called = "actions" if below == _ACTIONS else "times that it happened"
-        _frame(panels, drawn[0], called)
+        for axes, panel in zip(panels, drawing, strict=True):
+            axes.set_ylabel(panel.called)
+            for number, summary in enumerate(drawn):
+                for at, measure in enumerate(panel.measures):
+                    line = _LINES[at % len(_LINES)]
+                    _series(axes, summary, number, measure, line)
+        _frame(panels, drawn[0])
         files = file.with_suffix(".svg"), file.with_suffix(".png")
         figure.savefig(files[0], metadata={"Date": None, "Creator": None})
         figure.savefig(files[1], dpi=150, metadata={"Software": None})
     return files
 
 
-def _lowest(drawn: Sequence[PartSummary]) -> Sequence[str]:
-    """Return the measures of the lowest panel; none if it would have no line."""
-    rows = [row for summary in drawn for row in summary.rows]
-    if any(
-        name in row.figures and row.figures[name].high
-        for row in rows
-        for name in _ACTIONS
+class _Panel(NamedTuple):
+    """A panel of a plot."""
+
+    #: The name of its axis.
+    called: str
+    measures: Sequence[str]
+    #: The height in inches.
+    height: int
+
+
+def _panels(drawn: Sequence[PartSummary]) -> Iterator[_Panel]:
+    """Yield the panels of a plot; actions and counts that are all 0 have none."""
+    yield _Panel("time for each task completed", ("time-each",), 3)
+    yield _Panel("tasks completed", ("completed",), 2)
+    told = dict.fromkeys(name for summary in drawn for name in summary.told)
+    counted = {name for summary in drawn for name in summary.counted}
+    for panel in (
+        _Panel("actions", _ACTIONS, 3),
+        _Panel("times that it happened", [n for n in told if n in counted], 3),
     ):
-        return _ACTIONS
-    return tuple(dict.fromkeys(name for summary in drawn for name in summary.counted))
+        if any(
+            name in row.figures and row.figures[name].high
+            for summary in drawn
+            for row in summary.rows
+            for name in panel.measures
+        ):
+            yield panel
+    yield from (_Panel(name, (name,), 2) for name in told if name not in counted)
 
 
 def _series(
@@ -199,15 +216,11 @@ _LONG_LABEL = 33
 """The length of labels from which labels stand in two columns; three do not fit."""
 
 
-def _frame(panels: Sequence[Axes], summary: PartSummary, called: str) -> None:
-    """Draw the axes with names (`called` for the lowest), the mark, the legend."""
+def _frame(panels: Sequence[Axes], summary: PartSummary) -> None:
+    """Draw the name of the common axis, the mark and the legends."""
     above, middle, below = panels[0], panels[1], panels[-1]
     _, _, name = (summary.part.vary or "").partition(".")
     below.set_xlabel(f"{name} ({summary.unit})" if summary.unit else name)
-    above.set_ylabel("time for each task completed")
-    middle.set_ylabel("tasks completed")
-    if below is not middle:
-        below.set_ylabel(called)
     values = [row.value for row in summary.rows]
     if not all(_numeric(value) for value in values):
         below.set_xticks(_places(summary), [show(value) for value in values])
