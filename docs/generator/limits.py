@@ -41,6 +41,7 @@ def formats() -> str:
         "compiled library": ("rapc.library.saved", "FORMAT"),
         "saved run": ("rapc.runtime.saving.format", "FORMAT"),
         "trace": ("rapc.runtime.interpreter", "TRACE_FORMAT"),
+        "bug report": ("rapc.debug.bug", "FORMAT"),
         "results of experiments": ("rapc.experiments.store", "FORMAT"),
     }
     rows = [

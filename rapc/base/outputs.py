@@ -43,6 +43,7 @@ def _kind(name: str, begins: bytes) -> Output:
 _XML = rb"<\?xml[^>]*>\s*"
 
 TRACE = _kind("a trace", rb'\{"event":"| *[-+.e0-9]+ run of ')
+BUG = _kind("a bug report", rb'\{"line":"bug"')
 JUNIT = _kind("a JUnit report", _XML + b"<testsuites?[ >]")
 COVERAGE = _kind("a coverage report", rb'\{\s*"format": *[0-9]')
 COMPILED_LIBRARY = _kind("a compiled library", re.escape(COMPILED))

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
 import click
+import msgspec
 
 from rapc.cli.common import load_checked, width_of
 from rapc.cli.options import command, fail, settings
@@ -19,7 +20,8 @@ from rapc.cli.run_options import (
     until_option,
 )
 from rapc.compiler.program import Program
-from rapc.debug.history import History
+from rapc.debug.bug import SUFFIX, end_of, read_bug, versions
+from rapc.debug.history import Done, History
 from rapc.debug.log import EventLog
 from rapc.debug.recorded import Replay
 from rapc.debug.recording import Playback, Recording
@@ -39,12 +41,15 @@ from rapc.worlds.scripted import ScriptedWorld
 RECORDED = ".jsonl"
 """The suffix of the files of recorded runs."""
 
+_NO_SCRIPT = "the script of its world is not part of the file"
+
 EXAMPLES = """\b
 Examples:
   rapc repl rocks.rap --world truck --task '(rock-order red 1)'
   rapc repl rocks.rap --world truck --task '(rock-order red 1)' -c ':step 5' -c ':tree'
   rapc repl rocks.rap --world truck --agenda deliveries --json < commands
   rapc repl run.jsonl
+  rapc repl rocks.bug
   rapc repl
 """
 
@@ -73,7 +78,7 @@ def repl(
     until: float | None,
     **more: Any,
 ) -> None:
-    """Debug a run of the library at PATH in a world, or a recorded run.
+    """Debug a run of the library at PATH in a world, or a recorded or reported run.
 
     Without PATH, the library is empty: type RAP forms to try them. A library without
     primitives and skills requires no world. On a terminal, `:help` at the prompt lists
@@ -82,30 +87,7 @@ def repl(
 
     Exit status: 0; 1 if a command of a script failed; 2 if the run could not start.
     """
-    end = end_time(until)
-    if path is None:
-        if world_name or any({**more, "seed": 0, "until": until}.values()):
-            fail("missing PATH of a library", "options of a run require a library")
-        library = loads("", TYPED)
-        world = ScriptedWorld([], declared=library.program.library)
-        shell = Shell(History.open(library, world, seed=more["seed"]), commands())
-    elif path.endswith(RECORDED):
-        if any((*more.values(), until)):
-            fail(
-                "cannot change the start of a recorded run",
-                "use only --world, -c and --json",
-            )
-        shell = _recorded(Path(path), world_name)
-    else:
-        program = load_checked(path)
-        if world_name is None and _asks_a_world(program.library):
-            fail(
-                "missing --world",
-                "list the installed worlds with `rapc worlds`",
-            )
-        spec = read_spec(world_name, until=end, **more)
-        ready = prepared(program, spec, world_name)
-        shell = Shell(_session(ready, end), commands(), [path])
+    shell = shell_of(path, world_name, until=until, **more)
     color = settings().colored()
     if sys.stdin.isatty() and sys.stdout.isatty() and not (given or as_json):
         from rapc.repl.prompt import Prompt, history_file
@@ -117,6 +99,45 @@ def repl(
     width = width_of(sys.stdout)
     if not run_script(shell, texts, sys.stdout, width, color=color, as_json=as_json):
         raise SystemExit(1)
+
+
+def shell_of(
+    path: str | None, world_name: str | None, *, until: float | None, **more: Any
+) -> Shell:
+    """Return a shell for the run that the command line describes.
+
+    Args:
+        path: the library, recording or report; None for an empty library.
+        world_name: the world.
+        until: the time limit of the run.
+        more: the other options of `run_options`.
+    """
+    end = end_time(until)
+    if path is None:
+        if world_name or any({**more, "seed": 0, "until": until}.values()):
+            fail("missing PATH of a library", "options of a run require a library")
+        library = loads("", TYPED)
+        world = ScriptedWorld([], declared=library.program.library)
+        shell = Shell(History.open(library, world, seed=more["seed"]), commands())
+    elif path.endswith((RECORDED, SUFFIX)):
+        if any((*more.values(), until)):
+            fail(
+                "cannot change the start of a recorded run",
+                "remove all options of the run but --world",
+            )
+        opened = _recorded if path.endswith(RECORDED) else _reported
+        shell = opened(Path(path), world_name)
+    else:
+        program = load_checked(path)
+        if world_name is None and _asks_a_world(program.library):
+            fail(
+                "missing --world",
+                "list the installed worlds with `rapc worlds`",
+            )
+        spec = read_spec(world_name, until=end, **more)
+        ready = prepared(program, spec, world_name)
+        shell = Shell(_session(ready, end), commands(), [path])
+    return shell
 
 
 def _asks_a_world(library: Library) -> bool:
@@ -147,12 +168,40 @@ def _tell(text: str) -> None:
     click.echo(text, err=True)
 
 
-def _at_hand(begun: RunSpec, world_name: str | None, path: Path) -> Program | str:
-    """Return the library of a recorded run, or why library or world is missing.
+def _reported(path: Path, world_name: str | None) -> Shell:
+    """Repeat the run of a bug report up to the moment at which it was written."""
+    bug = read_bug(path)
+    missing = _missing_world(bug.spec, world_name, path)
+    if missing or (_is_scripted(bug.spec) and _asks_a_world(bug.library.library)):
+        fail(f"cannot repeat `{path}`: {missing or _NO_SCRIPT}")
+    named = world_name or (None if _is_scripted(bug.spec) else bug.spec.world)
+    ready = prepared(bug.library, bug.spec, named)
+    session = _session(ready, bug.spec.until, bug.acts)
+    here = versions(session)
+    if here != bug.versions:
+        same = "other code of rapc or of the world"
+        other = here if str(here) != str(bug.versions) else same
+        _tell(f"warning: the report was written by {bug.versions}; this is {other}")
+    stop = session.reach(bug.end.moment)
+    if stop.kind == "asked" and bug.end.reason:
+        session.step()
+    found = end_of(session)
+    if found != bug.end:
+        _tell(f"warning: the run differs from the report: {found}, not {bug.end}")
+    return Shell(session, commands(), (), str(bug.end))
 
-    A recording may come from an untrusted source, so the module of a world named
-    `module:Class` is imported only if the user names it. A world different from the
-    recorded world ends the command.
+
+def _is_scripted(begun: RunSpec) -> bool:
+    """Return whether the world of a run is a script, which no file has."""
+    return begun.world == ScriptedWorld.name
+
+
+def _missing_world(begun: RunSpec, world_name: str | None, path: Path) -> str:
+    """Return why the world of a recorded or reported run is missing, or no text.
+
+    The file may come from an untrusted source, so the module of a world named
+    `module:Class` is imported only if the user names it. A world different from that of
+    the file ends the command.
     """
     if world_name is not None and find_world(world_name).name != begun.world:
         named = begun.world_class or begun.world
@@ -163,19 +212,34 @@ def _at_hand(begun: RunSpec, world_name: str | None, path: Path) -> Program | st
             f"`--world {begun.world_class}`"
         )
     try:
-        if begun.world != ScriptedWorld.name:
+        if not _is_scripted(begun):
             find_world(world_name or begun.world)
+    except Error as error:
+        return error.message
+    return ""
+
+
+def _at_hand(begun: RunSpec, world_name: str | None, path: Path) -> Program | str:
+    """Return the library of a recorded run, or why library or world is missing."""
+    missing = _missing_world(begun, world_name, path)
+    if missing:
+        return missing
+    try:
         program = load(begun.library).program
     except Error as error:
         return error.message
-    if begun.world == ScriptedWorld.name and _asks_a_world(program.library):
-        return "the script of its world is not part of a recording"
+    if _is_scripted(begun) and _asks_a_world(program.library):
+        return _NO_SCRIPT
     return program
 
 
-def _session(ready: Interpreter, end: Time | None) -> History:
+def _session(
+    ready: Interpreter, end: Time | None, acts: Iterable[Done] = ()
+) -> History:
     """Start the run, which ends at the time `end`, under a debugger."""
     log = EventLog()
     ready.listen(log)
     ready.start(end)
-    return History(ready, log)
+    history = History(ready, log, acts)
+    history.spec = msgspec.structs.replace(history.spec, until=end)
+    return history

@@ -16,17 +16,18 @@ import msgspec
 from msgspec.structs import replace
 
 from rapc.base.names import hint
-from rapc.base.values import Atom, Fact, Text, format_list, match_pattern, typed
+from rapc.base.values import Atom, Fact, format_list, match_pattern, typed
 from rapc.compiler.program import Program
 from rapc.errors import ArgumentError
 from rapc.library.signatures import Signatures
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.saving.format import RunRecord, decode_run, encode_run
-from rapc.runtime.settings import Settings, read_settings
+from rapc.runtime.settings import read_settings
 from rapc.runtime.task_request import TaskRequest, as_text
+from rapc.spec import Plain
 from rapc.world import Adjustable, Refused, Reply, Savable, Skilled, World, innermost
 from rapc.worlds.faults import InjectedFault, SubstituteWorld, problem
-from rapc.worlds.registry import OWN_SETTINGS, read_options
+from rapc.worlds.registry import OWN_SETTINGS, check_options, plain_values, read_options
 
 
 def taken_up(run: Interpreter, program: Program, record: RunRecord) -> Interpreter:
@@ -46,8 +47,12 @@ def taken_up(run: Interpreter, program: Program, record: RunRecord) -> Interpret
     return found
 
 
-class Act(msgspec.Struct, frozen=True):
-    """An act of the user on a run, between two cycles."""
+class Act(msgspec.Struct, frozen=True, tag_field="do"):
+    """An act of the user on a run, between two cycles.
+
+    The tag of a kind of act, and the texts of its fields, are its form in a file
+    (`rapc.debug.act_lines`).
+    """
 
     @abstractmethod
     def do(self, run: Interpreter) -> Interpreter | None:
@@ -62,7 +67,7 @@ class Act(msgspec.Struct, frozen=True):
         """Return a short text for the act."""
 
 
-class AssertFact(Act, frozen=True):
+class AssertFact(Act, frozen=True, tag="assert"):
     """An act that asserts a fact for the user."""
 
     fact: Fact
@@ -75,7 +80,7 @@ class AssertFact(Act, frozen=True):
         return f"asserted {format_list(self.fact)}"
 
 
-class EraseFacts(Act, frozen=True):
+class EraseFacts(Act, frozen=True, tag="erase"):
     """An act that erases every fact with a given prefix."""
 
     prefix: Fact
@@ -88,7 +93,7 @@ class EraseFacts(Act, frozen=True):
         return f"erased {format_list(self.prefix)}"
 
 
-class SubmitTask(Act, frozen=True):
+class SubmitTask(Act, frozen=True, tag="submit"):
     """An act that submits a task."""
 
     request: TaskRequest
@@ -101,7 +106,7 @@ class SubmitTask(Act, frozen=True):
         return f"submitted {as_text(self.request)}"
 
 
-class CancelTasks(Act, frozen=True):
+class CancelTasks(Act, frozen=True, tag="cancel"):
     """An act that cancels the top-level tasks that match a goal."""
 
     goal: Fact
@@ -121,7 +126,7 @@ class CancelTasks(Act, frozen=True):
         return f"cancelled {format_list(self.goal)}"
 
 
-class SendSignal(Act, frozen=True):
+class SendSignal(Act, frozen=True, tag="signal"):
     """An act that sends a signal to the tasks that wait for it."""
 
     content: Fact
@@ -134,7 +139,7 @@ class SendSignal(Act, frozen=True):
         return f"sent signal {format_list(self.content)}"
 
 
-class FailTask(Act, frozen=True):
+class FailTask(Act, frozen=True, tag="fail"):
     """An act that makes a task fail, as if one of its conditions were false."""
 
     task: int
@@ -147,7 +152,7 @@ class FailTask(Act, frozen=True):
         return f"failed task [{self.task}]"
 
 
-class RetryTask(Act, frozen=True):
+class RetryTask(Act, frozen=True, tag="retry"):
     """An act that makes the method of a task fail; the task then chooses again."""
 
     task: int
@@ -164,24 +169,28 @@ class RetryTask(Act, frozen=True):
         return f"failed the method of task [{self.task}]"
 
 
-class ChangeOption(Act, frozen=True):
+class ChangeOption(Act, frozen=True, tag="option"):
     """An act that changes a setting of the run or an option of its world."""
 
     #: `rapc`, or the name of the world.
     owner: str
     name: str
-    value: Atom | bool
+    value: Plain
 
     def do(self, run: Interpreter) -> Interpreter | None:
         """Change the option.
 
         Raises:
-            ArgumentError: if the world does not accept the option or the value.
+            ArgumentError: if the option cannot change in a run, or the world does not
+                accept the value.
+            SettingError: for an unknown setting or an invalid value.
+            WorldError: for a value of the wrong kind.
             PortError: if the world raises an exception.
             StateError: if the run cannot be saved, to apply a setting.
         """
         if self.owner == OWN_SETTINGS:
-            settings = replace(run.settings, **{_field(self.name): self.value})
+            named = {**run.settings.named(), self.name: self.value}
+            settings = read_settings(named)
             record = replace(decode_run(run.save()), settings=settings)
             return taken_up(run, run.library, record)
         world = run.port
@@ -189,9 +198,13 @@ class ChangeOption(Act, frozen=True):
             raise ArgumentError(
                 f"the world `{world.name}` has no options that can change during a run"
             )
+        known = world.adjustable() if self.owner == world.name else {}
+        if self.name not in known:
+            said = f"`{self.owner}.{self.name}` cannot change during a run"
+            raise ArgumentError(said + hint(self.name, known))
+        check_options(type(innermost(world)), {self.name: self.value})
         try:
-            text = isinstance(self.value, Text)
-            world.adjust(self.name, typed(self.value) if text else self.value)
+            world.adjust(self.name, self.value)
         except ValueError as said:
             raise ArgumentError(f"the world `{world.name}` refuses: {said}") from said
         return None
@@ -200,21 +213,14 @@ class ChangeOption(Act, frozen=True):
         return f"set {self.owner}.{self.name} to {typed(self.value)}"
 
 
-def _field(name: str) -> str:
-    """Return the field of `Settings` for the name of a setting."""
-    return name.replace("-", "_")
-
-
 def changeable_options(run: Interpreter) -> dict[str, Atom | bool]:
     """Return the options that can change during a run, by `owner.name`.
 
     Raises:
         PortError: if the world raises an exception or does not return a mapping.
     """
-    names = Settings.__struct_fields__
-    own = {
-        f"{OWN_SETTINGS}.{n.replace('_', '-')}": getattr(run.settings, n) for n in names
-    }
+    named = run.settings.named()
+    own: dict[str, Atom | bool] = {f"{OWN_SETTINGS}.{n}": v for n, v in named.items()}
     world = run.port
     known = world.adjustable() if isinstance(world, Adjustable) else {}
     return own | {f"{world.name}.{name}": value for name, value in known.items()}
@@ -232,21 +238,17 @@ def change_option(run: Interpreter, owner: str, name: str, text: str) -> Act:
     Raises:
         SettingError: for an unknown setting or an invalid value.
         WorldError: for an unknown option of the world or a value of the wrong kind.
-        ArgumentError: for an unknown owner, or an option that cannot change in a run.
+        ArgumentError: for an unknown owner.
     """
     world = run.port
     if owner == OWN_SETTINGS:
-        value = getattr(read_settings({name: text}), _field(name))
-        return ChangeOption(owner, name, value)
+        return ChangeOption(owner, name, read_settings({name: text}).named()[name])
     if owner != world.name:
         raise ArgumentError(
             f"unknown owner `{owner}`; expected `{OWN_SETTINGS}` or `{world.name}`"
         )
     read = read_options(type(innermost(world)), {name: text})
-    if isinstance(world, Adjustable) and name not in (known := world.adjustable()):
-        said = f"`{owner}.{name}` cannot change during a run"
-        raise ArgumentError(said + hint(name, known))
-    return ChangeOption(owner, name, read[name])
+    return ChangeOption(owner, name, plain_values(read)[name])
 
 
 class Forced(msgspec.Struct):
@@ -295,7 +297,7 @@ class ForcedWorld(SubstituteWorld):
         return {"forced": saved.forced}
 
 
-class ForceResult(Act, frozen=True):
+class ForceResult(Act, frozen=True, tag="force"):
     """An act that forces the result of the next requests that match a pattern."""
 
     #: A pattern over requests as the world receives them: items by sensor name.

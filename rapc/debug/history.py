@@ -193,10 +193,15 @@ class History:
         run: a run that has begun, with `log` among its listeners; or a playback of a
             recording.
         log: the log of the run; optional for a playback.
+        acts: the acts to repeat on the way, in order: those of a run of the same
+            specification that somebody has reported.
     """
 
     def __init__(
-        self, run: Interpreter | Playback, log: EventLog | None = None
+        self,
+        run: Interpreter | Playback,
+        log: EventLog | None = None,
+        acts: Iterable[Done] = (),
     ) -> None:
         self._run = run
         #: The specification of the run.
@@ -211,7 +216,9 @@ class History:
         self.checks: dict[str, Callable[[], str | None]] = {}
         #: Functions called after each stop; each returns a line to show; may be empty.
         self.notes: list[Callable[[], str]] = []
-        self.branch = Branch("main", events=log.events)
+        #: The library at the start of the run; an act can replace the library.
+        self.first_library: Program | None = None
+        self.branch = Branch("main", acts=list(acts), events=log.events)
         self.branches = [self.branch]
         self.answers.solutions = self.branch.solutions
         #: The serial number of the first event that the checks have not seen.
@@ -224,8 +231,10 @@ class History:
         if isinstance(run, Playback):
             self.log = run
             self.branch.end, self.branch.over = Moment(run.last_cycle), True
-        elif self.knows_truth:
-            run.listen(self._compare, TaskSelected, RunEnded)
+        else:
+            self.first_library = run.library
+            if self.knows_truth:
+                run.listen(self._compare, TaskSelected, RunEnded)
         self._save()
 
     @classmethod
@@ -522,6 +531,20 @@ class History:
         if moment != self.moment or self.over:
             self._put_back(moment)
         return Stop("asked")
+
+    def reach(self, moment: Moment) -> Stop:
+        """Go forward to a moment for the first time, and perform the acts on the way.
+
+        The run may end before the moment, or break off as it did at first. Breakpoints
+        do not stop the run.
+
+        Raises:
+            Error: if an act is impossible.
+        """
+        stop = None
+        while stop is None and self.moment < moment:
+            stop = self._step(None, heed=False, arrivals=self.cycle == moment.cycle)
+        return stop or Stop("asked")
 
     def goto_time(self, time: Time, *, heed: bool = False) -> Stop:
         """Go to the last moment at or before a time, backwards or forwards.

@@ -46,7 +46,7 @@ _NO_DEFINITIONS = ("methods", "files", "forms", "tests")
 """The fields of a library that do not affect a run; `raps` has the added methods."""
 
 
-class TakeUp(Act, frozen=True):
+class TakeUp(Act, frozen=True, tag="reload"):
     """An act that reloads the library of a run."""
 
     program: Program
@@ -293,7 +293,7 @@ def reread(paths: Iterable[str], typed: str, name: str) -> Renewed:
     loaded = load(list(paths))
     if typed:
         loaded = load_sources(_with(loaded.files, typed))
-    return _checked(loaded, name)
+    return checked(loaded, name)
 
 
 def typed_in(library: Library, typed: str, name: str) -> Renewed:
@@ -302,10 +302,15 @@ def typed_in(library: Library, typed: str, name: str) -> Renewed:
     Raises:
         CheckError: if the checker reports an error.
     """
-    return _checked(load_sources(_with(library.files, typed)), name)
+    return checked(load_sources(_with(library.files, typed)), name)
 
 
-def _checked(loaded: Loaded, name: str) -> Renewed:
+def checked(loaded: Loaded, name: str) -> Renewed:
+    """Return a library without errors, with its check report.
+
+    Raises:
+        CheckError: if the checker reports an error.
+    """
     report = check_library(loaded)
     errors = [f for f in report.findings if f.severity is Severity.ERROR]
     if errors:

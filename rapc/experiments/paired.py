@@ -6,13 +6,14 @@ from collections.abc import Sequence
 
 import msgspec
 
+from rapc.base.code_digest import digest_of_code
 from rapc.base.version import VERSION
 from rapc.compiler.program import Program
 from rapc.debug.costs import Pair
 from rapc.experiments.batch import jobs, run_batch
 from rapc.experiments.local import LocalWorkers, cores
 from rapc.experiments.measures import Measures
-from rapc.experiments.run import PointConfig, digest_of_code, run_job
+from rapc.experiments.run import PointConfig, run_job
 from rapc.experiments.session import pairs_of
 from rapc.spec import RunSpec
 from rapc.worlds.registry import find_world

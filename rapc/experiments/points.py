@@ -13,6 +13,7 @@ from pathlib import Path
 
 import msgspec
 
+from rapc.base.code_digest import digest_of_code
 from rapc.base.files import STANDARD
 from rapc.base.names import did_you_mean
 from rapc.base.values import format_atom, typed
@@ -22,7 +23,7 @@ from rapc.errors import RefusedError, SettingError, TextError, WorldError
 from rapc.experiments.definition import Experiment, ExperimentError, Series
 from rapc.experiments.draws import Value, drawn, extremes, names_in, with_draws
 from rapc.experiments.measures import LABELS
-from rapc.experiments.run import PointConfig, counted_tasks, digest_of_code, resolved
+from rapc.experiments.run import PointConfig, counted_tasks, resolved
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import read_settings
 from rapc.runtime.task_request import TaskRequest, as_text, of_agenda, read_task_request

@@ -7,16 +7,15 @@ contains the text of the library. Only the compiled library is kept after a run.
 from __future__ import annotations
 
 import hashlib
-import sys
 import threading
 import time
 import traceback
-from collections.abc import Iterable, Mapping, Sequence
-from functools import cache, lru_cache
-from pathlib import Path
+from collections.abc import Mapping, Sequence
+from functools import lru_cache
 
 import msgspec
 
+from rapc.base.code_digest import digest_of_code
 from rapc.base.source import SourceFile
 from rapc.compiler.program import Program
 from rapc.debug.account import Account
@@ -31,11 +30,7 @@ from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import read_settings
 from rapc.runtime.task_request import TaskRequest
 from rapc.spec import RunSpec
-from rapc.world import World
 from rapc.worlds import registry
-
-_CODE = (".py", ".lark")
-"""The suffixes of files that determine the behaviour of a package."""
 
 
 class PointConfig(msgspec.Struct, frozen=True):
@@ -97,37 +92,6 @@ def resolved(config: PointConfig, values: Mapping[str, str]) -> PointConfig:
         settings={**spec.settings, **settings},
     )
     return msgspec.structs.replace(config, spec=spec, draws={}, texts={})
-
-
-def digest_of_code(world: type[World]) -> str:
-    """Return a digest of the code that determines the result of a run.
-
-    The digest covers rapc, and the package of the world if that is different.
-    """
-    package = world.__module__.partition(".")[0]
-    return _digest_of(tuple(sorted({"rapc", package})))
-
-
-@cache
-def _digest_of(packages: tuple[str, ...]) -> str:
-    digest = hashlib.sha256()
-    for file in (file for name in packages for file in _files(name)):
-        digest.update(file.name.encode() + b"\0" + file.read_bytes())
-    return digest.hexdigest()[:16]
-
-
-def _files(package: str) -> Iterable[Path]:
-    home = sys.modules[package].__file__
-    if home is None:
-        return ()
-    file = Path(home)
-    if file.name != "__init__.py":
-        return (file,)
-    found = (f for f in file.parent.rglob("*") if f.suffix in _CODE)
-    # Examples are not code of the package; in a checkout they are behind a link.
-    return sorted(
-        f for f in found if "examples" not in f.relative_to(file.parent).parts
-    )
 
 
 class Job(msgspec.Struct, frozen=True):

@@ -54,12 +54,12 @@ class Machine(Wrapper):
         return super().messages()
 
 
-def _machine() -> Machine:
+def machine() -> Machine:
     return Machine(rapc.open_world("truck", seed=7))
 
 
 def _session(tasks: tuple[str, ...] = TASKS, **more: Any) -> tuple[History, Machine]:
-    world = _machine()
+    world = machine()
     library = rapc.load(TRUCK)
     return History.open(library, world, tasks=tasks, seed=7, **more), world
 
@@ -69,8 +69,8 @@ def _memory(run: Interpreter) -> Mapping[Any, Any]:
 
 
 def test_the_machine_cannot_be_saved_without_a_history() -> None:
-    assert not isinstance(_machine(), Savable)
-    run = rapc.load(TRUCK).start(_machine(), tasks=TASKS, seed=7)
+    assert not isinstance(machine(), Savable)
+    run = rapc.load(TRUCK).start(machine(), tasks=TASKS, seed=7)
     with pytest.raises(StateError, match="cannot be saved"):
         run.save()
 
@@ -82,7 +82,7 @@ def test_keeping_answers_leaves_the_trace_unchanged() -> None:
     session.go()
     heard: list[Any] = []
     run = rapc.load(TRUCK).start(
-        _machine(), tasks=TASKS, seed=7, listeners=[heard.append]
+        machine(), tasks=TASKS, seed=7, listeners=[heard.append]
     )
     run.run()
     assert told == heard
@@ -243,7 +243,7 @@ def test_all_that_the_interpreter_asks_of_a_world_is_kept() -> None:
 
 def test_first_facts_are_kept_if_the_run_has_not_begun() -> None:
     library = rapc.load(TRUCK).program
-    run = Interpreter.prepared(library, _machine(), RunSpec(tasks=TASKS, seed=7))
+    run = Interpreter.prepared(library, machine(), RunSpec(tasks=TASKS, seed=7))
     answers = run.keep_answers()
     assert run.keep_answers() is answers
     run.start()

@@ -14,7 +14,7 @@ from typing import Any
 
 import pytest
 
-from rapc.experiments import run
+from rapc.base import code_digest
 from rapc.experiments.batch import BatchResult, jobs, run_batch
 from rapc.experiments.local import LocalWorkers
 from rapc.experiments.run import Job, Result, run_job
@@ -89,7 +89,7 @@ def test_digest_of_code_leaves_out_examples(
     digests = []
     for text in ("1", "2"):
         (tmp_path / "arm" / "examples" / "home.py").write_text(text)
-        run._digest_of.cache_clear()
-        digests.append(run.digest_of_code(import_module("arm").World))
-    run._digest_of.cache_clear()
+        code_digest._digest_of.cache_clear()
+        digests.append(code_digest.digest_of_code(import_module("arm").World))
+    code_digest._digest_of.cache_clear()
     assert len(set(digests)) == 1

@@ -27,7 +27,7 @@ OTHERS = [
 ON_TERMINAL = [
     one
     for one in commands()
-    if one.name not in ("quit", "show", "record", "export-test")
+    if one.name not in ("quit", "show", "record", "bug", "export-test")
 ]
 ONE_OF_A_GROUP = list({one.group: one for one in ON_TERMINAL}.values())
 

@@ -12,7 +12,7 @@ from rapc.debug.acts import ChangeOption, changeable_options
 from rapc.debug.history import History
 from rapc.runtime.held_world import HeldWorld
 from rapc.runtime.truth import figures_of
-from rapc.world import Option, Picture, Text
+from rapc.world import Option, Picture
 from rapc.worlds.faults import FaultyWorld
 from tests.worlds.broken_worlds import (
     HERE,
@@ -102,8 +102,12 @@ def test_world_failing_in_adjust_is_named() -> None:
 
 def test_adjusted_option_of_kind_text_is_a_str() -> None:
     told: list[Any] = []
-    world = type("Kept", (Adjusted,), {"adjust": lambda *given: told.append(given[2])})
-    ChangeOption("bad", "size", Text("a b")).do(rapc.loads(LIBRARY).start(world))
+    named = msgspec.structs.replace(
+        Good.kit, options=(Option("size", "text", "", "", ""),)
+    )
+    adjust = {"adjust": lambda *given: told.append(given[2]), "kit": named}
+    world = type("Kept", (Adjusted,), adjust)
+    ChangeOption("bad", "size", "a b").do(rapc.loads(LIBRARY).start(world))
     assert told == ["a b"]
 
 

@@ -6,12 +6,14 @@ from collections.abc import Callable
 from pathlib import Path
 
 from rapc.base.names import plural
-from rapc.base.outputs import TRACE
+from rapc.base.outputs import BUG, TRACE
 from rapc.debug.answer import Answer, command, say, table
 from rapc.debug.arguments import Arguments
+from rapc.debug.bug import SUFFIX, write_bug
 from rapc.debug.find import count_before, find_event
 from rapc.debug.history import History, Stop
 from rapc.debug.recorded import write_trace
+from rapc.errors import TextError
 from rapc.repl.shell import Shell
 
 
@@ -124,5 +126,21 @@ def _record(shell: Shell, args: Arguments) -> Answer:
     shell.refuse_output(path, TRACE)
     count = write_trace(shell.history, path)
     done = len(shell.history.branch.acts)
-    notes = ["acts of the user are not recorded"] if done else []
+    notes = ["acts of the user are not recorded: use `:bug`"] if done else []
     return say(f"{plural(count, 'event')} written to {path}", *notes)
+
+
+@command("FILE", ":bug rocks.bug")
+def _bug(shell: Shell, args: Arguments) -> Answer:
+    """Write a report of the run so far to FILE, to be repeated by somebody else.
+
+    The file has the specification of the run, the texts of the library and the acts of
+    the user. `rapc repl FILE` repeats the run up to this moment. The name of FILE ends
+    with `.bug`.
+    """
+    path = Path(args.word("file"))
+    if path.suffix != SUFFIX:
+        raise TextError(f"the file name must end with `{SUFFIX}`")
+    shell.refuse_output(path, BUG)
+    write_bug(shell.history, path)
+    return say(f"report written to {path}; repeat the run with `rapc repl {path}`")
