@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Container, Iterator, Sequence
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.facts.clashes import rules_out
+from rapc.analysis.facts.clashes import follows_expanded, rules_out
 from rapc.analysis.facts.effects import (
     EFFECTS,
     Effect,
@@ -24,8 +24,6 @@ from rapc.analysis.facts.effects import (
 from rapc.analysis.facts.logic import (
     Literal,
     asked_through,
-    conjunction,
-    entails,
     expanded,
     fact_name,
     is_never,
@@ -159,12 +157,12 @@ def _wakes_again(
     run: Pass, rap: nodes.DefineRap, method: nodes.Method, monitor: nodes.Formula
 ) -> bool:
     """Return whether a monitor surely holds after a method has succeeded."""
-    library, relations = run.library, run.signatures.relations
+    library = run.library
     given = {variable.name for variable in rap.inputs}
     done = [*done_by_method(library, method), *goals_of_method(library, method)]
     held = list(expanded(library, done))
     return bool(held) and all(
-        entails(held, conjunction(expanded(library, [wanted])), given, relations)
+        follows_expanded(run, held, wanted.formula, given)
         if wanted.holds
         else rules_out(run, held, wanted.formula, given)
         for wanted in literals(monitor)

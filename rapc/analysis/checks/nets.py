@@ -10,7 +10,12 @@ from __future__ import annotations
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.facts.clashes import clash_at, first_clash, said
+from rapc.analysis.facts.clashes import (
+    clash_at,
+    first_clash,
+    follows_expanded,
+    said,
+)
 from rapc.analysis.facts.effects import (
     does_nothing,
     done,
@@ -381,7 +386,9 @@ def _needless(
     if goal is None or not _is_lasting(goal) or called.monitor_state is not None:
         return
     wanted = _in_terms_of_caller(called, goal, terms)
-    if entails(_of_memory(held), wanted, bound, run.signatures.relations):
+    if entails(_of_memory(held), wanted, bound, run.signatures.relations) or (
+        follows_expanded(run, _of_memory(held), wanted, bound)
+    ):
         yield clash_at(
             NEEDLESS,
             f"`{called.name}` succeeds at once: its goal holds where this method is "

@@ -7,7 +7,7 @@ new variable always holds [L 2.20]. Identical methods are reported here, too.
 from __future__ import annotations
 
 from collections.abc import Collection, Container, Iterator, Mapping
-from itertools import pairwise
+from itertools import pairwise, permutations
 
 from rapc.analysis.check import Pass, check
 from rapc.analysis.facts.effects import does_nothing
@@ -17,9 +17,11 @@ from rapc.analysis.facts.logic import (
     Literal,
     apart,
     follows,
+    implies,
     is_never,
     literals,
     number_of,
+    turned,
 )
 from rapc.analysis.facts.resources import FirstValues
 from rapc.analysis.facts.usage import USAGE
@@ -299,7 +301,10 @@ def idle_parts(run: Pass) -> Iterator[Diagnostic]:
     """Find parts of conditions that hold always and bind no variable in use."""
     always, named = Always(run.signatures), run.result(INDEX).variables()
     for rap, names in named:
-        if isinstance(rap, nodes.DefineRap):
+        if isinstance(rap, nodes.DefineQuery):
+            arguments = {argument.variable.name for argument in rap.args}
+            yield from _idle(rap.formula, always, arguments, names)
+        elif isinstance(rap, nodes.DefineRap):
             given = given_names(rap)
             for whole in formulas(rap):
                 if whole.clause.word != "repeat-while":
@@ -313,6 +318,8 @@ def _idle(
     names: Mapping[str, Collection[object]],
 ) -> Iterator[Diagnostic]:
     for whole in subformulas(formula):
+        if isinstance(whole, nodes.And):
+            yield from _implied(whole)
         for part in whole.parts if isinstance(whole, nodes.And | nodes.Or) else ():
             joined = isinstance(whole, nodes.And)
             if isinstance(part, nodes.Truth):
@@ -327,6 +334,19 @@ def _idle(
                     yield _idle_part(part, "holds always")
 
 
+def _implied(whole: nodes.And) -> Iterator[Diagnostic]:
+    """Find a comparison with a number that another comparison implies."""
+    tests = [turned(one) for one in whole.parts if isinstance(one, nodes.Compare)]
+    for one, other in permutations([test for test in tests if test.op != "n="], 2):
+        if one.left == other.left and one != other and implies(one, other):
+            yield IDLE_PART.at(
+                other.span,
+                f"`{format_formula(other)}` follows from `{format_formula(one)}`",
+                labels=(Label(one.span, "this comparison is stronger"),),
+                help="change one of the comparisons, or remove the weaker one",
+            )
+
+
 def _idle_part(part: nodes.Formula, how: str) -> Diagnostic:
     return IDLE_PART.at(
         part.span,
@@ -334,6 +354,43 @@ def _idle_part(part: nodes.Formula, how: str) -> Diagnostic:
         help="query the value that is meant, or remove the part",
         about=tuple(Subject(part.span, name) for name in variable_names(part)),
     )
+
+
+NEGATIVE = Rule(
+    code="RAP195",
+    name="negative-number",
+    severity=Severity.WARNING,
+    summary="a comparison requires a negative number where 0 is the least",
+    ignore="where the world sends negative numbers",
+    source="T 4.1",
+)
+
+
+@check(NEGATIVE)
+def negative_numbers(run: Pass) -> Iterator[Diagnostic]:
+    """Find comparisons with a number below 0, at a place with 0 and no such number."""
+    usage = run.result(USAGE)
+    for use in run.result(INDEX).of(nodes.Compare):
+        test = turned(use.node)
+        if test.op != "<" or number_of(test.right) != 0:
+            continue
+        if not isinstance(test.left, nodes.Var):
+            continue
+        places = usage.of(use.owner, test.left.name)
+        others = [
+            number
+            for place in places
+            for one in usage.at(place)
+            if one.const is not use.node.left and one.const is not use.node.right
+            if (number := number_of(one.const)) is not None
+        ]
+        if 0 in others and min(others) == 0:
+            yield NEGATIVE.at(
+                use.node.span,
+                f"`{format_formula(use.node)}` requires a negative number, and 0 is "
+                "the least here",
+                help="turn the comparison round",
+            )
 
 
 UNCOMPARED = Rule(

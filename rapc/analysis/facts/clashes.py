@@ -10,6 +10,8 @@ from rapc.analysis.facts.logic import (
     Conjunction,
     Literal,
     apart,
+    conjunction,
+    entails,
     expanded,
     literals,
     may_clash,
@@ -59,22 +61,45 @@ def rules_out(
     if first_clash(run, (), held, bound) is not None:
         return False
     return any(
-        first_clash(run, held, _with_values_of(run, held, there), bound) is not None
+        first_clash(run, held, _with_values_of(run, held, there, given), bound)
+        is not None
         for there in (wanted, list(expanded(run.library, wanted)))
     )
 
 
+def follows_expanded(
+    run: Pass, held: Sequence[Literal], formula: nodes.Formula, given: Collection[str]
+) -> bool:
+    """Return whether a formula surely holds, with the formulas of queries.
+
+    The values of a property in the formula and in the literals are one value.
+    """
+    known = list(expanded(run.library, held))
+    facts = conjunction(expanded(run.library, literals(formula)))
+    found = list(literals(apart(facts, given, "@out")))
+    wanted = _with_values_of(run, known, found, given)
+    bound = {*given, *variable_names(*[one.formula for one in known])}
+    relations = run.signatures.relations
+    return entails(known, conjunction(wanted), bound, relations)
+
+
 def _with_values_of(
-    run: Pass, held: Sequence[Literal], wanted: Sequence[Literal]
+    run: Pass,
+    held: Sequence[Literal],
+    wanted: Sequence[Literal],
+    given: Container[str],
 ) -> Sequence[Literal]:
-    """Return literals with the values that other literals have for properties."""
+    """Return literals with the values that other literals have for properties.
+
+    Variables in `given` keep their names.
+    """
     known = _of_properties(run, held)
     values = {(fact.name, fact.args[:-1]): fact.args[-1] for fact in known}
     terms: dict[str, nodes.Term] = {}
     for fact in _of_properties(run, wanted):
         last = fact.args[-1]
         value = values.get((fact.name, fact.args[:-1]))
-        if value is not None and type(last) is nodes.Var:
+        if value is not None and type(last) is nodes.Var and last.name not in given:
             terms.setdefault(last.name, value)
     return [Literal(substitute(one.formula, terms), one.holds) for one in wanted]
 

@@ -190,8 +190,6 @@ def may_be(goal: Literal, other: Literal) -> bool:
     one, two = goal.formula, _fact(goal, other)
     if type(one) is nodes.Proposition:
         return type(two) is nodes.Proposition and one.name == two.name
-    if type(one) is nodes.Compare:
-        return type(two) is nodes.Compare and one.op == two.op
     return type(one) is type(two)
 
 
@@ -299,6 +297,12 @@ class _Search:
                 and _same_row(one.args[:-1], two.args[:-1], None, match.choice)
                 and _same_row(one.args[-1:], two.args[-1:], match.free, match.choice)
             )
+        if isinstance(one, nodes.Compare) and isinstance(two, nodes.Compare):
+            other, held = turned(one), turned(two)
+            if implies(held, other) and _same(
+                other.left, held.left, match.free, match.choice
+            ):
+                return True
         if isinstance(one, nodes.Or | nodes.And) and isinstance(two, type(one)):
             pairs = zip(one.parts, two.parts, strict=False)
             return len(one.parts) == len(two.parts) and all(
@@ -459,7 +463,7 @@ def may_clash(found: Sequence[Literal]) -> bool:
         if type(formula) is nodes.Proposition:
             topic = formula.name
         elif type(formula) is nodes.Compare:
-            topic = _turned(formula).left
+            topic = turned(formula).left
         if topic is not None and topic in topics:
             return True
         topics.add(topic)
@@ -573,12 +577,12 @@ class Conjunction:
         return self._values.setdefault((fact.name, *args[:-1]), literal)
 
     def _other_bound(self, test: nodes.Compare, literal: Literal) -> Literal | None:
-        turned = _turned(test)
-        earlier = self._numbers.setdefault(turned.left, [])
+        mine = turned(test)
+        earlier = self._numbers.setdefault(mine.left, [])
         for other, where in earlier:
-            if _exclude(other, turned):
+            if _exclude(other, mine):
                 return where
-        earlier.append((turned, literal))
+        earlier.append((mine, literal))
         return None
 
 
@@ -606,7 +610,7 @@ def _is_open(term: nodes.Term) -> bool:
 _TURNED: Mapping[str, str] = {"<": ">", ">": "<", "<=": ">=", ">=": "<="}
 
 
-def _turned(test: nodes.Compare) -> nodes.Compare:
+def turned(test: nodes.Compare) -> nodes.Compare:
     """Return a test with its constant, if there is a constant, on the right."""
     if isinstance(test.left, nodes.Const) and not isinstance(test.right, nodes.Const):
         op = _TURNED.get(test.op, test.op)
@@ -631,6 +635,24 @@ def _exclude(one: nodes.Compare, other: nodes.Compare) -> bool:
         return False
     floor, ceiling = number_of(low.right), number_of(high.right)
     return floor is not None and ceiling is not None and floor > ceiling
+
+
+def implies(one: nodes.Compare, other: nodes.Compare) -> bool:
+    """Return whether a test with a number passes only values that pass another test.
+
+    The tests are of one term, with the number on the right.
+    """
+    bound, limit = number_of(one.right), number_of(other.right)
+    if bound is None or limit is None:
+        return False
+    if one.op == "=":
+        return holds_between(other.op, bound, limit)
+    if other.op == "n=":
+        return one.op in _TURNED and not holds_between(one.op, limit, bound)
+    if one.op not in _TURNED or other.op not in _TURNED or one.op[0] != other.op[0]:
+        return False
+    inner = holds_between(f"{other.op[0]}", bound, limit)
+    return inner or (bound == limit and (one.op == other.op or "=" in other.op))
 
 
 _OPPOSITE = {
