@@ -27,8 +27,8 @@ def refuse_kept(file: str) -> None:
     if not file.endswith(SUFFIX) or file.endswith(TEST_SUFFIX):
         fail(f"--keep: expected the name of a RAP file, not `{file}`")
     try:
-        with open(file, "xb"):
-            os.unlink(file)
+        open(file, "xb").close()
+        os.unlink(file)
     except FileExistsError:
         said = f"--keep: cannot write `{file}`: the file exists"
         fail(said, "choose another file, or remove this one")

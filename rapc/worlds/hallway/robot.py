@@ -258,39 +258,46 @@ def laser(
     """Return the tags that the laser can read from the robot's position."""
     seen: list[Tag] = []
     for sign in signs:
-        away = math.hypot(sign.x - robot.x, sign.y - robot.y)
-        if sign.floor == robot.floor and away <= LASER_RANGE:
-            points = zip(sign.tags, sign.tag_points(), strict=True)
-            for code, (x, y) in points:
-                if _readable(robot, plan, sign.normal, x, y, people):
-                    bearing = math.atan2(y - robot.y, x - robot.x) - robot.heading
-                    noisy = bearing + rng.gauss(0, LASER_NOISE)
-                    seen.append(Tag(code, math.remainder(noisy, 2 * math.pi)))
+        if sign.floor != robot.floor:
+            continue
+        dx, dy = sign.x - robot.x, sign.y - robot.y
+        if math.hypot(dx, dy) > LASER_RANGE:
+            continue
+        ahead = math.cos(sign.normal), math.sin(sign.normal)
+        if dx * ahead[0] + dy * ahead[1] >= 0:  # the robot is behind the sign
+            continue
+        for code, (x, y) in zip(sign.tags, sign.tag_points(), strict=True):
+            if _readable(robot, plan, ahead, x, y, people):
+                bearing = math.atan2(y - robot.y, x - robot.x) - robot.heading
+                noisy = bearing + rng.gauss(0, LASER_NOISE)
+                seen.append(Tag(code, math.remainder(noisy, 2 * math.pi)))
     return tuple(seen)
 
 
 def _readable(
     robot: Robot,
     plan: FloorPlan,
-    normal: float,
+    ahead: tuple[float, float],
     x: float,
     y: float,
     people: Sequence[Circle],
 ) -> bool:
-    """Return whether a tag is visible and not turned away."""
+    """Return whether a tag that faces the direction `ahead` can be read."""
     dx, dy = x - robot.x, y - robot.y
     away = math.hypot(dx, dy)
     if away < 0.05:
         return False
     dx, dy = dx / away, dy / away
-    if -(dx * math.cos(normal) + dy * math.sin(normal)) < STEEPEST:
+    if -(dx * ahead[0] + dy * ahead[1]) < STEEPEST:
+        return False
+    if plan.cast(robot.x, robot.y, dx, dy, away) <= away - 0.02:
         return False
     for px, py, radius in people:
         along = (px - robot.x) * dx + (py - robot.y) * dy
         across = (px - robot.x) * dy - (py - robot.y) * dx
         if 0 < along < away and abs(across) < radius:
             return False
-    return plan.cast(robot.x, robot.y, dx, dy, away) > away - 0.02
+    return True
 
 
 def _towards(value: float, wanted: float, most: float) -> float:
