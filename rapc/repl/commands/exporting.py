@@ -73,10 +73,21 @@ def _export_test(shell: Shell, args: Arguments) -> Answer:
         raise TextError(f"the file name must end with `{_SUFFIX}`")
     if not shell.paths:
         raise TextError("cannot export: the library was not loaded from files")
-    export = _Export(shell, path, task)
-    if not (wanted or outcome_of(export.told, task)[1]):
+    shown = sys.stderr.isatty()
+    with bar("test runs", MOST_RUNS, sys.stderr, shown=shown, color=shown) as advance:
+        return _exported(_Export(shell, path, task, advance), wanted=wanted)
+
+
+def _exported(export: _Export, *, wanted: bool) -> Answer:
+    """Write the first test that reproduces the run.
+
+    Raises:
+        StateError: if no test reproduces the run.
+    """
+    if not (wanted or outcome_of(export.told, export.task)[1]):
         raise StateError(
-            f"task [{task}] was removed, which no test can expect; use `succeeds`"
+            f"task [{export.task}] was removed, which no test can expect; use "
+            "`succeeds`"
         )
     reasons = []
     for attempt in export.attempts(wanted=wanted):
@@ -92,10 +103,20 @@ def _export_test(shell: Shell, args: Arguments) -> Answer:
 
 
 class _Export:
-    """The export of the present run as a test of a task."""
+    """The export of the present run as a test of a task.
 
-    def __init__(self, shell: Shell, path: Path, task: int) -> None:
-        self._shell, self._path, self._task = shell, path, task
+    Args:
+        shell: the shell with the run.
+        path: the file of the test.
+        task: the number of the task.
+        advance: called before each run of a test.
+    """
+
+    def __init__(
+        self, shell: Shell, path: Path, task: int, advance: Callable[[int], object]
+    ) -> None:
+        self._shell, self._path, self.task = shell, path, task
+        self._advance = advance
         self._name = re.sub(r"[^a-z0-9]+", "-", path.name.removesuffix(_SUFFIX).lower())
         self._program = shell.history.library.program
         self.told = [one.event() for one in shell.history.scan()]
@@ -126,33 +147,24 @@ class _Export:
         test = exported(
             self._name,
             self.told,
-            self._task,
+            self.task,
             acts=_actions(self._done(), _TASKS),
             not_atomic=[name for name, one in declared.items() if not one.atomic],
         )
         self._agree(test, "a script cannot repeat this run")
-        shown = sys.stdout.isatty()
-        with bar(
-            "shorten the test", MOST_RUNS, sys.stdout, shown=shown, color=shown
-        ) as advance:
-
-            def holds(node: DefineTest) -> bool:
-                advance(1)
-                return self._run(node).status is Status.PASSED
-
-            test.shorten(holds)
+        test.shorten(lambda node: self._run(node).status is Status.PASSED)
         return test
 
     def _in_simulator(self) -> Exported:
         """Return a test in the simulator, from the beginning or from a state."""
-        end = last_cycle(self.told, self._task)
+        end = last_cycle(self.told, self.task)
         acts = [done for done in self._done() if done.cycle < end]
         unsaid = [done.cycle for done in acts if type(done.act) not in _SAID]
         if self._spec.settings != Settings().named():
             unsaid.insert(0, 0)
         if not unsaid:
             said = _actions(acts, _SAID)
-            test = in_simulator(self._name, self.told, self._task, acts=said, end=end)
+            test = in_simulator(self._name, self.told, self.task, acts=said, end=end)
             with suppress(StateError):
                 self._agree(test, "")
                 return test
@@ -165,7 +177,7 @@ class _Export:
         test = in_simulator(
             self._name,
             self.told,
-            self._task,
+            self.task,
             acts=_actions([done for done in acts if done.cycle > first], _SAID),
             end=end,
             state=(self._state_file.name, first),
@@ -179,6 +191,7 @@ class _Export:
         return history.branch.acts[: history.moment.acts]
 
     def _run(self, node: DefineTest) -> Outcome:
+        self._advance(1)
         state = SavedState(self._state) if node.saved_state is not None else None
         return run_case(Case(node, self._program), modules=self._modules, state=state)
 
