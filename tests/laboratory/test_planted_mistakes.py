@@ -10,10 +10,15 @@ from pathlib import Path
 
 import pytest
 
+import rapc
+from rapc.debug.history import History
+from rapc.repl.commands.table import commands
+from rapc.repl.shell import Shell
 from rapc.testing.discover import find
 from rapc.testing.run import Status, run_case
 
 LABORATORY = Path(__file__).parents[2] / "examples" / "laboratory"
+WORLD = "laboratory:LaboratoryWorld"
 TESTS = "simulation.test.rap"
 SEEDS = range(3)
 
@@ -129,14 +134,55 @@ def test_sound_library_passes_the_tests_in_the_simulator(library: Path) -> None:
     assert failing(library) == ""
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("mistake", MISTAKES)
-def test_planted_mistake_fails_a_test_in_the_simulator(
-    mistake: str, library: Path
-) -> None:
+def plant(mistake: str, library: Path) -> None:
+    """Make the edits of a mistake."""
     for name, old, new in MISTAKES[mistake]:
         file = library / name
         text = file.read_text(encoding="utf-8")
         assert text.count(old) == 1
         file.write_text(text.replace(old, new), encoding="utf-8")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_planted_mistake_fails_a_test_in_the_simulator(
+    mistake: str, library: Path
+) -> None:
+    plant(mistake, library)
     assert failing(library) != ""
+
+
+BUSY = {"people": 45, "slips": 30, "drops": 6, "fuse": 20, "smoke": 40}
+"""Options of the world with which some mistakes keep a shift from its end."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "mistake",
+    [
+        "until-end-dropped",
+        "precondition-dropped",
+        "success-of-a-setter-dropped",
+        "age-of-0.8-for-80",
+        "age-of-the-heat-dropped",
+        "device-not-asked",
+    ],
+)
+def test_exported_test_fails_with_a_mistake_and_passes_with_its_repair(
+    mistake: str, library: Path
+) -> None:
+    plant(mistake, library)
+    history = History.open(
+        rapc.load(library), WORLD, agenda="shift", options=BUSY, seed=0
+    )
+    shell, test = Shell(history, commands(), [str(library / "shift.rap")]), "w.test.rap"
+    shell.answer(":to at 1500")
+    live = [task for task in history.run.tasks() if task.plan.name == "end-the-shift"]
+    shell.answer(f":export-test {library / test} {live[0].number} succeeds")
+    outcomes = []
+    for folder in (library, LABORATORY):
+        for file in LABORATORY.glob("*.rap"):
+            (library / file.name).write_bytes((folder / file.name).read_bytes())
+        case = find([library / test]).cases[0]
+        outcomes.append(run_case(case, modules=["laboratory"]).status)
+    assert outcomes == [Status.FAILED, Status.PASSED]

@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+import json
+from base64 import b64decode, b64encode
+from collections.abc import Iterator
 from pathlib import Path
+from random import Random
+from typing import Any
 
 import pytest
 
+from rapc.runtime.saving.format import sealed
 from rapc.testing.discover import find
 from rapc.testing.faults import read_fault
 from rapc.testing.run import Case, Outcome, Status, run_case
 from rapc.testing.session import TestSession
 
 from ..cli.command import rapc
+from ..effort import first
 from .small_suite import happened
 
 COURIER = Path(__file__).parents[2] / "examples" / "courier"
@@ -260,6 +267,40 @@ def test_saved_state_of_another_kind_is_refused(tmp_path: Path) -> None:
     (tmp_path / "it.state").unlink()
     missing = happened(outcome_of(tmp_path, clauses))[0]
     assert missing.endswith("it.state`: no such file or directory")
+
+
+def places(value: object, *above: object) -> Iterator[tuple[Any, ...]]:
+    """The places of all values in a JSON text."""
+    if above:
+        yield above
+    if isinstance(value, dict):
+        for key, one in value.items():
+            yield from places(one, *above, key)
+    elif isinstance(value, list):
+        for index, one in enumerate(value):
+            yield from places(one, *above, index)
+
+
+@pytest.mark.parametrize("dice", first(12, range(600)), ids=str)
+def test_changed_value_in_a_saved_state_raises_no_exception(
+    tmp_path: Path, dice: int
+) -> None:
+    """The checksums of the changed states are right."""
+    save(tmp_path, 300)
+    rng, file = Random(dice), tmp_path / "it.state"
+    mark, _, text = file.read_bytes().partition(b"\n")
+    contents = json.loads(text)
+    run = json.loads(b64decode(contents["run"]).partition(b"\n")[2])
+    *above, last = rng.choice(list(places(run)))
+    value: Any = run
+    for key in above:
+        value = value[key]
+    value[last] = rng.choice((None, -1, 10**30, "x", "", [], {}, True, [1, 2]))
+    contents["run"] = b64encode(sealed(json.dumps(run).encode())).decode()
+    file.write_bytes(mark + b"\n" + json.dumps(contents).encode())
+    clauses = '(saved-state "it.state") (until (cycles 60)) (expect (memory true))'
+    outcome = outcome_of(tmp_path, clauses)
+    assert outcome.status in (Status.ERROR, Status.PASSED), happened(outcome)
 
 
 @pytest.mark.parametrize(
