@@ -7,9 +7,16 @@ import math
 import msgspec
 import pytest
 
-from rapc.worlds.hallway.channels import OBSTACLES, SONAR_RANGE, SONARS, Pose
+from rapc.worlds.hallway.channels import (
+    OBSTACLES,
+    SONAR_RANGE,
+    SONARS,
+    SPEED_LIMIT,
+    TOP_SPEED,
+    Pose,
+)
 from rapc.worlds.hallway.skills.all import catalogue
-from rapc.worlds.hallway.skills.lossy import KEPT
+from rapc.worlds.hallway.skills.lossy import CAREFUL, KEPT
 from rapc.worlds.skills.catalogue import SkillRequest
 from rapc.worlds.skills.runtime import SkillRuntime
 from tests.hallway.driver import STILL, Driver
@@ -48,6 +55,17 @@ def test_an_obstacle_is_remembered_in_silence() -> None:
     assert obstacles.look(nearer, {}) == {18: 0.5}
     obstacles.now += KEPT
     assert obstacles.look(nearer, {}) == {}
+
+
+def test_the_robot_is_slow_at_an_angle_to_the_walls() -> None:
+    driver = Driver(0, SLANT)
+    driver.place(10.0, 14.0, 0.0)
+    driver.on(SkillRequest("detect-obstacles"))
+    driver.tick(5)
+    assert driver.sim.runtime.value(SPEED_LIMIT) == TOP_SPEED
+    driver.place(10.0, 14.0, 0.5)
+    driver.tick(5)
+    assert driver.sim.runtime.value(SPEED_LIMIT) == CAREFUL
 
 
 def test_an_echo_from_behind_an_obstacle_shows_that_it_is_gone() -> None:

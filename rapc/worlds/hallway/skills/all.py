@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
 from rapc.worlds.hallway import channels
 from rapc.worlds.hallway.skills.avoiding import (
     DetectObstacles,
@@ -18,6 +20,7 @@ from rapc.worlds.hallway.skills.landmarks import (
     WatchForLandmark,
 )
 from rapc.worlds.hallway.skills.lossy import (
+    RememberCarefully,
     RememberObstacles,
     TrackDoorwayInSilence,
     TrackLandmarkInSilence,
@@ -28,7 +31,7 @@ from rapc.worlds.hallway.skills.reporting import ReportPosition, WatchBattery
 from rapc.worlds.hallway.skills.services import CallLift, Charge, Speak
 from rapc.worlds.hallway.skills.tags import SeeTags
 from rapc.worlds.skills.catalogue import Catalogue
-from rapc.worlds.skills.declarations import Compound
+from rapc.worlds.skills.declarations import Compound, Skill
 
 MOVE_IN_DIRECTION = Compound(
     "move-in-direction",
@@ -67,11 +70,11 @@ SENSORS = (
     channels.LIFT,
 )
 
-LOSSY = ("slant-50", "slant-30")
-"""The models of sonars that lose the echoes of slanted walls."""
-
-SILENT = (RememberObstacles, TrackLandmarkInSilence, TrackDoorwayInSilence)
-"""The skills of these robots in place of the usual ones."""
+LOSSY: Mapping[str, Sequence[type[Skill]]] = {
+    "slant-50": (RememberObstacles, TrackLandmarkInSilence, TrackDoorwayInSilence),
+    "slant-30": (RememberCarefully, TrackLandmarkInSilence, TrackDoorwayInSilence),
+}
+"""The skills for models of sonars that lose echoes, in place of the usual ones."""
 
 ACTUATORS = (channels.DRIVE, channels.CHARGE, channels.CALL, channels.VOICE)
 
@@ -103,4 +106,4 @@ def catalogue(sonar: str = "ideal") -> Catalogue:
         Speak,
     )
     made = Catalogue(skills, SENSORS, ACTUATORS, (LowestLimit(),))
-    return made.extended(SILENT) if sonar in LOSSY else made
+    return made.extended(LOSSY[sonar]) if sonar in LOSSY else made

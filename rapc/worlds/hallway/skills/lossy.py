@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any, ClassVar
 
 import msgspec
 
@@ -23,6 +24,8 @@ from rapc.worlds.hallway.channels import (
     SONAR,
     SONAR_RANGE,
     SONARS,
+    SPEED_LIMIT,
+    TOP_SPEED,
 )
 from rapc.worlds.hallway.skills.doorways import (
     BIN,
@@ -35,8 +38,8 @@ from rapc.worlds.hallway.skills.doorways import (
     plane_in,
 )
 from rapc.worlds.hallway.skills.landmarks import TrackLandmark
-from rapc.worlds.hallway.skills.sonar import Point
-from rapc.worlds.skills.declarations import Ports, Skill
+from rapc.worlds.hallway.skills.sonar import Point, Votes, square_to, vote
+from rapc.worlds.skills.declarations import Channel, Ports, Skill
 
 CELL = 0.05
 """The size of a cell for points, in metres: one point is kept for each cell."""
@@ -60,6 +63,13 @@ DOORWAY = 0.3
 """Half the width of the way in which an echo shows a closed door, in metres."""
 
 
+OBLIQUE = math.radians(15)
+"""The angle between heading and walls above which corners may be silent."""
+
+CAREFUL = 0.25
+"""The maximum speed at such an angle, in metres a second."""
+
+
 class Points(msgspec.Struct):
     """The remembered points by cell: x, y and the time of the last echo."""
 
@@ -71,7 +81,7 @@ class RememberObstacles(Skill):
 
     name = "detect-obstacles"
     inputs = (SONAR, POSE)
-    outputs = (OBSTACLES,)
+    outputs: ClassVar[tuple[Channel[Any], ...]] = (OBSTACLES,)
     State = Points
     state: Points
 
@@ -98,6 +108,27 @@ class RememberObstacles(Skill):
                 cell = f"{math.floor(x / CELL)} {math.floor(y / CELL)}"
                 cells[cell] = (round(x, 3), round(y, 3), now)
         ports[OBSTACLES] = tuple(nearest)
+
+
+class CarefulPoints(Points):
+    """The remembered points, and the direction of the walls."""
+
+    votes: Votes = msgspec.field(default_factory=Votes)
+
+
+class RememberCarefully(RememberObstacles):
+    """Detect the obstacles around the robot; go slowly where corners may be silent."""
+
+    outputs = (OBSTACLES, SPEED_LIMIT)
+    State = CarefulPoints
+    state: CarefulPoints
+
+    def step(self, now: float, ports: Ports) -> None:
+        """Write the obstacles, and limit the speed at an angle to the walls."""
+        super().step(now, ports)
+        vote(self.state.votes, ports[SONAR], pose := ports[POSE])
+        off = abs(square_to(self.state.votes, pose.heading) - pose.heading)
+        ports[SPEED_LIMIT] = CAREFUL if off > OBLIQUE else TOP_SPEED
 
 
 class TrackLandmarkInSilence(TrackLandmark):
