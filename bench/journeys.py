@@ -28,10 +28,7 @@ from rapc.runtime.events.report import cause_lines
 from rapc.worlds.hallway.map import Map
 from rapc.worlds.hallway.map_text import named_map, read_map
 from rapc.worlds.hallway.random_map import random_map
-from tests.hallway.sent import Journey, travel
-
-HONEST: dict[str, Atom] = {"odometry": "wheels", "sonar": "slant-50", "careless": 0.2}
-"""The options of the honest body."""
+from tests.hallway.sent import HONEST, Journey, travel
 
 NEAR = 0.5
 """So near to its place before the landmark the robot is at the landmark, in metres."""

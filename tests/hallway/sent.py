@@ -25,6 +25,13 @@ from tests.hallway.strays import Stray, Strays
 
 STDLIB = Path(__file__).parents[2] / "stdlib" / "hallway"
 
+HONEST: Mapping[str, Atom] = {
+    "odometry": "wheels",
+    "sonar": "slant-50",
+    "careless": 0.2,
+}
+"""The options of the honest body."""
+
 LATEST = 3000
 """When a journey is given up, in seconds."""
 

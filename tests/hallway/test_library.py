@@ -13,7 +13,7 @@ from rapc.worlds.hallway.map_text import named_map
 from rapc.worlds.hallway.random_map import random_map
 from tests.effort import first
 from tests.hallway.duties import attend
-from tests.hallway.sent import begin, travel
+from tests.hallway.sent import HONEST, begin, travel
 
 
 @pytest.mark.parametrize("seed", first(1, range(1000, 1012)))
@@ -36,6 +36,15 @@ def test_the_same_library_drives_a_building_of_another_shape(seed: int) -> None:
     journey = travel(seed, named_map("museum"), {"map": Text("museum")})
     assert journey.arrived, journey
     assert journey.strays == []
+
+
+@pytest.mark.parametrize("sonar", first(2, ["slant-50", "slant-30", "cone"]))
+def test_the_robot_arrives_with_an_honest_body(sonar: str) -> None:
+    fastest = 0.3 if sonar == "slant-30" else 0.1
+    for seed in (0, 3):
+        journey = travel(seed, options={**HONEST, "sonar": sonar})
+        assert journey.arrived, journey
+        assert journey.truth.fastest <= fastest
 
 
 @pytest.mark.slow

@@ -169,8 +169,9 @@ def test_a_map_can_be_made_at_random() -> None:
     assert list(one.facts()) == list(_world(9, **{"random-map": 3}).facts())
 
 
+@pytest.mark.parametrize("sonar", ["ideal", "slant-50", "slant-30", "cone"])
 @pytest.mark.parametrize("seconds", [0, 0.1, 3.3, 17.2])
-def test_a_saved_world_goes_on_the_same(seconds: float) -> None:
+def test_a_saved_world_goes_on_the_same(seconds: float, sonar: str) -> None:
     def live(world: HallwayWorld) -> list[object]:
         told: list[object] = []
         for moment in range(12):
@@ -178,7 +179,8 @@ def test_a_saved_world_goes_on_the_same(seconds: float) -> None:
             told += [world.now(), *world.messages(), world.figures()]
         return told
 
-    world, other = (HallwayWorld(Random(seed), {}) for seed in (1, 2))
+    body: Mapping[str, Atom] = {"sonar": sonar, "odometry": "wheels", "careless": 0.5}
+    world, other = (HallwayWorld(Random(seed), body) for seed in (1, 2))
     world.activate(1, FOLLOW, [":end-o-hall", ":hall-blocked"])
     world.activate(2, [(":report-position",)], [":position"])
     world.advance(seconds)
