@@ -13,6 +13,7 @@ from rapc.debug.questions import (
     commitments,
     differences,
     facts,
+    idle,
     state,
     tasks,
     times,
@@ -36,7 +37,7 @@ _GROUPS: Mapping[str, Sequence[ModuleType]] = {
     "time": (travelling, differences),
     "looking": (tasks, querying, state, beliefs),
     "explaining": (why, why_not, commitments),
-    "past": (facts, times, exporting),
+    "past": (facts, times, idle, exporting),
     "acting": (acting, what_if),
     "session": (helping,),
 }
