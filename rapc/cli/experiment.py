@@ -10,9 +10,15 @@ from pathlib import Path
 import click
 
 from rapc.base.interrupts import INTERRUPTED
-from rapc.base.outputs import PNG, RUN_COMMANDS, SVG, TABLES, check_output
+from rapc.base.outputs import COVERAGE, PNG, RUN_COMMANDS, SVG, TABLES, check_output
 from rapc.base.visible import visible
-from rapc.cli.common import load_checked, print_line, width_of
+from rapc.cli.common import (
+    load_checked,
+    print_line,
+    refuse_output,
+    width_of,
+    write_output,
+)
 from rapc.cli.options import WholeNumber, command, fail, say, settings
 from rapc.console.experiments import output
 from rapc.console.experiments.tables import show
@@ -22,16 +28,19 @@ from rapc.experiments import definition
 from rapc.experiments.batch import BatchResult, Workers, WorkersLost, jobs, run_batch
 from rapc.experiments.local import LocalWorkers, cores
 from rapc.experiments.points import Point
-from rapc.experiments.run import run_job
+from rapc.experiments.run import Job, Result, run_job
 from rapc.experiments.session import Batch
 from rapc.experiments.store import Store, StoreError, sole_user
 from rapc.experiments.summary import PartSummary
+from rapc.testing import coverage as covering
+from rapc.testing.covered import CoverageSum, run_covered
 
 EXAMPLES = """\b
 Examples:
   rapc experiment chapter6 --part one --seeds 10
   rapc experiment my-experiment.toml --jobs 4 --out results
   rapc experiment my-experiment.toml --against ../yesterday/my-library
+  rapc experiment my-experiment.toml --coverage
   rapc experiment my-experiment.toml --cluster tcp://10.0.0.5:8786
 """
 
@@ -76,6 +85,13 @@ _MOST_FAULTS = 10
     help="Also run LIBRARY, and print what has changed since.",
 )
 @click.option(
+    "--coverage",
+    is_flag=False,
+    flag_value="",
+    metavar="[FILE.json]",
+    help="Report the coverage of all runs; with FILE.json, also as JSON.",
+)
+@click.option(
     "--cluster",
     metavar="ADDRESS",
     help="Run on the workers of the Dask scheduler at ADDRESS.",
@@ -87,6 +103,7 @@ def experiment(
     processes: int | None,
     out: str | None,
     against: str | None,
+    coverage: str | None,
     cluster: str | None,
 ) -> None:
     """Run the experiment NAME of rapc, or the experiment in FILE.toml.
@@ -102,11 +119,14 @@ def experiment(
     """
     if cluster is not None and processes is not None:
         raise click.UsageError("cannot combine --jobs and --cluster")
+    if coverage is not None:
+        _refuse_with_coverage(coverage, against, cluster)
+    gathered = None if coverage is None else CoverageSum()
     session = _session(name, parts, seeds, against)
     folder = _folder(out or f"{session.made.name}-results")
     _check_outputs(session, folder)
     with sole_user(folder), Store(folder / output.RESULTS) as store:
-        faults = _run_missing(session, store, cluster, processes)
+        faults = _run_missing(session, store, cluster, processes, gathered)
         summaries = list(session.summaries(store))
         compared = list(session.pairs(store))
     for summary in summaries:
@@ -114,11 +134,36 @@ def experiment(
             _print(summary)
     for before, after, pairs in compared:
         _print_changes(before, after, [*pairs.values()])
+    if gathered is not None:
+        _cover(gathered, coverage)
     _write(session, summaries, folder)
     if not settings().quiet:
         click.echo(f"results, tables and plots: `{visible(str(folder))}`")
     _tell_faults(faults)
     raise SystemExit(1 if faults else 0)
+
+
+def _refuse_with_coverage(
+    coverage: str, against: str | None, cluster: str | None
+) -> None:
+    """Refuse what cannot be combined with `--coverage`, and files of other kinds."""
+    for option, given in (("--against", against), ("--cluster", cluster)):
+        if given is not None:
+            raise click.UsageError(f"cannot combine --coverage and {option}")
+    if coverage:
+        if not coverage.endswith(".json"):
+            raise click.UsageError("--coverage: the file name must end with .json")
+        refuse_output("--coverage", coverage, COVERAGE)
+
+
+def _cover(gathered: CoverageSum, file: str | None) -> None:
+    """Print the coverage of all runs; also write it to a file."""
+    files = gathered.files()
+    for line in covering.table(files):
+        print_line("text", line)
+    click.echo()
+    if file:
+        write_output(file, covering.as_json(files))
 
 
 def _session(
@@ -153,27 +198,36 @@ def _check_outputs(session: Batch, folder: Path) -> None:
 
 
 def _run_missing(
-    session: Batch, store: Store, cluster: str | None, processes: int | None
+    session: Batch,
+    store: Store,
+    cluster: str | None,
+    processes: int | None,
+    gathered: CoverageSum | None,
 ) -> list[str]:
     """Run the missing runs; return the errors of runs without a result.
 
+    For the coverage, all runs are done.
+
     Results stay in the store after an interrupt or after the loss of the workers.
     """
-    missing = session.missing(store)
+    missing = session.missing(store if gathered is None else None)
     total = sum(len(seeds) for _, seeds in missing)
     if not total:
         say("0 runs are missing")
         return []
     faults: list[str] = []
     came = 0
+    work = run_job if gathered is None else run_covered
     try:
         say(f"{total} runs are missing")
         with (
-            _workers(session, total, cluster, processes) as workers,
+            _workers(session, total, cluster, processes, work) as workers,
             _bar(session, total) as advance,
         ):
             for done in run_batch(workers, jobs(missing, workers.chunk)):
                 store.add(done.config, done.results)
+                if gathered is not None:
+                    gathered.add(done.results)
                 came += sum(result.measures is not None for result in done.results)
                 advance(len(done.results))
                 faults += _tell(session, done)
@@ -196,13 +250,17 @@ def _bar(session: Batch, total: int) -> AbstractContextManager[Callable[[int], o
 
 @contextmanager
 def _workers(
-    session: Batch, total: int, cluster: str | None, processes: int | None
+    session: Batch,
+    total: int,
+    cluster: str | None,
+    processes: int | None,
+    work: Callable[[Job], tuple[Result, ...]],
 ) -> Iterator[Workers]:
     """Yield the processes of this machine, or the workers of a cluster."""
     found: AbstractContextManager[Workers]
     if cluster is None:
         count = min(processes or cores(), total)
-        found = LocalWorkers(count, run_job, session.made.time_limit)
+        found = LocalWorkers(count, work, session.made.time_limit)
     else:
         try:
             from rapc.experiments.cluster import ClusterWorkers

@@ -10,7 +10,7 @@ import hashlib
 import threading
 import time
 import traceback
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 
 import msgspec
@@ -113,10 +113,16 @@ class Result(msgspec.Struct, frozen=True):
     fault: str = ""
     trace: str = ""
     seconds: float = 0
+    #: The data of an observer of the run; empty without an observer.
+    observed: bytes = b""
 
 
 class OtherCode(Error):
     """A worker has a different version of rapc than the process that sent the job."""
+
+
+Observe = Callable[[Interpreter], object]
+"""A function that is called with a run before the run starts."""
 
 
 def run_job(job: Job) -> tuple[Result, ...]:
@@ -124,20 +130,21 @@ def run_job(job: Job) -> tuple[Result, ...]:
 
     A run that raises an error has a fault as its result; the other runs continue.
     """
-    return tuple([_run(job.config, seed) for seed in job.seeds])
+    return tuple([run_one(job.config, seed) for seed in job.seeds])
 
 
-def _run(config: PointConfig, seed: int) -> Result:
+def run_one(config: PointConfig, seed: int, observe: Observe | None = None) -> Result:
+    """Run a configuration under a seed; an error is a fault of the result."""
     began = time.process_time()
     try:
-        measures = measure(config, seed)
+        measures = measure(config, seed, observe)
     except Exception as error:  # any error is reported with its seed
         what = " ".join(f"{type(error).__name__}: {error}".split())
         return Result(seed, None, what, traceback.format_exc())
     return Result(seed, measures, seconds=time.process_time() - began)
 
 
-def measure(config: PointConfig, seed: int) -> Measures:
+def measure(config: PointConfig, seed: int, observe: Observe | None = None) -> Measures:
     """Run a configuration under a seed, as `rapc run` does, and measure the run.
 
     Raises:
@@ -156,6 +163,8 @@ def measure(config: PointConfig, seed: int) -> Measures:
     account = Account(world.kit.offer.sensors)
     if config.timed:
         interpreter.listen(account, *Account.kinds)
+    if observe is not None:
+        observe(interpreter)
     interpreter.start()
     reason = interpreter.run(until=spec.until)
     account.close(interpreter.now)

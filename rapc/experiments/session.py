@@ -58,15 +58,16 @@ class Batch:
         first = made.first_seed
         self.seeds = range(first, first + (seeds or made.seeds))
 
-    def missing(self, store: Store) -> list[tuple[PointConfig, list[int]]]:
+    def missing(self, store: Store | None) -> list[tuple[PointConfig, list[int]]]:
         """Return the configurations of the chosen points with their missing seeds.
 
-        Points of equal configuration are listed once.
+        Without a store, all seeds are missing. Points of equal configuration are listed
+        once.
         """
         lacking: dict[str, tuple[PointConfig, list[int]]] = {}
         for point in (*self.points, *self.before):
             if point.part in self.chosen and point.digest not in lacking:
-                there = store.seeds(point.digest)
+                there = () if store is None else store.seeds(point.digest)
                 seeds = [seed for seed in self.seeds if seed not in there]
                 lacking[point.digest] = point.config, seeds
         return list(lacking.values())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import shlex
@@ -249,3 +250,32 @@ def test_changes_against_another_library_are_printed(tmp_path: Path) -> None:
     again = rapc("-v", *run, str(courier), cwd=tmp_path)
     assert "\n0 runs are missing\n" in again.stderr
     assert again.stdout == done.stdout
+
+
+def test_coverage_of_all_runs_is_the_sum(tmp_path: Path) -> None:
+    courier = CHECKOUT / "examples" / "courier"
+    (tmp_path / "shift.toml").write_text(SHIFT.replace("slow", str(courier)))
+    run = ("experiment", "shift.toml", "--out", "out", "--coverage", "c.json")
+    counts = []
+    for seeds in ("1", "3", "3"):
+        done = rapc(*run, "--seeds", seeds, cwd=tmp_path)
+        assert (done.returncode, done.stderr) == (0, "")
+        found = json.loads((tmp_path / "c.json").read_text())
+        [calls] = [f for f in found["files"] if f["file"].endswith("calls.rap")]
+        [helped] = [rap for rap in calls["raps"] if rap["name"] == "be-of-help"]
+        counts.append((helped["row"], helped["succeeded"]))
+    (row, once), three, again = counts
+    assert (row, once > 0, three[1] > once, three == again) == (33, True, True, True)
+    assert "\ncoverage                  methods     true" in done.stdout
+    assert "tasks failed: " in done.stdout
+
+
+def test_options_that_exclude_coverage(tmp_path: Path) -> None:
+    (tmp_path / "shift.toml").write_text(SHIFT)
+    for more, why in (
+        (("--coverage", "--against", "slow"), "--coverage and --against"),
+        (("--coverage", "--cluster", "tcp://a"), "--coverage and --cluster"),
+        (("--coverage", "table.txt"), "must end with .json"),
+    ):
+        done = rapc("experiment", "shift.toml", *more, cwd=tmp_path)
+        assert (done.returncode, why in done.stderr) == (2, True)
