@@ -13,6 +13,7 @@ from rapc.worlds.hallway.channels import (
     SONARS,
     SPEED_LIMIT,
     TOP_SPEED,
+    TRAJECTORY,
     Pose,
 )
 from rapc.worlds.hallway.skills.all import catalogue
@@ -73,6 +74,19 @@ def test_an_echo_from_behind_an_obstacle_shows_that_it_is_gone() -> None:
     obstacles.look(START, {0: 1.0})
     assert obstacles.look(START, {0: 2.0}) == {0: 2.0}
     assert obstacles.look(START, {}) == {}
+
+
+@pytest.mark.parametrize("heading", [-0.1, 0.0, 0.1])
+def test_a_doorway_is_passed_straight_on_in_full_silence(heading: float) -> None:
+    runtime, pose = SkillRuntime(catalogue("slant-30")), Pose(0.0, 0.0, heading)
+    through = SkillRequest("move-thru-doorway", (0.0, 0.3))
+    runtime.activate(1, [through], ["door-closed"])
+    sensors = {"sonar": lambda: _ring({}), "pose": lambda: pose}
+    told = [one for tick in range(60) for one in runtime.tick(tick / 10, sensors)]
+    assert told == []
+    way = runtime.value(TRAJECTORY)
+    assert way is not None
+    assert (way.bearing, way.speed) == (pytest.approx(-heading), 0.3)
 
 
 @pytest.mark.parametrize("shut", [False, True])

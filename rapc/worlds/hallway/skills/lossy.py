@@ -159,7 +159,7 @@ class TrackDoorwayInSilence(TrackDoorJambs):
             state.wall = along + wall
         elif state.wall is None and state.looks > LOOKS:
             lane = [x for x, y in echoes if abs(y) < DOORWAY and x > 0]
-            if min(lane) > STANDING + DEEPER:
+            if min(lane, default=SONAR_RANGE) > STANDING + DEEPER:
                 state.wall = along + STANDING
         if state.wall is not None:
             heard = [
