@@ -1,12 +1,18 @@
 """History of a run: any moment of the run, with the acts of the user.
 
 A history is the specification of a run, the acts of the user, and the answers that
-cannot be made again: those of solvers, and of a world that cannot be saved. To reach a
-moment, a history restores the nearest saved state before the moment and replays from
-there without output. The replay repeats each act at its moment. An act in the past
-begins a branch; the old branch is kept. A recorded run without library or world is also
-a history: the user can step and search, but not query or change the run.
-Not here: questions (`rapc.debug.questions`) and output (`rapc.repl`).
+cannot be made again: those of solvers, and of a world that cannot be saved. The run is
+a function of these.
+
+A moment is the end of a cycle, or an arrival between two cycles. To reach a moment, a
+history restores the nearest saved state before the moment and replays from there. The
+replay repeats each act of the branch at its moment, and adds no event that the branch
+has already. An act in the past begins a branch with the acts, saved states and events
+up to there; the old branch is kept.
+
+A recorded run without library or world is also a history: the user can step and search,
+but not query or change the run. Not here: questions (`rapc.debug.questions`), output
+(`rapc.repl`), and a run in a file (`rapc.debug.bug`).
 """
 
 from __future__ import annotations

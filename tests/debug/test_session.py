@@ -158,6 +158,23 @@ def test_a_session_stands_at_each_arrival() -> None:
         assert (session.moment, session.now, session.run.save()) == (moment, now, state)
 
 
+def test_a_past_choice_is_seen_after_the_acts_before_it() -> None:
+    session = moments.courier(1000)
+    session.step(20)
+    while not session.between:
+        session.wait()
+    cycle = session.cycle
+    session.act(AssertFact(("call", "ward-3")))
+    session.step(5)
+    here = session.moment, session.run.save()
+    with session.at(cycle) as run:
+        assert ("call", "ward-3") not in run.memory
+    with session.at_choice(cycle + 1) as run:
+        assert ("call", "ward-3") in run.memory
+        assert run.cycle == cycle
+    assert (session.moment, session.run.save()) == here
+
+
 def test_acts_between_cycles_are_done_again_there() -> None:
     session = moments.courier(1000)
     session.step(20)
