@@ -270,7 +270,8 @@ class Breakpoints:
                 if point.before:
                     self._stopped_before = self._history.cycle
         if stops is not None and self._stopped_before == self._history.cycle:
-            self._history.goto(self._history.cycle - 1)
+            here = self._history
+            here.goto(here.cycle if here.between else here.cycle - 1)
         return stops
 
     def _counts(self, point: Breakpoint) -> bool:

@@ -15,6 +15,7 @@ from rapc.errors import ArgumentError, TextError
 from rapc.repl.commands.table import commands
 from rapc.repl.complete import candidates
 from rapc.repl.shell import Shell
+from tests.debug import moments
 from tests.debug.sessions import row, scripted, truck
 from tests.repl.shells import said, truck_shell
 
@@ -258,3 +259,18 @@ def test_two_moments_are_compared() -> None:
     assert ("-", "fact", "(truck-location zone-6)") in found.table.rows
     assert any(row[0] == "-" and "[10]" in str(row[2]) for row in found.table.rows)
     assert session.cycle == 60
+
+
+def test_breakpoint_before_an_arrival_stops_at_the_end_of_the_cycle() -> None:
+    session = moments.courier(1000)
+    session.checks.clear()
+    points = Breakpoints(session)
+    points.add(Breakpoint("fact", "(call ?)", before=True))
+    while (stop := session.wait()).kind == "asked":
+        here = session.moment
+    assert stop.kind == "break"
+    assert session.moment == (here.cycle, 0, 0)
+    while not session.question("(call ?)").holds():
+        assert session.wait().kind == "asked"
+    assert session.cycle == here.cycle
+    assert session.between
