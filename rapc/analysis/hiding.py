@@ -28,7 +28,8 @@ class Row(NamedTuple):
     #: - `place`: the place of the hidden finding lies in a subject of the first one.
     #: - `missing`: the first finding states that variables of a form are missing, but
     #:   not which. It hides findings about as many different variables of the form.
-    same: Literal["form", "name", "place", "missing"]
+    #: - `library`: any place.
+    same: Literal["form", "name", "place", "missing", "library"]
 
 
 _CONSTANTS = ("misspelt-constant", "foreign-constant", "mixed-values")
@@ -108,6 +109,44 @@ HIDES = (
         "form",
     ),
     Row(("kinds-apart",), ("unordered-steps", "copied-step"), "form"),
+    # A step or a method that is missing leaves a RAP without a caller.
+    Row(
+        (
+            "endless-reaction",
+            "first-otherwise",
+            "hopeless-goal",
+            "idle-net",
+            "idle-resource",
+            "needless-step",
+            "needs-itself",
+            "unknown-rap",
+            "unknown-tag",
+            "unlimited-loop",
+            "unordered-steps",
+        ),
+        ("forgotten-rap",),
+        "library",
+    ),
+    # A loop that is lost or never begins needs no limit.
+    Row(
+        (
+            *_RESOURCES,
+            "idle-loop",
+            "idle-net",
+            "idle-resource",
+            "succeeds-at-once",
+            "unbound-variable",
+            "unreachable-method",
+        ),
+        ("unlimited-loop",),
+        "form",
+    ),
+    Row(("unbound-variable",), ("idle-precondition", "needless-step"), "form"),
+    Row(("standing-task-ends", "idle-loop"), ("early-end",), "form"),
+    # A misspelt value differs from the value in other clauses.
+    Row((*_CONSTANTS, "wrong-kind", "kinds-apart"), ("contrary-step",), "library"),
+    Row(("unordered-steps",), ("idle-step",), "form"),
+    Row(("unused-claim", "misspelt-thing"), ("vain-claim",), "form"),
 )
 """The findings that are consequences of other findings."""
 
@@ -145,6 +184,8 @@ def _consequences(
 ) -> Iterator[Diagnostic]:
     """Yield the findings of `among` that share a subject with a cause."""
     match row.same:
+        case "library":
+            yield from among
         case "form":
             of_causes = {forms.at(cause.span) for cause in causes}
             yield from [one for one in among if forms.at(one.span) in of_causes]

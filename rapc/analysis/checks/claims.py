@@ -6,6 +6,8 @@ order at the same priority, the two tasks can deadlock. Only things without vari
 count.
 
 RAP084 and RAP086: claims without effect, and things whose names are misspelt.
+
+RAP192, RAP194, RAP196 and RAP198: claims and uses that do not fit each other.
 """
 
 from __future__ import annotations
@@ -19,12 +21,13 @@ from rapc.analysis.facts.effects import things_needed
 from rapc.analysis.facts.index import INDEX, Occurrence
 from rapc.analysis.facts.names import renaming
 from rapc.analysis.facts.statistics import LIMITS, THRESHOLDS
+from rapc.analysis.facts.things import THINGS, Things, Use
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.names import Close, Suggestions, is_row, plural
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
 from rapc.ir.walk import steps
-from rapc.library.library import Library
+from rapc.library.library import Library, name_span
 
 CROSSED = Rule(
     code="RAP133",
@@ -310,3 +313,169 @@ def _unused_thing(
         help=help_,
         fix=renaming(run.library.files, thing.name, meant, [thing.span]),
     )
+
+
+# --- claims and uses ------------------------------------------------------------------
+
+
+VAIN_CLAIM = Rule(
+    code="RAP192",
+    name="vain-claim",
+    severity=Severity.WARNING,
+    summary="a method claims another thing than the requests below use",
+    ignore="where the claim keeps other methods from running",
+    source="L 8",
+)
+
+UNCLAIMED = Rule(
+    code="RAP194",
+    name="unclaimed-thing",
+    severity=Severity.WARNING,
+    summary="a method does not claim a thing, as the other methods of the RAP do",
+    ignore="where the method may be interrupted between two requests",
+    source="L 8",
+)
+
+
+@check(VAIN_CLAIM, UNCLAIMED, needs_whole="form")
+def claims_and_uses(run: Pass) -> Iterator[Diagnostic]:
+    """Compare the claims of each method with the things that are used below."""
+    raps = run.library.raps.values()
+    claiming = [rap for rap in raps if any(method.claims for method in rap.methods)]
+    if not claiming or not run.complete:
+        return
+    things = run.result(THINGS)
+    for rap in claiming:
+        for method in rap.methods:
+            used = list(things.of(method))
+            yield from _vain_claims(method, used)
+        yield from _unclaimed(rap, things)
+
+
+def _vain_claims(method: nodes.Method, used: Sequence[Use]) -> Iterator[Diagnostic]:
+    """Yield the claims of things that requests below use with other arguments."""
+    for claim in method.claims:
+        count = len(claim.args)
+        alike = [
+            one.thing
+            for one in used
+            if one.thing.name == claim.name and len(one.thing.args) == count
+        ]
+        if not alike or any(_fits(claim, thing) for thing in alike):
+            continue
+        written = sorted({format_formula(thing) for thing in alike})
+        yield VAIN_CLAIM.at(
+            claim.span,
+            f"no request of this method uses `{format_formula(claim)}`",
+            labels=(Label(method.body.span, "the steps of the method"),),
+            help=f"the requests use {', '.join(f'`{one}`' for one in written[:3])}",
+        )
+
+
+def _fits(claim: nodes.Thing, used: nodes.Thing) -> bool:
+    """Return whether a claim may be of a used thing."""
+    return len(claim.args) == len(used.args) and all(
+        one == other
+        or (isinstance(other, nodes.Var) and other.anonymous)
+        or isinstance(one, nodes.Const) is not isinstance(other, nodes.Const)
+        for one, other in zip(claim.args, used.args, strict=True)
+    )
+
+
+def _unclaimed(rap: nodes.DefineRap, things: Things) -> Iterator[Diagnostic]:
+    """Yield methods that use, but do not claim, what all other users claim.
+
+    Only things with arguments count: methods that are alike but for the thing.
+    """
+    names = {
+        claim.name: claim
+        for method in rap.methods
+        for claim in method.claims
+        if claim.args
+    }
+    for name, claim in names.items():
+        users = [
+            method
+            for method in rap.methods
+            if any(one.free and one.thing.name == name for one in things.of(method))
+        ]
+        without = [
+            method
+            for method in users
+            if not any(one.name == name for one in method.claims)
+        ]
+        if len(without) == 1 and len(users) > 1:
+            yield UNCLAIMED.at(
+                without[0].body.span,
+                f"this method uses `{name}`, but does not claim it",
+                labels=(Label(claim.span, "another method claims it"),),
+                help="claim the thing, so that no other task takes it between two "
+                "requests",
+            )
+
+
+UNLIKE_USE = Rule(
+    code="RAP196",
+    name="unlike-use",
+    severity=Severity.WARNING,
+    summary="a primitive does not use a thing that all similar primitives use",
+    ignore="where the primitive only looks at its argument",
+    source="L 8",
+)
+
+
+@check(UNLIKE_USE)
+def unlike_uses(run: Pass) -> Iterator[Diagnostic]:
+    """Find primitives that lack a thing named by an argument of a certain kind."""
+    by_kind: dict[str, list[tuple[nodes.DeclarePrimitive, frozenset[str]]]] = {}
+    for form in run.library.primitives.values():
+        for arg in form.args:
+            if arg.kind is not None:
+                used = [one.name for one in form.uses if arg.variable in one.args]
+                by_kind.setdefault(arg.kind, []).append((form, frozenset(used)))
+    for kind, forms in by_kind.items():
+        lacking = [form for form, used in forms if not used]
+        others = [used for _, used in forms if used]
+        if len(lacking) != 1 or len(others) < THRESHOLDS.uses_alike:
+            continue
+        (form,) = lacking
+        for name in sorted(frozenset.intersection(*others)):
+            yield UNLIKE_USE.at(
+                name_span(run.library.files, form),
+                f"`{form.name}` does not use `{name}`, unlike the other primitives "
+                f"with an argument of the kind `{kind}`",
+                help=f"add `:uses (({name} ...))`",
+            )
+
+
+RIVAL_SKILLS = Rule(
+    code="RAP198",
+    name="rival-skills",
+    severity=Severity.WARNING,
+    summary="a method enables two skills that use the same thing",
+    ignore="where the world shares the thing between the skills",
+    source="S 2",
+)
+
+
+@check(RIVAL_SKILLS, needs_whole="method")
+def rival_skills(run: Pass) -> Iterator[Diagnostic]:
+    """Find skills that are enabled together, and use the same thing."""
+    for rap in run.library.raps.values():
+        for method in rap.methods:
+            enabled = (
+                method.body.enable if isinstance(method.body, nodes.Skills) else ()
+            )
+            first: dict[nodes.Thing, nodes.Skill] = {}
+            for skill in (*method.skills, *enabled):
+                form = run.library.skills.get(skill.name)
+                for thing in form.uses if form is not None else ():
+                    other = first.setdefault(thing, skill)
+                    if other.name != skill.name and not thing.args:
+                        yield RIVAL_SKILLS.at(
+                            skill.span,
+                            f"`{skill.name}` and `{other.name}` both use "
+                            f"`{format_formula(thing)}`",
+                            labels=(Label(other.span, "enabled here"),),
+                            help="enable one skill at a time",
+                        )

@@ -82,6 +82,50 @@ def idle_loops(run: Pass) -> Iterator[Diagnostic]:
             yield from _same_again(run, rap, rap.repeat_while, min(taken), told)
 
 
+EARLY = Rule(
+    code="RAP188",
+    name="early-end",
+    severity=Severity.WARNING,
+    summary="a RAP without `succeed` ends after a method that only waits, or "
+    "after one round of a loop with several methods",
+    ignore="where the methods only repeat after failures",
+    source="T 3.2.3",
+)
+
+
+@check(EARLY, needs_whole="form")
+def early_ends(run: Pass) -> Iterator[Diagnostic]:
+    """Find RAPs that end when any of several unlike methods has succeeded."""
+    for rap in run.library.raps.values():
+        if rap.succeed is not None or len(rap.methods) == 1 or not rap.methods:
+            continue
+        own = {resource.variable.name for resource in rap.resources}
+        contexts = [m.context for m in rap.methods if m.context is not None]
+        counted = not own.isdisjoint(variable_names(*contexts))
+        waits = [method for method in rap.methods if _only_waits(run, method)]
+        if rap.repeat_while is not None or counted:
+            place = (rap.repeat_while or contexts[0]).span
+            why = "and repeats only after failures"
+        elif waits and len(waits) < len(rap.methods):
+            place = waits[0].body.span
+            why = "also when the method has only waited"
+        else:
+            continue
+        yield EARLY.at(
+            rap.name_span,
+            f"`{rap.name}` ends when any of its methods has succeeded, {why}",
+            labels=(Label(place, "this is then without effect"),),
+            help="add `succeed` with the state that all methods work towards",
+        )
+
+
+def _only_waits(run: Pass, method: nodes.Method) -> bool:
+    """Return whether a method changes nothing in memory, as far as is declared."""
+    done, whole = run.result(EFFECTS).of_method(method)
+    is_net = isinstance(method.body, nodes.TaskNet)
+    return is_net and whole and not done and bool(steps(method))
+
+
 def _repeats_nothing(rap: nodes.DefineRap, loop: nodes.Formula) -> Diagnostic:
     word, own = f"(succeed (not {format_formula(loop)}))", own_methods(rap)
     over = own[0].span.start if own else rap.span.end - 1

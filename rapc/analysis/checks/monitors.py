@@ -13,6 +13,7 @@ from rapc.analysis.facts.effects import (
     calls_of,
     done_by_method,
     endless,
+    is_described,
     reached,
     request_effects,
     rule_effects,
@@ -188,6 +189,13 @@ def waiting_steps(run: Pass) -> Iterator[Diagnostic]:
     """Find RAPs and steps that wait for a state in vain."""
     for rap in run.library.raps.values():
         goal, monitor = rap.succeed, rap.monitor_state
+        if _only_fails(rap):
+            yield IDLE_WAIT.at(
+                rap.name_span,
+                f"each task of `{rap.name}` waits and then fails: the RAP has neither "
+                "`succeed` nor a method",
+                help="add a method, or `succeed` with the awaited state",
+            )
         if rap.methods or goal is None or isinstance(goal, nodes.Truth):
             continue
         if monitor is not None and not _serves_goal(run, rap, monitor, goal):
@@ -211,6 +219,16 @@ def waiting_steps(run: Pass) -> Iterator[Diagnostic]:
                 yield _untimely(called, step)
             elif called.monitor_state is not None:
                 yield from _in_vain(run.library, called, net, own, at, others, ends[at])
+
+
+def _only_fails(rap: nodes.DefineRap) -> bool:
+    """Return whether a RAP waits, but has neither a goal nor a method.
+
+    A RAP without a monitor stands for a RAP of another library, or for a solver.
+    """
+    waits = rap.monitor_state is not None or rap.monitor_time is not None
+    goal = rap.succeed is not None or rap.effects or rap.outputs
+    return waits and not goal and not rap.methods
 
 
 def _ended_by(step: nodes.Step) -> list[str]:
@@ -353,17 +371,6 @@ def _endless(task: nodes.GivenTask, cause: Span, work: bool) -> Diagnostic:
 
 
 # --- facts without a change -----------------------------------------------------------
-
-
-def is_described(library: Library) -> bool:
-    """Return whether a library declares the effects of most of its primitives."""
-    forms = library.primitives.values()
-    told = sum(bool(form.on or form.tells) for form in forms)
-    if not told and not library.memory_rules and not library.event_rules:
-        return False
-    silent = any(datum.on is None for datum in library.data.values())
-    share, whole = THRESHOLDS.described
-    return not silent and told * whole >= len(forms) * share
 
 
 def _told(index: Index) -> Iterator[tuple[str, Form]]:

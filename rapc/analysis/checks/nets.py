@@ -7,7 +7,8 @@ context and with the protected facts in the same terms.
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
+from functools import partial
 
 from rapc.analysis.check import Pass, check
 from rapc.analysis.facts.clashes import (
@@ -17,26 +18,40 @@ from rapc.analysis.facts.clashes import (
     said,
 )
 from rapc.analysis.facts.effects import (
-    does_nothing,
+    ACTING,
+    acts_itself,
+    calls_of,
     done,
     done_by_method,
+    may_end,
     put_in,
 )
+from rapc.analysis.facts.held import (
+    Beginnings,
+    at_choice,
+    of_memory,
+    with_queries,
+)
 from rapc.analysis.facts.logic import (
+    Clash,
     Literal,
     apart,
     entails,
     fact_name,
+    follows,
     is_never,
     literals,
 )
+from rapc.analysis.facts.resources import FirstValues
 from rapc.analysis.facts.statistics import LIMITS
-from rapc.analysis.facts.task_nets import Net, sure_net, sure_nets
+from rapc.analysis.facts.task_nets import Net, sure_net, sure_nets, tag_of
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
+from rapc.base.source import Span
 from rapc.ir import nodes
 from rapc.ir.walk import (
     given_names,
     input_terms,
+    steps,
     subformulas,
     substitute,
     variable_names,
@@ -138,13 +153,20 @@ IDLE_NET = Rule(
 @check(IDLE_NET, needs_whole="method")
 def idle_nets(run: Pass) -> Iterator[Diagnostic]:
     """Find empty task-nets that leave a clause of their RAP as it is."""
+    acting = run.result(ACTING)
+    called = {name for rap in run.library.raps.values() for name in calls_of(rap)}
     for rap in run.library.raps.values():
         clause = _clause_to_change(rap)
+        if clause is None and _is_called_in_vain(rap, acting, called):
+            yield IDLE_NET.at(
+                rap.methods[0].body.span,
+                f"`{rap.name}` has inputs, but does nothing: no method has a step",
+                help="add the steps of the method",
+            )
         for method in rap.methods if clause is not None else ():
-            acts = method.notations or method.skills or _is_last_resort(method)
-            if does_nothing(method) and not acts:
-                word, formula = clause or ("", None)
-                assert formula is not None
+            word, formula = clause or ("", None)
+            assert formula is not None
+            if _is_idle(run, rap, method, word):
                 yield IDLE_NET.at(
                     method.body.span,
                     f"this method does nothing, and leaves `{word}` as it is",
@@ -153,9 +175,36 @@ def idle_nets(run: Pass) -> Iterator[Diagnostic]:
                 )
 
 
-def _is_last_resort(method: nodes.Method) -> bool:
-    """Return whether a method gives up where no other method applies."""
-    return isinstance(method.context, nodes.Otherwise)
+def _is_called_in_vain(
+    rap: nodes.DefineRap, acting: Container[str], called: Container[str]
+) -> bool:
+    """Return whether steps give values to a RAP that does nothing with them."""
+    empty = bool(rap.methods) and not any(map(steps, rap.methods))
+    useful = bool(rap.outputs) or rap.name in acting
+    return empty and not useful and bool(rap.inputs) and rap.name in called
+
+
+def _is_idle(
+    run: Pass, rap: nodes.DefineRap, method: nodes.Method, clause: str
+) -> bool:
+    """Return whether a method and its descendants do nothing but count."""
+    acting = run.result(ACTING)
+    every = steps(method)
+    if acts_itself(method) or not all(
+        _does_nothing(run, step, acting) for step in every
+    ):
+        return False
+    counted = {
+        note.resource.name
+        for step in every
+        for note in step.annotations
+        if isinstance(note, nodes.ResourceChange)
+        and isinstance(note.resource, nodes.Var)
+    }
+    if not counted:
+        return True
+    contexts = [one.context for one in rap.methods if one.context is not None]
+    return clause == "succeed" and counted.isdisjoint(variable_names(*contexts))
 
 
 def _clause_to_change(rap: nodes.DefineRap) -> tuple[str, nodes.Node] | None:
@@ -169,6 +218,65 @@ def _clause_to_change(rap: nodes.DefineRap) -> tuple[str, nodes.Node] | None:
     if rap.monitor_time is not None and is_never(goal):
         return "monitor-time", rap.monitor_time
     return None
+
+
+IDLE_STEP = Rule(
+    code="RAP184",
+    name="idle-step",
+    severity=Severity.WARNING,
+    summary="a step does nothing, and neither counts nor orders other steps",
+    ignore="where the step only shows in the trace",
+    source="T 4.5",
+)
+
+
+@check(IDLE_STEP, needs_whole="method")
+def idle_steps(run: Pass) -> Iterator[Diagnostic]:
+    """Find steps for RAPs without actions that serve no other step."""
+    acting = run.result(ACTING)
+    for _, method, net in sure_nets(run):
+        every = steps(method)
+        idle = [at for at, step in enumerate(every) if _does_nothing(run, step, acting)]
+        if len(every) == 1 or not idle:
+            continue
+        before, after = net.reach()
+        named = {tag_of(n) for s in every for n in s.annotations if may_end(n)}
+        for at in idle:
+            step = every[at]
+            notes = step.annotations
+            if step.tag in named or (before[at] and after[at]):
+                continue
+            counts = any(isinstance(note, nodes.ResourceChange) for note in notes)
+            if not counts:
+                yield IDLE_STEP.at(
+                    step.goal.span,
+                    f"step `{step.tag}` does nothing, and no other step requires it",
+                    help="change the goal of the step, or remove the step",
+                )
+            elif not before[at] and not after[at]:
+                yield IDLE_STEP.at(
+                    step.goal.span,
+                    f"step `{step.tag}` only counts, and has no order with other steps",
+                    help="add `for` with the tag of the step that is counted",
+                )
+
+
+def _does_nothing(run: Pass, step: nodes.Step, acting: Container[str]) -> bool:
+    """Return whether a step has no action, waits for nothing and ends nothing.
+
+    A RAP that does nothing in spite of its methods is reported itself.
+    """
+    called = run.library.raps.get(step.goal.name)
+    return (
+        called is not None
+        and not called.methods
+        and step.goal.name not in acting
+        and not step.goal.outputs
+        and not any(
+            isinstance(note, nodes.WaitFor) or may_end(note)
+            for note in step.annotations
+        )
+    )
 
 
 CONTRARY = Rule(
@@ -193,12 +301,21 @@ NEEDLESS = Rule(
 @check(CONTRARY, NEEDLESS, needs_whole="form")
 def step_conditions(run: Pass) -> Iterator[Diagnostic]:
     """Compare each step with the context and the clauses around the step."""
+    undone: set[str] = set()
     for rap in run.library.raps.values():
-        given = given_names(rap)
         for method in rap.methods:
-            yield from _undone_goal(run, rap, method, given)
+            for found in _undone_goal(run, rap, method, given_names(rap)):
+                undone.add(rap.name)
+                yield found
+    reported: set[Span] = set()
+    for rap in run.library.raps.values():
+        for method in rap.methods:
             if isinstance(method.body, nodes.TaskNet) and method.body.steps:
-                yield from _steps(run, rap, method, given)
+                for found in _steps(run, rap, method, undone):
+                    causes = {label.span for label in found.labels}
+                    if found.rule != CONTRARY.name or causes.isdisjoint(reported):
+                        yield found
+                    reported |= causes
 
 
 def _undone_goal(
@@ -238,53 +355,49 @@ def _done_last(run: Pass, method: nodes.Method) -> Sequence[Literal]:
 
 
 def _steps(
-    run: Pass, rap: nodes.DefineRap, method: nodes.Method, given: set[str]
+    run: Pass, rap: nodes.DefineRap, method: nodes.Method, undone: Container[str]
 ) -> Iterator[Diagnostic]:
+    """Compare the steps of a method with what holds when the steps begin.
+
+    Args:
+        run: the pass.
+        rap: the RAP of the method.
+        method: the method.
+        undone: the RAPs with a fault in `succeed`, which are reported themselves.
+    """
+    given = given_names(rap)
     body = method.body
     assert isinstance(body, nodes.TaskNet)
     net = sure_net(run, method)
     if net is None:
         return
     bound = given | set(variable_names(*_formulas(rap, method), *_goals(body)))
-    monitor = (
-        list(literals(apart(rap.monitor_state, given, "@monitor")))
-        if rap.monitor_state is not None and is_never(rap.succeed)
-        else []
-    )
-    context = [*monitor, *literals(method.context)]
-    protected, brought = _protected(body.steps), _brought(run, body.steps)
+    chosen = at_choice(run, rap, method, given)
+    beginnings = Beginnings(run, rap, method, net, chosen, given)
+    brought = _brought(run, body.steps)
     for at, step in enumerate(body.steps):
         called = run.library.raps.get(step.goal.name)
-        if called is None:
+        if called is None or called.name in undone:
             continue
-        terms = input_terms(called, step.goal)
         for note in step.annotations:
             if not isinstance(note, nodes.For) or note.formula is None:
                 continue
             for found in _contrary_effect(run, step, note, bound):
                 if not _may_change(brought, net, at, note):
                     yield found
-        is_first = not net.edges[at]
-        held = [*(context if is_first else ()), *protected.get(step.tag, ())]
-        yield from _cannot_begin(run, step, called, terms, held, bound)
-        if is_first and context:
-            yield from _needless(run, step, called, terms, context, bound)
+        refused = _Refusal(run, bound).of(step.goal, partial(beginnings.about, at))
+        if refused is not None:
+            yield _cannot_begin(step, *refused)
+        held = [*beginnings.surviving(chosen, at), *beginnings.protected(at)]
+        if held and refused is None:
+            terms = input_terms(called, step.goal)
+            yield from _needless(run, step, called, terms, held, bound)
 
 
 def _formulas(rap: nodes.DefineRap, method: nodes.Method) -> Iterator[nodes.Formula]:
     for formula in (rap.repeat_while, method.context):
         if formula is not None:
             yield formula
-
-
-def _protected(steps: Sequence[nodes.Step]) -> Mapping[str, Sequence[Literal]]:
-    """Return by tag the literals that hold when a step begins, by `for` of others."""
-    found: dict[str, list[Literal]] = {}
-    for step in steps:
-        for note in step.annotations:
-            if isinstance(note, nodes.For) and note.formula:
-                found.setdefault(note.tag, []).extend(literals(note.formula))
-    return found
 
 
 def _goals(body: nodes.TaskNet) -> Iterator[nodes.Goal]:
@@ -329,49 +442,149 @@ def _in_terms_of_caller(
     return substitute(apart(formula, inputs, "@called"), terms)
 
 
+class _Refusal:
+    """A search for the clause that keeps a goal from being reached.
+
+    Args:
+        run: the pass.
+        bound: the variables with values in the method of the step.
+    """
+
+    def __init__(self, run: Pass, bound: set[str]) -> None:
+        self._run = run
+        self._bound = bound
+
+    def of(self, goal: nodes.Goal, facts: _Facts, depth: int = 0) -> _Refused | None:
+        """Return why a goal fails where some facts hold; None if it may succeed."""
+        called = self._run.library.raps.get(goal.name)
+        if called is None or depth > LIMITS.constraint_depth:
+            return None
+        terms = input_terms(called, goal)
+        for wanted in (called.preconditions, called.constraints):
+            if wanted is not None:
+                clash = self._clash(called, wanted, terms, facts)
+                if clash is not None:
+                    return called, wanted.span, clash
+        return self._of_methods(called, terms, facts, depth)
+
+    def _of_methods(
+        self,
+        called: nodes.DefineRap,
+        terms: Mapping[str, nodes.Term],
+        facts: _Facts,
+        depth: int,
+    ) -> _Refused | None:
+        if called.monitor_state is not None or called.monitor_time is not None:
+            return None
+        if self._succeeds(called, terms, facts):
+            return None
+        refused: _Refused | None = None
+        for method in called.methods:
+            clash = None
+            if method.context is not None:
+                clash = self._in_context(called, method.context, terms, facts)
+            if clash is None:
+                refused = None
+                break
+            refused = refused or (called, method.body.span, clash)
+        if refused is not None or len(called.methods) != 1:
+            return refused
+        (method,) = called.methods
+        net = sure_net(self._run, method)
+        if net is None or method.constraints is not None:
+            return None
+        given = given_names(called)
+        inner = Beginnings(self._run, called, method, net, (), given)
+        names = variable_names(*_goals_of(method), *_formulas(called, method))
+        late = {n: nodes.Var(f"{n}@{depth}") for n in names if n not in terms}
+        for at, step in enumerate(steps(method)):
+            if net.edges[at]:
+                continue
+            goal = substitute(step.goal, {**late, **terms})
+            found = self.of(goal, partial(_kept, inner, at, facts), depth + 1)
+            if found is not None:
+                return found
+        return None
+
+    def _succeeds(
+        self,
+        called: nodes.DefineRap,
+        terms: Mapping[str, nodes.Term],
+        facts: _Facts,
+    ) -> bool:
+        """Return whether a goal may hold already."""
+        goal = called.succeed
+        if goal is None or is_never(goal):
+            return False
+        wanted = _in_terms_of_caller(called, goal, terms)
+        return self._against(list(literals(wanted)), facts) is None
+
+    def _in_context(
+        self,
+        called: nodes.DefineRap,
+        context: nodes.Formula,
+        terms: Mapping[str, nodes.Term],
+        facts: _Facts,
+    ) -> Clash | None:
+        """Return why no branch of a context holds."""
+        first: Clash | None = None
+        for way in ways(context):
+            clash = self._clash(called, way, terms, facts)
+            if clash is None:
+                return None
+            first = first or clash
+        return first
+
+    def _clash(
+        self,
+        called: nodes.DefineRap,
+        wanted: nodes.Formula,
+        terms: Mapping[str, nodes.Term],
+        facts: _Facts,
+    ) -> Clash | None:
+        asked = literals(_in_terms_of_caller(called, wanted, terms))
+        return self._against(list(asked), facts)
+
+    def _against(self, wanted: Sequence[Literal], facts: _Facts) -> Clash | None:
+        library = self._run.library
+        own = with_queries(library, of_memory(wanted))
+        held = of_memory(facts(own)) if own else []
+        if not held:
+            return None
+        clash = first_clash(self._run, (), [*held, *own], self._bound)
+        mine = {id(one) for one in own}
+        if clash is None or id(clash.second) not in mine or id(clash.first) in mine:
+            return None
+        return clash
+
+
+def _kept(
+    inner: Beginnings, at: int, facts: _Facts, wanted: Iterable[Literal]
+) -> Sequence[Literal]:
+    return inner.surviving(facts(wanted), at)
+
+
+_Facts = Callable[[Iterable[Literal]], Sequence[Literal]]
+"""What holds of the facts that some literals query."""
+
+_Refused = tuple[nodes.DefineRap, Span, Clash]
+"""A RAP that fails, the place of its clause, and the literals that contradict."""
+
+
+def _goals_of(method: nodes.Method) -> Iterator[nodes.Goal]:
+    return (step.goal for step in steps(method))
+
+
 def _cannot_begin(
-    run: Pass,
-    step: nodes.Step,
-    called: nodes.DefineRap,
-    terms: Mapping[str, nodes.Term],
-    held: Sequence[Literal],
-    bound: set[str],
-) -> Iterator[Diagnostic]:
-    for wanted in (called.preconditions, called.constraints):
-        if wanted is not None and held:
-            yield from _contrary_need(run, step, called, terms, held, bound, wanted)
-
-
-def _contrary_need(
-    run: Pass,
-    step: nodes.Step,
-    called: nodes.DefineRap,
-    terms: Mapping[str, nodes.Term],
-    held: Sequence[Literal],
-    bound: set[str],
-    wanted: nodes.Formula,
-) -> Iterator[Diagnostic]:
-    own = _of_memory(literals(_in_terms_of_caller(called, wanted, terms)))
-    clash = first_clash(run, (), [*_of_memory(held), *own], bound)
-    mine = {id(one) for one in own}
-    if clash is not None and id(clash.second) in mine and id(clash.first) not in mine:
-        yield clash_at(
-            CONTRARY,
-            f"`{called.name}` requires {said(clash.second)}, but here "
-            f"{said(clash.first)} holds",
-            step.goal.span,
-            Label(wanted.span, "required here"),
-        )
-
-
-def _of_memory(found: Iterable[Literal]) -> list[Literal]:
-    """Return the literals that do not depend on the task that evaluates them."""
-    own = nodes.HistoryTest | nodes.SetTest | nodes.Otherwise
-    return [
-        one
-        for one in found
-        if not any(isinstance(part, own) for part in subformulas(one.formula))
-    ]
+    step: nodes.Step, called: nodes.DefineRap, place: Span, clash: Clash
+) -> Diagnostic:
+    return clash_at(
+        CONTRARY,
+        f"`{called.name}` requires {said(clash.second)}, but here "
+        f"{said(clash.first)} holds",
+        step.goal.span,
+        Label(place, "required here"),
+    )
 
 
 def _needless(
@@ -386,13 +599,12 @@ def _needless(
     if goal is None or not _is_lasting(goal) or called.monitor_state is not None:
         return
     wanted = _in_terms_of_caller(called, goal, terms)
-    if entails(_of_memory(held), wanted, bound, run.signatures.relations) or (
-        follows_expanded(run, _of_memory(held), wanted, bound)
+    if entails(of_memory(held), wanted, bound, run.signatures.relations) or (
+        follows_expanded(run, of_memory(held), wanted, bound)
     ):
         yield clash_at(
             NEEDLESS,
-            f"`{called.name}` succeeds at once: its goal holds where this method is "
-            "chosen",
+            f"`{called.name}` succeeds at once: its goal holds when the step begins",
             step.goal.span,
             Label(goal.span, "the goal of the step"),
         )
@@ -422,12 +634,23 @@ def unordered_steps(run: Pass) -> Iterator[Diagnostic]:
                 by, needed = found
                 yield UNORDERED.at(
                     step.goal.span,
-                    f"the step `{step.tag}` requires `{needed.written}`, which the "
+                    f"the step `{step.tag}` requires "
+                    f"`{needed.written.replace(_NEED, '')}`, which the "
                     f"step `{steps[by].tag}` brings about",
                     labels=(Label(steps[by].goal.span, "not before the other step"),),
                     help=f"add `(for {step.tag})` to the step `{steps[by].tag}`",
                 )
                 break
+
+
+def _protected(steps: Sequence[nodes.Step]) -> Mapping[str, Sequence[Literal]]:
+    """Return by tag the literals that hold when a step begins, by `for` of others."""
+    found: dict[str, list[Literal]] = {}
+    for step in steps:
+        for note in step.annotations:
+            if isinstance(note, nodes.For) and note.formula:
+                found.setdefault(note.tag, []).extend(literals(note.formula))
+    return found
 
 
 def _known(rap: nodes.DefineRap, method: nodes.Method) -> Iterator[Literal]:
@@ -444,11 +667,26 @@ Brought = Mapping[str, Sequence[tuple[int, Literal]]]
 def _brought(run: Pass, steps: Sequence[nodes.Step]) -> Brought:
     found: dict[str, list[tuple[int, Literal]]] = {}
     for at, step in enumerate(steps):
-        for one in done(run.library, step.goal):
+        for one in [*done(run.library, step.goal), *_of_some(run, step.goal)]:
             name = fact_name(one)
             if name:
                 found.setdefault(name, []).append((at, one))
     return found
+
+
+def _of_some(run: Pass, goal: nodes.Goal) -> list[Literal]:
+    """Return the facts in `succeed` of a goal about things that the goal finds."""
+    rap = run.library.raps.get(goal.name)
+    found = [one for one in literals(rap.succeed) if fact_name(one)] if rap else []
+    given = input_terms(rap, goal) if rap else {}
+    names = variable_names(*(one.formula for one in found))
+    late = {n: nodes.Var(f"{n}@made") for n in names if n not in given}
+    loose = [one for one in found if not late.keys().isdisjoint(_names(one))]
+    return put_in([one for one in loose if one.holds], {**late, **given})
+
+
+def _names(one: Literal) -> Sequence[str]:
+    return variable_names(one.formula)
 
 
 def _missing_order(
@@ -463,20 +701,45 @@ def _missing_order(
     for needed in _needed(run, step.goal):
         name = fact_name(needed)
         there = brought.get(name, ())
-        if not needed.holds or name in sure or len(there) > LIMITS.steps_of_fact:
+        if not needed.holds or name in sure or _is_any(run, needed):
+            continue
+        if len(there) > LIMITS.steps_of_fact:
             continue
         there = [(by, one) for by, one in there if one.holds]
         late = [(by, one) for by, one in there if not net.is_before(by, at)]
         if len(late) < len(there):
             continue
         for by, one in late:
-            if by not in (at, *net.early) and one.formula == needed.formula:
+            if by not in (at, *net.early) and _is_one(run, needed, one):
                 return by, needed
     return None
 
 
-def _needed(run: Pass, goal: nodes.Goal) -> list[Literal]:
-    """Return the facts that a goal requires: its preconditions and constraints."""
+def _is_any(run: Pass, needed: Literal) -> bool:
+    """Return whether a need is met by any value, or by a fact about any thing."""
+    fact = needed.formula
+    assert isinstance(fact, nodes.Proposition)
+    free = [
+        isinstance(term, nodes.Var) and (term.anonymous or term.name.endswith(_NEED))
+        for term in fact.args
+    ]
+    declared = run.signatures.relations.get(fact.name)
+    is_property = declared is not None and declared.is_property
+    return all(free) or (is_property and free[-1] and any(free[:-1] or free))
+
+
+def _is_one(run: Pass, needed: Literal, brought: Literal) -> bool:
+    """Return whether a fact that a step brings about meets a need."""
+    names = variable_names(needed.formula)
+    free = {name for name in names if name.endswith(_NEED)}
+    return bool(follows([needed], [brought], free, run.signatures.relations))
+
+
+def _needed(run: Pass, goal: nodes.Goal, depth: int = 0) -> list[Literal]:
+    """Return the facts that a goal requires at its start, also in its first steps.
+
+    Variables that the goal does not give have names with a mark of their own.
+    """
     rap = run.library.raps.get(goal.name)
     if rap is None:
         return []
@@ -484,7 +747,35 @@ def _needed(run: Pass, goal: nodes.Goal) -> list[Literal]:
     if rap.methods and all(method.context is not None for method in rap.methods):
         every = [list(literals(method.context)) for method in rap.methods]
         asked += [one for one in every[0] if all(one in row for row in every[1:])]
-    return put_in([one for one in asked if fact_name(one)], input_terms(rap, goal))
+    method = _sure_method(rap)
+    if method is not None and depth < LIMITS.need_depth:
+        known = {fact_name(one) for one in _known(rap, method)}
+        net = sure_net(run, method)
+        for at, step in enumerate(steps(method) if net is not None else ()):
+            if net is not None and not net.edges[at]:
+                inner = _needed(run, step.goal, depth + 1)
+                asked += [one for one in inner if fact_name(one) not in known]
+    given = input_terms(rap, goal)
+    names = variable_names(*(one.formula for one in asked))
+    late = {n: nodes.Var(f"{n}{_NEED}") for n in names if n not in given}
+    anyone = {"?": nodes.Var("?")}
+    asked = [one for one in asked if fact_name(one)]
+    return put_in(asked, {**anyone, **late, **given})
+
+
+_NEED = "@need"
+"""The end of the names of variables that a goal does not give."""
+
+
+def _sure_method(rap: nodes.DefineRap) -> nodes.Method | None:
+    """Return the method that a new task chooses unless the RAP has succeeded."""
+    if len(rap.methods) == 1:
+        return rap.methods[0]
+    first = FirstValues(rap.resources)
+    for method in rap.methods[:1]:
+        if method.context is not None and first.holds(method.context):
+            return method
+    return None
 
 
 NOT_YET = Rule(

@@ -6,7 +6,7 @@ call the RAP.
 
 RAP066: a set or counter where a plain value is needed [T 4.8.1] [L 6].
 
-RAP124 and RAP164: resources without a change, or without a query.
+RAP124, RAP164 and RAP180: resources without a change, or without a query.
 
 The use of a resource that is passed to a step is looked up in the called RAP
 (`rapc.analysis.facts.resources`). A resource that is passed elsewhere is not reported.
@@ -21,7 +21,7 @@ import msgspec
 
 from rapc.analysis.check import Pass, check
 from rapc.analysis.facts.index import INDEX, Form, Index
-from rapc.analysis.facts.logic import literals, number_of
+from rapc.analysis.facts.logic import Always, is_never, literals, number_of
 from rapc.analysis.facts.names import renaming
 from rapc.analysis.facts.resources import FirstValues, Flow, flows, overall_use
 from rapc.base.diagnostics import (
@@ -36,7 +36,7 @@ from rapc.base.diagnostics import (
 )
 from rapc.base.names import nearest
 from rapc.ir import nodes
-from rapc.ir.walk import ways
+from rapc.ir.walk import given_names, variable_names, ways
 from rapc.language.heads import CALLS
 
 WRONG_KIND = Rule(
@@ -363,21 +363,33 @@ UNREAD = Rule(
 )
 
 
-@check(IDLE, UNREAD, needs_whole="form")
+UNLIMITED = Rule(
+    code="RAP180",
+    name="unlimited-loop",
+    severity=Severity.WARNING,
+    summary="a RAP counts or collects its rounds, but no formula limits the rounds",
+    ignore="where another task ends the task",
+    source="T 4.8",
+)
+
+
+@check(IDLE, UNREAD, UNLIMITED, needs_whole="form")
 def idle_resource(run: Pass) -> Iterator[Diagnostic]:
     """Find resources without a change, or with a change in the wrong direction."""
     index = run.result(INDEX)
     if not index.of(nodes.Resource):
         return
     every = flows(index)
+    always = Always(run.signatures)
     for rap in run.library.raps.values():
         for resource in rap.resources:
             own = every[id(rap), resource.variable.name]
-            yield from _judge(resource, overall_use(own, every, run.library), rap)
+            uses = overall_use(own, every, run.library)
+            yield from _judge(resource, uses, rap, always)
 
 
 def _judge(
-    resource: nodes.Resource, uses: Flow, rap: nodes.DefineRap
+    resource: nodes.Resource, uses: Flow, rap: nodes.DefineRap, always: Always
 ) -> Iterator[Diagnostic]:
     name = resource.variable.name
     if uses.escapes:
@@ -386,6 +398,8 @@ def _judge(
         if not uses.changes:
             message = f"nothing uses the {resource.kind} `{name}`"
             yield _idle(resource, uses, message)
+        elif _is_unlimited(resource, uses, rap, always):
+            yield _unlimited(resource, uses, rap)
         else:
             yield _unread(resource, uses)
         return
@@ -432,6 +446,41 @@ def _unread(resource: nodes.Resource, uses: Flow) -> Diagnostic:
         else f"nothing queries the value of `{resource.variable.name}`",
         labels=tuple([Label(c.span, "changed here") for c in uses.changes[:2]]),
         about=(Subject(resource.variable.span, resource.variable.name),),
+    )
+
+
+def _is_unlimited(
+    resource: nodes.Resource, uses: Flow, rap: nodes.DefineRap, always: Always
+) -> bool:
+    """Return whether a resource makes each round differ, and nothing limits these."""
+    if rap.succeed is None or is_never(rap.succeed):
+        return False
+    given = given_names(rap)
+    limits = [one for one in (rap.succeed, rap.repeat_while) if one is not None]
+    own = {other.variable.name for other in rap.resources}
+    if not own.isdisjoint(variable_names(*limits)):
+        return False
+    if resource.kind == "set":
+        return any(
+            isinstance(change.amount, nodes.Var) and change.amount.name not in given
+            for change in uses.changes
+        )
+    loop = rap.repeat_while
+    return loop is None or always.holds(loop, given)
+
+
+def _unlimited(
+    resource: nodes.Resource, uses: Flow, rap: nodes.DefineRap
+) -> Diagnostic:
+    """Return a finding: each change makes a round differ, so that none is futile."""
+    name = resource.variable.name
+    query = f"(member {name} x)" if resource.kind == "set" else f"(value {name})"
+    return UNLIMITED.at(
+        uses.changes[0].span,
+        f"`{rap.name}` repeats without a limit: no formula queries `{name}`",
+        labels=(Label(resource.variable.span, "declared here"),),
+        help=f"query `{query}` in `repeat-while` or in `succeed`",
+        about=(Subject(resource.variable.span, name),),
     )
 
 

@@ -7,11 +7,12 @@ the event's name without its colon. A task stores the results of its own methods
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterator, Sequence
 
 from rapc.analysis.check import Pass, check
 from rapc.analysis.facts.effects import EFFECTS, Effects
 from rapc.analysis.facts.index import INDEX, Form, Index
+from rapc.analysis.facts.logic import literals
 from rapc.analysis.facts.names import UnknownNames, declared_at, renaming
 from rapc.analysis.facts.statistics import THRESHOLDS
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
@@ -114,8 +115,8 @@ OTHERS = Rule(
 def own_results(run: Pass) -> Iterator[Diagnostic]:
     """Find conditions on results that the RAP's own methods cannot have."""
     known = {r for form in run.library.primitives.values() for r in _results(form)}
-    by_rap: dict[int, Mapping[object, Sequence[_Request]]] = {}
-    wrong: dict[int, list[tuple[nodes.Const, Sequence[_Request]]]] = {}
+    ends: dict[int, _Ends] = {}
+    wrong: dict[int, list[tuple[nodes.Const, Sequence[nodes.Method]]]] = {}
     for asked in run.result(INDEX).of(nodes.HistoryTest):
         rap, test = asked.owner, asked.node
         if not isinstance(rap, nodes.DefineRap) or test.query == "method-tried":
@@ -123,36 +124,96 @@ def own_results(run: Pass) -> Iterator[Diagnostic]:
         result = test.args[-1] if test.args else None
         if not isinstance(result, nodes.Const) or result.value not in known:
             continue
-        if id(rap) not in by_rap:
-            by_rap[id(rap)] = _answers(run.library, rap)
-        answers = by_rap[id(rap)].get(_method_meant(test), ())
-        own = {name for _, form in answers for name in _results(form)}
-        if answers and result.value not in {*own, *RESULTS}:
-            wrong.setdefault(id(rap), []).append((result, answers))
+        if result.value in RESULTS:
+            continue
+        if id(rap) not in ends:
+            ends[id(rap)] = _Ends(run, rap)
+        name = _method_meant(test)
+        if not ends[id(rap)].count(name, str(result.value)):
+            meant = ends[id(rap)].methods.get(name, ())
+            wrong.setdefault(id(rap), []).append((result, meant))
     for found in wrong.values():
-        yield _impossible_result(found)
+        yield _impossible_result(run.library, found)
+    for rap in run.library.raps.values():
+        if id(rap) in ends and id(rap) not in wrong:
+            yield from _by_itself_alone(rap, ends[id(rap)], known)
+
+
+def _by_itself_alone(
+    rap: nodes.DefineRap, ends: _Ends, known: Container[str]
+) -> Iterator[Diagnostic]:
+    """Find methods that require a failure that only the method itself can have."""
+    for method in rap.methods:
+        for one in literals(method.context):
+            test = one.formula
+            if not isinstance(test, nodes.HistoryTest) or not one.holds:
+                continue
+            result = test.args[-1] if test.args else None
+            if test.query == "method-tried" or not isinstance(result, nodes.Const):
+                continue
+            if result.value in RESULTS or result.value not in known:
+                continue
+            name, failure = _method_meant(test), str(result.value)
+            itself = name in (None, method.name) and ends.may(method, failure)
+            if ends.count(name, failure) <= int(itself):
+                yield OTHERS.at(
+                    result.span,
+                    f"only this method ends with the result `{failure}`, so that the "
+                    "method is never chosen",
+                    labels=(Label(method.body.span, "the method"),),
+                    help="negate the formula, or query the result in another method",
+                )
 
 
 _Request = tuple[nodes.Request, nodes.DeclarePrimitive]
 """A request of a method, and the declaration of its primitive."""
 
 
-def _answers(
-    library: Library, rap: nodes.DefineRap
-) -> Mapping[object, Sequence[_Request]]:
-    """Return the requests of the methods by name, and all requests under None.
+class _Ends:
+    """The results with which the methods of a RAP may end.
 
-    A name has no entry if one of its methods has a different body.
+    Args:
+        run: the pass.
+        rap: the RAP.
     """
-    found: dict[object, list[_Request]] = {}
-    unknown: set[object] = set()
-    for method in rap.methods:
-        asked = list(_requests(library, method))
-        for name in {method.name, None}:
-            found.setdefault(name, []).extend(asked)
-            if not asked:
-                unknown.add(name)
-    return {name: there for name, there in found.items() if name not in unknown}
+
+    def __init__(self, run: Pass, rap: nodes.DefineRap) -> None:
+        self._run = run
+        #: The methods by name, and all methods under None.
+        self.methods: dict[object, list[nodes.Method]] = {None: list(rap.methods)}
+        for method in rap.methods:
+            if method.name is not None:
+                self.methods.setdefault(method.name, []).append(method)
+        self._counts: dict[tuple[object, str], int] = {}
+
+    def count(self, name: object, result: str) -> int:
+        """Return how many methods of a name, or of any, may end with a result."""
+        key = name, result
+        if key not in self._counts:
+            meant = self.methods.get(name)
+            among = [True] if meant is None else [self.may(m, result) for m in meant]
+            self._counts[key] = sum(among)
+        return self._counts[key]
+
+    def may(self, method: nodes.Method, result: str) -> bool:
+        """Return whether a method may end with a result; True if unknown."""
+        match method.body:
+            case nodes.Primitive():
+                asked = list(_requests(self._run.library, method))
+                return not asked or any(result in _results(form) for _, form in asked)
+            case nodes.TaskNet():
+                effects = self._run.result(EFFECTS)
+                return any(
+                    effects.fails_with(step.goal.name, result)
+                    or any(_fails_step(note, result) for note in step.annotations)
+                    for step in method.body.steps
+                )
+        return True
+
+
+def _fails_step(note: nodes.Annotation, result: str) -> bool:
+    """Return whether an annotation may fail its step with a result."""
+    return isinstance(note, nodes.WaitFor) and note.signal == f":{result}"
 
 
 def _requests(library: Library, method: nodes.Method) -> Iterator[_Request]:
@@ -177,15 +238,23 @@ def _method_meant(test: nodes.HistoryTest) -> object:
 
 
 def _impossible_result(
-    wrong: Sequence[tuple[nodes.Const, Sequence[_Request]]],
+    library: Library, wrong: Sequence[tuple[nodes.Const, Sequence[nodes.Method]]]
 ) -> Diagnostic:
-    result, answers = wrong[0]
+    result, methods = wrong[0]
+    answers = [one for method in methods for one in _requests(library, method)]
     names = ", ".join(dict.fromkeys(f"`{form.name}`" for _, form in answers))
     own = sorted({name for _, form in answers for name in _results(form)})
     others = ", ".join(f"`{name}`" for name in own)
     further = [
         Label(other.span, "this result is impossible, too") for other, _ in wrong[1:]
     ]
+    if len(answers) < len(methods):
+        return OTHERS.at(
+            result.span,
+            f"no method or step ends with the result `{result.value}`",
+            labels=(Label(methods[0].body.span, "the first method"), *further),
+            help=Suggestions(own).did_you_mean(str(result.value)),
+        )
     asked = Label(answers[0][0].span, "queried here")
     return OTHERS.at(
         result.span,

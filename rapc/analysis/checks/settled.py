@@ -1,4 +1,4 @@
-"""RAP108, RAP112 to RAP116, RAP183, RAP193: conditions with a constant result.
+"""RAP108, RAP112 to RAP116, RAP182, RAP183, RAP193: constant conditions.
 
 A property with a default always has a value: a fact that queries the property with a
 new variable always holds [L 2.20]. Identical methods are reported here, too.
@@ -10,7 +10,7 @@ from collections.abc import Collection, Container, Iterator, Mapping
 from itertools import pairwise, permutations
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.facts.effects import does_nothing
+from rapc.analysis.facts.effects import does_nothing, may_end
 from rapc.analysis.facts.index import INDEX, Index
 from rapc.analysis.facts.logic import (
     Always,
@@ -84,24 +84,44 @@ NOT_AT_FIRST = Rule(
     code="RAP116",
     name="never-begins",
     severity=Severity.WARNING,
-    summary="a clause does not hold for a new set or counter, so no method begins",
+    summary="a clause does not hold for any new task, so no method begins",
     ignore="where a host fills the set or sets the counter before the task begins",
     source="T 4.8.1",
 )
 
 
-@check(COPY, AT_ONCE, NEVER, ALWAYS, NOT_AT_FIRST, needs_whole="form")
+NEEDLESS_NEED = Rule(
+    code="RAP182",
+    name="idle-precondition",
+    severity=Severity.WARNING,
+    summary="a precondition that each new task meets",
+    ignore="where a task must end when its own counter has a value",
+    source="T 4.6",
+)
+
+
+@check(COPY, AT_ONCE, NEVER, ALWAYS, NOT_AT_FIRST, NEEDLESS_NEED, needs_whole="form")
 def settled(run: Pass) -> Iterator[Diagnostic]:
     """Find identical methods, and clauses with a constant result."""
     always = Always(run.signatures)
+    awaited = {
+        step.goal.name
+        for rap in run.library.raps.values()
+        for method in rap.methods
+        for step in steps(method)
+        if not any(map(may_end, step.annotations))
+    }
     for rap in run.library.forms:
         if not isinstance(rap, nodes.DefineRap):
             continue
         given = given_names(rap)
         yield from _without_a_wait(run, rap, given)
+        never = rap.succeed is not None and is_never(rap.succeed)
         if rap.methods:
             yield from _copies(rap)
             yield from _settled(rap, always, given)
+        elif rap.succeed and never and rap.name in awaited and not _waits(rap):
+            yield _never_succeeds(rap, rap.succeed)
 
 
 def _copies(rap: nodes.DefineRap) -> Iterator[Diagnostic]:
@@ -196,8 +216,8 @@ def _settled(
 ) -> Iterator[Diagnostic]:
     succeed, monitor = rap.succeed, rap.monitor_state
     first = FirstValues(rap.resources)
-    if rap.resources:
-        yield from _not_at_first(rap, first)
+    yield from _not_at_first(rap, always, given, first)
+    yield from _always_met(rap, always, given, first)
     if any(first.holds(way) for way in ways(succeed)):
         assert succeed is not None
         yield AT_ONCE.at(
@@ -215,12 +235,7 @@ def _settled(
             help=_ADVICE if not isinstance(succeed, nodes.Truth) else "",
         )
     elif succeed is not None and is_never(succeed) and not _waits(rap):
-        yield NEVER.at(
-            succeed.span,
-            f"`{rap.name}` never succeeds, and has no monitor",
-            help="add the awaited state to `monitor-state`, or a time to "
-            "`monitor-time`",
-        )
+        yield _never_succeeds(rap, succeed)
     if monitor is not None and always.holds(monitor, given):
         yield ALWAYS.at(
             monitor.span,
@@ -254,13 +269,69 @@ def _without_a_wait(
             return
 
 
-def _not_at_first(rap: nodes.DefineRap, first: FirstValues) -> Iterator[Diagnostic]:
+def _always_met(
+    rap: nodes.DefineRap, always: Always, given: set[str], first: FirstValues
+) -> Iterator[Diagnostic]:
+    """Find preconditions that query only the task itself, or hold for any memory."""
+    asked, bound = rap.preconditions, set(given)
+    if asked is None or isinstance(asked, nodes.Truth) or first.fails(asked):
+        return
+    own = {resource.variable.name for resource in rap.resources}
+    for literal in literals(asked):
+        names = set(variable_names(literal.formula))
+        tested = isinstance(literal.formula, nodes.Compare | nodes.SetTest)
+        about_task = tested and not names.isdisjoint(own)
+        if not about_task and not (
+            literal.holds and always.holds(literal.formula, bound)
+        ):
+            return
+        bound |= names
+    yield NEEDLESS_NEED.at(
+        asked.span,
+        f"each new task of `{rap.name}` meets this precondition",
+        help="write a limit of the rounds in `repeat-while`, or query the state that "
+        "the methods require",
+    )
+
+
+def _never_succeeds(rap: nodes.DefineRap, goal: nodes.Formula) -> Diagnostic:
+    return NEVER.at(
+        goal.span,
+        f"`{rap.name}` never succeeds, and has no monitor",
+        help="add the awaited state to `monitor-state`, or a time to `monitor-time`",
+    )
+
+
+def _denied(
+    formula: nodes.Formula, always: Always, given: set[str], first: FirstValues
+) -> Literal | None:
+    """Return a denied literal whose formula holds for a new task, if any."""
+    for literal in literals(formula):
+        inner = list(literals(literal.formula))
+        bound = set(given)
+        found = []
+        for one in () if literal.holds else inner:
+            known = first.holds(one.formula) or always.holds(one.formula, bound)
+            found.append(one.holds and known)
+            bound.update(variable_names(one.formula))
+        if found and all(found):
+            return literal
+    return None
+
+
+def _not_at_first(
+    rap: nodes.DefineRap, always: Always, given: set[str], first: FirstValues
+) -> Iterator[Diagnostic]:
     for clause, formula in clauses.held(clauses.RAP, rap):
-        failing = first.fails(formula) if clause.is_condition else None
+        failing = (
+            first.fails(formula) or _denied(formula, always, given, first)
+            if clause.is_condition
+            else None
+        )
         if failing is not None:
             yield NOT_AT_FIRST.at(
                 failing.span,
-                f"`{clause.word}` of `{rap.name}` does not hold at the start, "
+                f"`{clause.word}` of `{rap.name}` does not hold for a new task, "
                 "so no method begins",
                 labels=tuple(
                     Label(r.variable.span, "the first value is set here")
@@ -276,9 +347,10 @@ def _waits(rap: nodes.DefineRap) -> bool:
     """Return whether a RAP has a monitor, or each method waits for a signal or time."""
     if rap.monitor_state is not None or rap.monitor_time is not None:
         return True
-    return all(
+    return bool(rap.methods) and all(
         any(
-            isinstance(annotation, nodes.WaitFor | nodes.Window)
+            isinstance(annotation, nodes.Window)
+            or (isinstance(annotation, nodes.WaitFor) and annotation.mode != "fail")
             for step in steps(method)
             for annotation in step.annotations
         )

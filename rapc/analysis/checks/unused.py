@@ -9,6 +9,7 @@ import msgspec
 from rapc.analysis.check import Pass, check
 from rapc.analysis.facts.index import INDEX, Index, NameUse
 from rapc.analysis.facts.names import declared_at
+from rapc.analysis.facts.statistics import THRESHOLDS
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.graph import reachable
 from rapc.base.source import Span
@@ -38,7 +39,17 @@ UNREACHED_RAP = Rule(
 )
 
 
-@check(UNUSED_INPUT, UNREACHED_RAP, needs_whole="form")
+FORGOTTEN = Rule(
+    code="RAP190",
+    name="forgotten-rap",
+    severity=Severity.WARNING,
+    summary="tasks of the agendas lead to all RAPs but one",
+    ignore="where the command line, a program or another library submits the RAP",
+    source="T 5.4",
+)
+
+
+@check(UNUSED_INPUT, UNREACHED_RAP, FORGOTTEN, needs_whole="form")
 def leftovers(run: Pass) -> Iterator[Diagnostic]:
     """Find inputs that their RAP never uses, and RAPs that cannot be reached."""
     index = run.result(INDEX)
@@ -73,14 +84,17 @@ def _unreached(run: Pass, index: Index) -> Iterator[Diagnostic]:
         else:
             given.append(goal.node.name)
     reached = set(reachable(given, lambda name: calls.get(name, ())))
-    for rap in run.library.raps.values():
-        if rap.name not in reached:
-            yield UNREACHED_RAP.at(
-                rap.name_span,
-                f"no submitted task leads to `{rap.name}`",
-                help="submit the RAP as a task, call the RAP in a step, or remove "
-                "the RAP",
-            )
+    unreached = [rap for rap in run.library.raps.values() if rap.name not in reached]
+    below = {name for rap in unreached for name in calls.get(rap.name, ())}
+    roots = [rap for rap in unreached if rap.name not in below]
+    forgotten = len(roots) == 1 and len(reached) >= THRESHOLDS.all_reached
+    rule = FORGOTTEN if forgotten else UNREACHED_RAP
+    for rap in roots if forgotten else unreached:
+        yield rule.at(
+            rap.name_span,
+            f"no submitted task leads to `{rap.name}`",
+            help="submit the RAP as a task, call the RAP in a step, or remove the RAP",
+        )
 
 
 SINGLETON_VARIABLE = Rule(

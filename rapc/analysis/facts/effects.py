@@ -37,6 +37,7 @@ from rapc.analysis.facts.logic import (
     is_never,
     literals,
 )
+from rapc.analysis.facts.statistics import THRESHOLDS
 from rapc.base.graph import Reachable, components, reachable
 from rapc.base.source import Span
 from rapc.ir import nodes
@@ -59,6 +60,54 @@ def reached(library: Library, names: Iterable[str]) -> dict[str, nodes.DefineRap
     raps = library.raps
     found = reachable(names, lambda name: calls_of(raps[name]) if name in raps else ())
     return {name: raps[name] for name in found if name in raps}
+
+
+def _acts(rap: nodes.DefineRap) -> bool:
+    """Return whether a task of a RAP acts or waits itself, without its steps."""
+    if rap.monitor_state is not None or rap.monitor_time is not None:
+        return True
+    if not rap.methods:
+        # A problem solver may add methods, unless the RAP succeeds at once.
+        return not (isinstance(rap.succeed, nodes.Truth) and rap.succeed.value)
+    return any(map(acts_itself, rap.methods))
+
+
+def _only_waits(rap: nodes.DefineRap) -> bool:
+    """Return whether a RAP without methods waits for a state or succeeds at once.
+
+    A problem solver may add methods to another RAP without methods.
+    """
+    return rap.monitor_state is not None or not _acts(rap)
+
+
+def acts_itself(method: nodes.Method) -> bool:
+    """Return whether a method acts or waits itself, without its steps."""
+    if method.notations or method.skills or not isinstance(method.body, nodes.TaskNet):
+        return True
+    return any(
+        isinstance(note, nodes.Window | nodes.WaitFor)
+        for step in method.body.steps
+        for note in step.annotations
+    )
+
+
+def _acting(run: Pass) -> Container[str]:
+    raps = run.library.raps
+    callers: dict[str, list[str]] = {}
+    for rap in raps.values():
+        for name in calls_of(rap):
+            callers.setdefault(name, []).append(rap.name)
+    own = {rap.name for rap in raps.values() if _acts(rap) or run.unsure(rap.span)}
+    own.update(rule.index.name for rule in run.library.memory_rules)
+    own.update(name for name in callers if name not in raps)
+    return set(reachable(own, lambda name: callers.get(name, ())))
+
+
+ACTING = Fact(_acting)
+"""The RAPs whose tasks may act or wait, also by their descendants.
+
+Tasks of the other RAPs only succeed or fail; a step for such a RAP counts or orders.
+"""
 
 
 def below_agendas(library: Library) -> dict[str, nodes.DefineRap]:
@@ -150,16 +199,35 @@ def _values(fact: nodes.Proposition, given: Mapping[str, object]) -> Values:
 # --- possible effects of RAPs ---------------------------------------------------------
 
 
+def is_described(library: Library) -> bool:
+    """Return whether a library declares the effects of most of its primitives."""
+    forms = library.primitives.values()
+    told = sum(bool(form.on or form.tells) for form in forms)
+    if not told and not library.memory_rules and not library.event_rules:
+        return False
+    silent = any(datum.on is None for datum in library.data.values())
+    share, whole = THRESHOLDS.described
+    return not silent and told * whole >= len(forms) * share
+
+
 class _Outcome(msgspec.Struct, frozen=True, gc=False):
     """A failure or an event of a RAP; without a name, any failure or event."""
 
-    kind: OneOf["effect", "failure", "event"]
+    kind: OneOf["effect", "untold", "world", "failure", "event"]
     name: str = ""
 
 
 _ANY_EFFECT = _Outcome("effect")
 _ANY_FAILURE = _Outcome("failure")
 _ANY_EVENT = _Outcome("event")
+_UNTOLD = _Outcome("untold")
+"""The effects of a request that the primitive does not declare."""
+
+_BY_WORLD = _Outcome("world")
+"""The effects of the world while a step waits for a signal."""
+
+_OPEN = (_ANY_EFFECT, _UNTOLD, _BY_WORLD)
+
 _ANYTHING = (_ANY_EFFECT, _ANY_FAILURE, _ANY_EVENT)
 
 _Item = Effect | _Outcome
@@ -184,7 +252,7 @@ class Effects:
         self._own: dict[str, list[_Item]] = {}
         for rap in library.raps.values():
             own = [one for method in rap.methods for one in self._of_method(method)]
-            if rap.name in unread or not rap.methods:
+            if rap.name in unread or not (rap.methods or _only_waits(rap)):
                 own += _ANYTHING
             elif rap.name in broken:
                 own.append(_ANY_EFFECT)
@@ -197,6 +265,8 @@ class Effects:
             self._own.setdefault(name, [])
             calls[name] = (*calls.get(name, ()), vertex)
         self._below = Reachable(self._own, calls)
+        self._changes: dict[str, frozenset[str] | None] = {}
+        self._described = is_described(library)
 
     def of(self, name: str) -> Sequence[Effect] | None:
         """Return all possible effects of a RAP; None if some are unknown."""
@@ -206,16 +276,30 @@ class Effects:
         """Return the known possible effects of a RAP, complete or not."""
         return _effects(self._below.items([name]))
 
+    def changes(self, name: str) -> frozenset[str] | None:
+        """Return the names of facts that a RAP may change; None if some are unknown.
+
+        Rules over events do not count: the world decides when they apply. If most
+        primitives declare their effects, the others have none.
+        """
+        if name not in self._changes:
+            unknown = [_ANY_EFFECT] if self._described else [_ANY_EFFECT, _UNTOLD]
+            whole = not self._may(name, *unknown)
+            names = frozenset(one.name for one in self.known(name)) if whole else None
+            self._changes[name] = names
+        return self._changes[name]
+
     def is_open(self, name: str) -> bool:
         """Return whether a RAP itself, without its steps, may have unknown effects."""
-        return _ANY_EFFECT in self._own[name]
+        return any(one in self._own[name] for one in _OPEN)
 
     def of_method(self, method: nodes.Method) -> tuple[Sequence[Effect], bool]:
         """Return the known effects of a method, and whether no effect is missing."""
         own = list(self._of_method(method))
         below = [step.goal.name for step in steps(method)]
         found = dict.fromkeys(_effects([*own, *self._below.items(below)]))
-        return list(found), _ANY_EFFECT not in own and self._is_whole(below)
+        open_ = any(one in own for one in _OPEN)
+        return list(found), not open_ and self._is_whole(below)
 
     def fails_with(self, name: str, failure: str) -> bool:
         """Return whether a task of the RAP `name` may fail with `failure`, a symbol."""
@@ -232,7 +316,7 @@ class Effects:
 
     def _is_whole(self, names: Iterable[str]) -> bool:
         return not self._library.event_rules and not any(
-            self._may(name, _ANY_EFFECT) for name in names
+            self._may(name, *_OPEN) for name in names
         )
 
     def _of_method(self, method: nodes.Method) -> Iterator[_Item]:
@@ -254,7 +338,7 @@ class Effects:
         for step in steps(method):
             waits = [n for n in step.annotations if isinstance(n, nodes.WaitFor)]
             if waits:
-                yield _ANY_EFFECT
+                yield _BY_WORLD
             yield from _of_waits(waits)
             if step.goal.name not in library.raps:
                 yield from _ANYTHING
@@ -262,7 +346,9 @@ class Effects:
     def _of_request(self, request: nodes.Request) -> Iterator[_Item]:
         form = self._library.primitives.get(request.name)
         effects, whole = request_effects(self._library, request)
-        yield from effects if whole else (_ANY_EFFECT,)
+        yield from effects
+        if not whole:
+            yield _UNTOLD
         if form is None or not form.atomic:
             yield _ANY_EVENT
         if form is None:

@@ -356,6 +356,9 @@ class _Search:
         )
         if not is_free:
             known = not isinstance(other, nodes.Var)
+            limit, held = number_of(age), number_of(other)
+            if limit is not None and held is not None:
+                return held <= limit
             return known and _same(age, other, None, choice)
         if not isinstance(other, nodes.Var) or other.name not in match.late:
             other = nodes.Var("?")

@@ -46,6 +46,12 @@ class Thresholds(msgspec.Struct, frozen=True):
     #: Number of methods of a RAP; if more methods query the name of an item, all
     #: should.
     unnamed_item: int = 3
+    #: Minimum number of RAPs that the tasks of agendas reach for the only other RAP
+    #: to be forgotten.
+    all_reached: int = 10
+    #: Minimum number of primitives with an argument of one kind that all use a thing
+    #: named by this argument.
+    uses_alike: int = 3
 
 
 class Limits(msgspec.Struct, frozen=True):
@@ -75,6 +81,8 @@ class Limits(msgspec.Struct, frozen=True):
     steps_of_fact: int = 20
     #: Levels of calls through which a constraint is followed.
     constraint_depth: int = 5
+    #: Levels of first steps whose needs are needs of a goal.
+    need_depth: int = 3
     #: Goals below the steps of one method.
     goals_below: int = 200
     #: Standing tasks of an agenda that are compared with each other.
