@@ -21,6 +21,7 @@ from rapc.cli.run_options import (
 )
 from rapc.compiler.program import Program
 from rapc.debug.questions.differences import (
+    LONGER,
     Comparison,
     Side,
     compared,
@@ -92,9 +93,11 @@ def compare(
     """Compare the runs BEFORE and AFTER: recorded runs (FILE.jsonl) or libraries.
 
     The output has the first different decision with its reasons on both sides, a table
-    with the cost of all differences in time, and the definitions that differ. A library
-    beside a recorded run begins as the recorded run did. Two libraries require --world
-    and tasks; with --seeds, the table has averages with 95 % confidence intervals.
+    with the cost of all differences in time, and the definitions that differ. With a
+    recorded run and a library, the run of the library begins as the recorded run did;
+    it is stopped after 10 times the duration of the recorded run. Two libraries require
+    --world and tasks; with --seeds, the table has averages with 95 % confidence
+    intervals.
 
     Exit status: 0; 1 if AFTER has fewer successful tasks, or as many and takes longer
     by PERCENT or more; 2 if a run could not start.
@@ -154,12 +157,13 @@ def _beside_a_recording(
             f"`--world {begun.world_class}`"
         )
     named = world_name or begun.world
-    one, other = [
-        recorded_run(Path(one), name)
-        if one.endswith(RECORDED)
-        else _run(load_checked(one), begun, named, name)
-        for one, name in ((before, "before"), (after, "after"))
-    ]
+    is_before = before.endswith(RECORDED)
+    recorded = recorded_run(Path(path), "before" if is_before else "after")
+    if begun.until is None:
+        begun = msgspec.structs.replace(begun, until=recorded.now * LONGER)
+    library = load_checked(after if is_before else before)
+    run = _run(library, begun, named, "after" if is_before else "before")
+    one, other = (recorded, run) if is_before else (run, recorded)
     return compared(one, other, threshold=threshold)
 
 
@@ -186,6 +190,7 @@ def _of_seeds(  # the options of the command
     threshold: float,
 ) -> Comparison:
     """Compare two libraries over seeds, and the decisions of the first that differs."""
+    from rapc.console.experiments.output import bar
     from rapc.experiments.paired import run_pairs
 
     if spec.faults:
@@ -193,7 +198,12 @@ def _of_seeds(  # the options of the command
     for library in libraries:
         prepared(library, spec, world_name)
     wanted = range(spec.seed, spec.seed + seeds)
-    found, faults = run_pairs(libraries, spec, wanted, jobs, _TIME_LIMIT)
+    given = settings()
+    shown = sys.stderr.isatty() and not given.quiet
+    with bar(
+        "runs", 2 * seeds, sys.stderr, shown=shown, color=given.colored()
+    ) as advance:
+        found, faults = run_pairs(libraries, spec, wanted, jobs, _TIME_LIMIT, advance)
     if faults:
         fail("run without a result", *faults)
     differ = (seed for seed, (one, other) in found.items() if one != other)

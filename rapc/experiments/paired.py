@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import msgspec
 
@@ -39,6 +39,7 @@ def run_pairs(
     seeds: Sequence[int],
     processes: int | None = None,
     time_limit: float = 120,
+    advance: Callable[[int], object] = lambda more: None,
 ) -> tuple[dict[int, Pair], list[str]]:
     """Run two libraries under each seed.
 
@@ -48,6 +49,7 @@ def run_pairs(
         seeds: the seeds.
         processes: the number of processes; default: one for each core.
         time_limit: the time limit of a run, in seconds.
+        advance: called with each number of runs that have ended.
 
     Returns:
         The times of both runs by seed, and a line for each run without a result.
@@ -62,6 +64,7 @@ def run_pairs(
     with LocalWorkers(count, run_job, time_limit) as workers:
         work = jobs([(config, seeds) for config in configs], workers.chunk)
         for done in run_batch(workers, work):
+            advance(len(done.results))
             for side, config in enumerate(configs):
                 if done.config is config:
                     for result in done.results:

@@ -67,6 +67,18 @@ def test_recorded_run_is_compared_with_a_library(slow: str, tmp_path: Path) -> N
     ]
 
 
+def test_library_beside_a_recorded_run_is_stopped(tmp_path: Path) -> None:
+    trace = tmp_path / "good.jsonl"
+    run = ("run", COURIER, "--world", "courier", "--agenda", "shift", "--seed", "1")
+    assert rapc(*run, "-q", "--trace", str(trace)).returncode == 0
+    for file in Path(COURIER).glob("*.rap"):
+        text = file.read_text().replace("(< ?level 48)", "(< ?level 85)")
+        (tmp_path / file.name).write_text(text)
+    done = rapc("compare", str(trace), str(tmp_path))
+    assert done.stdout.startswith("time: before 831, after 8310 (+900.0 %)\n")
+    assert done.returncode == 1
+
+
 def test_libraries_are_compared_over_seeds(slow: str) -> None:
     run = ("compare", COURIER, slow, *SHIFT, "--seeds", "4")
     done = rapc(*run, "--seed", "1")

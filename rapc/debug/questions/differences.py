@@ -161,7 +161,7 @@ def _branch(history: History, name: str) -> Side:
     return Side(name, told, now, over, spec, sensors, None, library)
 
 
-_LONGER = 10
+LONGER = 10
 """The time limit of a run that does not end, in durations of this run."""
 
 
@@ -186,7 +186,7 @@ def _again(history: History, seed: int | None = None, library: str = "") -> Side
     if not history.over:
         until = history.now
     elif until is None:
-        until = history.now * _LONGER
+        until = history.now * LONGER
     return finished(run, until, f"seed {seed}" if seed is not None else library)
 
 
