@@ -17,6 +17,7 @@ import msgspec
 from rapc.base.values import format_atom
 from rapc.debug.arguments import split
 from rapc.debug.breakpoints import KINDS
+from rapc.debug.questions.idle import bare_things
 from rapc.debug.questions.names import definition_names
 from rapc.events import kinds
 from rapc.language.complete import fits
@@ -142,6 +143,7 @@ def _arguments(shell: Shell, name: str, before: list[str], prefix: str) -> Named
     named: dict[str, Callable[[], Named]] = {
         "COMMAND": lambda: [(c.name, c.doc) for c in shell.commands.values()],
         "FILE": lambda: _files(prefix),
+        "PATH": lambda: _files(prefix),
         "KIND": lambda: [(kind, "") for kind in kinds()],
     }
     if shell.history.is_run:
@@ -153,7 +155,9 @@ def _arguments(shell: Shell, name: str, before: list[str], prefix: str) -> Named
             "memory NAME": lambda: _of_kind(library, "PREDICATE"),
             "RAP": lambda: _raps(library),
             "TASK": lambda: _tasks(shell),
-            "branch NAME": lambda: [(o.name, o.begun) for o in shell.history.branches],
+            "branch NAME": lambda: _branches(shell),
+            "diff NAME": lambda: _branches(shell),
+            "THING": lambda: [(thing, "") for thing in sorted(bare_things(library))],
             "break KIND": KINDS.items,
             "break WHAT": lambda: _of_break(library, before[0]),
         }
@@ -189,6 +193,10 @@ def _of_methods(library: Library, before: list[str]) -> Named:
     name, raps = before[0], library.raps.values()
     having = [r for r in raps if name in [str(m.name) for m in r.methods]]
     return [(rap.name, f"method {name}") for rap in having]
+
+
+def _branches(shell: Shell) -> Named:
+    return [(one.name, one.begun) for one in shell.history.branches]
 
 
 def _items(shell: Shell) -> Named:

@@ -81,6 +81,11 @@ def _things(library: Library) -> Iterator[nodes.Thing]:
             yield from method.claims
 
 
+def bare_things(library: Library) -> set[str]:
+    """Return the things without arguments that a library claims or uses."""
+    return {one.name for one in _things(library) if not one.args}
+
+
 def idle_times(history: History, thing: Fact) -> list[_Interval]:
     """Return the intervals in which no method held a thing and no request used it.
 
