@@ -620,7 +620,8 @@ class RunEnded(Event, frozen=True, kw_only=True):
     waiting: tuple[str, ...]
 
     def line(self) -> str:  # noqa: D102  # see `Event`
-        return f"run over: {self.reason}"
+        because = f": {self.because}" if self.because else ""
+        return f"run over: {self.reason}{because}"
 
 
 @cache

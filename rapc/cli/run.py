@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from functools import partial
@@ -11,13 +12,20 @@ from pathlib import Path
 from typing import Any, TextIO
 
 import click
+import msgspec
 
 from rapc.analysis.facts.effects import endless, reached
 from rapc.base.interrupts import interrupts_held
 from rapc.base.outputs import SAVED_STATE, TRACE
 from rapc.base.values import format_list, readable
 from rapc.base.visible import visible, visible_lines
-from rapc.cli.common import PIPED_WIDTH, load_checked, refuse_output, write_output
+from rapc.cli.common import (
+    PIPED_WIDTH,
+    load_checked,
+    refuse_output,
+    width_of,
+    write_output,
+)
 from rapc.cli.options import WholeNumber, command, fail, settings
 from rapc.cli.run_options import (
     end_time,
@@ -29,7 +37,12 @@ from rapc.cli.run_options import (
 from rapc.errors import StateError, reason
 from rapc.events import Deadlock, Event, TaskResult
 from rapc.library.library import Library
-from rapc.runtime.events.report import MendedFailures, RunReport
+from rapc.runtime.events.report import (
+    OF_DECISIONS,
+    OF_GOALS,
+    MendedFailures,
+    RunReport,
+)
 from rapc.runtime.events.trace import JsonTrace, TextTrace
 from rapc.runtime.held_world import HeldWorld
 from rapc.runtime.interpreter import Interpreter
@@ -49,6 +62,9 @@ Examples:
 
 
 _MOST_FRAMES = 1_000_000
+
+_MOST_TOLD = 60_000
+"""The number of events that are kept to explain the end of the run."""
 
 
 @command(EXAMPLES)
@@ -106,6 +122,9 @@ def run(
 
     Without -q and --show, the trace goes to standard output. A short report follows.
 
+    The report explains the end: the decisions behind the last request if the world has
+    ended the run, and, without -q, what kept the goals that have not ended.
+
     A foreground task that never ends keeps the run going until the time of --until.
     Without --until, a note on standard error names the task.
 
@@ -139,6 +158,7 @@ def run(
         told = "is a source file of the library"
         refuse_output("--save", save, SAVED_STATE, (library.library.files, told))
     report, mended = RunReport(world.kit.offer.sensors), MendedFailures()
+    known: deque[Event] = deque(maxlen=_MOST_TOLD)
     with ExitStack() as stack, _ended_by_interrupts(interpreter):
         stack.callback(keep, interpreter, path)
         with interrupts_held():
@@ -149,6 +169,9 @@ def run(
                 interpreter.listen(form(stream))
             interpreter.listen(report, *RunReport.kinds)
             interpreter.listen(mended, *MendedFailures.kinds)
+            interpreter.listen(
+                known.append, *(OF_DECISIONS if settings().quiet else OF_GOALS)
+            )
             if drawn is not None:
                 _show(stack, interpreter, drawn, show_every or 0)
             else:
@@ -162,7 +185,29 @@ def run(
     for line in chain(report.lines(), _mended(mended), _figures(interpreter)):
         click.echo(visible(line))
     if not all(map(_went_well, interpreter.results())):
+        _explain(known, interpreter)
         raise SystemExit(1)
+
+
+def _explain(known: Iterable[Event], interpreter: Interpreter) -> None:
+    """Print the decisions behind the end of a run, and what kept its goals.
+
+    With -q, the events that show what kept the goals are not made.
+    """
+    from rapc.debug.log import ToldEvent
+    from rapc.debug.questions.ends import end_of, goals_of
+    from rapc.repl.draw import draw
+
+    told, library = [ToldEvent.of(event) for event in known], interpreter.library
+    answers = {"Before the end:": end_of(told, library)}
+    if not settings().quiet:
+        goals = goals_of(told, interpreter.now, library, all_=False)
+        answers["Goals that have not ended:"] = goals
+    for title, answer in answers.items():
+        if answer.table is not None:
+            shown = msgspec.structs.replace(answer, lines=(title,), notes=())
+            width, color = width_of(sys.stdout), settings().colored()
+            click.echo(draw(shown, width, color=color), nl=False)
 
 
 def _keeping(file: str | None) -> Callable[[Interpreter, str], None]:

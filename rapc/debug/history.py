@@ -352,7 +352,11 @@ class History:
         """Return the present moment as a line of text."""
         words = f"cycle {self.cycle}, time {readable(self.now)}"
         words = f"after {words}" if self.between and not self.over else words
-        words += f", run ended ({self.reason})" if self.over else ""
+        if self.over:
+            end = next(self.log.backwards(RunEnded), None)
+            because = None if end is None else end.keys["because"]
+            reason = f"{self.reason}: {because}" if because else self.reason
+            words += f", run ended ({reason})"
         return words if self.branch.name == "main" else f"{words}, {self.branch.name}"
 
     # --- forwards -----------------------------------------------------------------

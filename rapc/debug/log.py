@@ -28,6 +28,13 @@ class ToldEvent(NamedTuple):
     time: Time
     keys: dict[str, Any]
 
+    @classmethod
+    def of(cls, event: Event) -> ToldEvent:
+        """Return an event object in raw form."""
+        keys = {name: getattr(event, name) for name in event.__struct_fields__}
+        serial, cycle, time = keys.pop("n"), keys.pop("cycle"), keys.pop("time")
+        return cls(type(event), serial, cycle, time, keys)
+
     def event(self) -> Event:
         """Return the event object."""
         return self.kind(n=self.serial, cycle=self.cycle, time=self.time, **self.keys)
@@ -109,9 +116,7 @@ class EventLog:
 
     def __call__(self, event: Event) -> None:
         """Keep an event object; see `raw` for events in raw form."""
-        keys = {name: getattr(event, name) for name in event.__struct_fields__}
-        serial, cycle, time = keys.pop("n"), keys.pop("cycle"), keys.pop("time")
-        self.raw(type(event), serial, cycle, time, keys)
+        self.raw(*ToldEvent.of(event))
 
     def raw(
         self,

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from tests.cli.command import rapc
+from tests.debug.planted import FAULTS
 
 TRUCK = Path(__file__).parents[2] / "stdlib" / "truck"
 ROCKS = Path(__file__).parents[2] / "examples" / "rock-order.rap"
@@ -165,6 +166,25 @@ def test_the_report_says_why_the_world_ended_a_run(tmp_path: Path) -> None:
     end = json.loads(trace.read_text().splitlines()[-1])
     assert end["reason"] == "world"
     assert end["because"].startswith("out of fuel on road-")
+
+
+def test_report_explains_the_end_and_what_kept_the_goals(tmp_path: Path) -> None:
+    [fault] = [one for one in FAULTS if one.name == "charges-too-late"]
+    fault.plant(tmp_path)
+    args = ("run", ".", "--world", "courier", "--agenda", "shift", "--seed", "1")
+    shown = rapc(*args, cwd=tmp_path)
+    assert shown.returncode == 1
+    out = shown.stdout
+    before, goals = out.split("Before the end:\n")[1].split(
+        "Goals that have not ended:"
+    )
+    assert re.search(r"108 .*chose method charge .*charging\.rap:25", before)
+    assert re.search(r"108 .*woken by \(low\) .*charging\.rap:8", before)
+    assert "(deliver linen ward-1)" in goals
+    assert "suspended by" in goals
+    out = rapc(*args, "-q", cwd=tmp_path).stdout
+    assert "Before the end:" in out
+    assert "Goals that have not ended:" not in out
 
 
 def test_a_word_of_the_world_declared_otherwise_is_refused(bed: Path) -> None:

@@ -118,7 +118,7 @@ def test_a_blocked_door_leaves_the_robot_before_it() -> None:
 def test_an_empty_battery_is_the_end() -> None:
     world = make(battery=20)
     assert do(world, "drive", "ward-4") == "battery-empty"
-    assert world.ended() == "the battery is empty"
+    assert world.ended() == "the battery is empty, 18 along the corridor"
     assert world.next_time() is None
 
 

@@ -57,8 +57,12 @@ def test_python_returns_the_shown_table() -> None:
 
 def test_completion_offers_the_words_of_the_help() -> None:
     why = next(one for one in commands() if one.name == "why")
-    assert why.takes == "[TASK] [in CYCLE] | failed [TASK]"
-    assert list(next_words(why.takes, [])) == [("TASK", ""), ("failed", "TASK")]
+    assert why.takes == "[TASK] [in CYCLE] | failed [TASK] | end"
+    assert list(next_words(why.takes, [])) == [
+        ("TASK", ""),
+        ("failed", "TASK"),
+        ("end", ""),
+    ]
     assert list(next_words(why.takes, ["12"])) == [("in", "CYCLE")]
     assert list(next_words(why.takes, ["12", "in"])) == [("CYCLE", "")]
     assert ("TASK", "") in next_words(why.takes, ["failed"])

@@ -20,6 +20,7 @@ from rapc.debug.answer import Answer, bound_to, numbers, question, say
 from rapc.debug.arguments import Arguments
 from rapc.debug.history import History
 from rapc.debug.log import ToldEvent
+from rapc.debug.questions.ends import why_end
 from rapc.debug.questions.sources import Source, sources
 from rapc.debug.questions.why_not import (
     MethodAnswer,
@@ -99,19 +100,23 @@ _SETTLES: Mapping[type[Event], str] = {
 
 
 @question(
-    "[TASK] [in CYCLE] | failed [TASK]",
+    "[TASK] [in CYCLE] | failed [TASK] | end",
     ":why",
     ":why 12",
     ":why 12 in 30",
     ":why failed",
     ":why failed 92",
+    ":why end",
 )
 def why(history: History, args: Arguments) -> Answer:
     """Explain why a task was selected, and what it did; or why it failed.
 
     The answer lists each rule of selection with the tasks left by the rule, then the
-    chosen method with the facts that made its context true.
+    chosen method with the facts that made its context true. `end` explains the end of
+    the run: the last request, and the decisions and wakes behind it.
     """
+    if args.takes("end"):
+        return why_end(history)
     if args.takes("failed"):
         return why_failed(history, args.task(history) if args else None)
     number = args.task(history)

@@ -9,6 +9,7 @@ from rapc.base.values import readable
 from rapc.debug.answer import Answer, command, say
 from rapc.debug.arguments import Arguments
 from rapc.debug.history import Stop
+from rapc.debug.questions.ends import why_end
 from rapc.errors import ArgumentError
 from rapc.events import PrimitiveEnded
 from rapc.repl.shell import Shell
@@ -33,6 +34,9 @@ def _went(shell: Shell, go: Callable[[], Stop]) -> Answer:
     }.get(stop.kind, stop.said if stop.kind == "asked" else "")
     watched = shell.watched()
     told = [*lines, *([said] if said else []), *watched, shell.history.stand()]
+    if stop.kind == "over" and shell.history.over:
+        end = why_end(shell.history)
+        return Answer(tuple(told), end.table, end.notes)
     return Answer(tuple(told), failed=stop.kind == "broken")
 
 

@@ -24,6 +24,23 @@ _COUNTED: Mapping[type[events.Event], str] = {
 """Other counted kinds of events, with their names in the report."""
 
 
+OF_DECISIONS: tuple[type[events.Event], ...] = (
+    *(events.TaskCreated, events.MethodChosen, events.TaskWoken),
+    *(events.PrimitiveRequested, events.PrimitiveEnded, events.PrimitiveCancelled),
+    *(events.SkillEnabled, events.RunEnded),
+)
+"""The kinds of events that explain the end of a run (`rapc.debug.questions.ends`)."""
+
+OF_GOALS: tuple[type[events.Event], ...] = (
+    *OF_DECISIONS,
+    *(events.RunStarted, events.TaskSelected, events.TaskBlocked),
+    *(events.TaskSucceeded, events.TaskFailed, events.TaskRemoved),
+    *(events.MethodSuspended, events.RequestRefused),
+    *(events.SkillDisabled, events.SignalReceived),
+)
+"""The kinds of events that show what kept the goals of a run."""
+
+
 class MendedFailures:
     """A listener that counts methods that failed in tasks that then went on well.
 

@@ -15,6 +15,7 @@ from functools import partial
 import msgspec
 
 from rapc.base.chance import Stream, stream_in, stream_state
+from rapc.base.values import readable
 from rapc.world import OKAY, Message, Refused, Reply, Time, World
 from rapc.worlds.courier import robot
 from rapc.worlds.courier.building import BASE, CORRIDOR, DEPTH, ROOMS, SOLD, WARDS
@@ -246,7 +247,8 @@ class Hospital(World):
     def _run_down(self) -> None:
         """End the drive and the run: the battery is empty."""
         robot.end_drive(self._state, "battery-empty")
-        self._state.ended = "the battery is empty"
+        place = f"{readable(self._state.along)} along the corridor"
+        self._state.ended = f"the battery is empty, {place}"
 
     def _arrive(self) -> None:
         room = self._state.drive.room if self._state.drive else CORRIDOR

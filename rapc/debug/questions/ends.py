@@ -1,0 +1,494 @@
+"""Questions about the end of a run: its decisions, and what kept the goals.
+
+The answers come from the events of the run and the text of the library. They need no
+replay, so that `rapc run` gives them too.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from typing import NamedTuple
+
+import msgspec
+
+from rapc import events
+from rapc.base.names import plural
+from rapc.base.values import Fact, format_list, number, readable
+from rapc.compiler.program import Program
+from rapc.debug.account import SUSPENDED, WAITING, Account, Piece, account_of
+from rapc.debug.answer import Answer, in_pairs, question, say, table
+from rapc.debug.arguments import Arguments
+from rapc.debug.history import History
+from rapc.debug.log import ToldEvent
+from rapc.debug.questions.names import predicates
+from rapc.errors import TextError
+from rapc.events import Goal
+from rapc.ir import nodes
+from rapc.ir.printer import format_formula
+from rapc.ir.walk import subformulas
+from rapc.parser.parse import parse_formula
+from rapc.runtime.events.report import OF_DECISIONS, OF_GOALS
+from rapc.world import OKAY, Time
+
+_MOST_WAITS = 3
+"""The number of waits that are listed for a goal, the longest first."""
+
+
+class Decision(NamedTuple):
+    """A decision or an event before the end of a run."""
+
+    time: Time
+    cycle: int
+    task: str
+    what: str
+    #: The bindings of a choice, or the facts that woke a task.
+    because: str = ""
+    where: str = ""
+
+
+class Obstacle(NamedTuple):
+    """What kept a goal: failed requests, or waits."""
+
+    kept_by: str
+    times: int
+    time: Time | None
+    #: The cause of a failure; or the requests or the wait of other tasks meanwhile.
+    because: str
+    where: str
+
+
+# --- the events of a run --------------------------------------------------------------
+
+
+class _Request(NamedTuple):
+    """A request, or an activation of skills."""
+
+    task: int
+    what: Fact
+    begun: ToldEvent
+    #: The event of its end; None while it is under way.
+    ended: ToldEvent | None = None
+
+
+class _Story:
+    """The tasks, choices and requests of a run, from its events."""
+
+    def __init__(self, told: Iterable[ToldEvent], program: Program | None) -> None:
+        self.program = program
+        self.created: dict[int, ToldEvent] = {}
+        #: The choices of each task, in order.
+        self.chosen: dict[int, list[ToldEvent]] = {}
+        #: The last wake of each task that no thing has caused.
+        self.woken: dict[int, ToldEvent] = {}
+        self.failed: dict[int, ToldEvent] = {}
+        self.requests: list[_Request] = []
+        self.asserted: list[ToldEvent] = []
+        self.end: ToldEvent | None = None
+        open_: dict[tuple[int, Fact], int] = {}
+        for one in told:
+            keys = one.keys
+            if one.kind is events.TaskCreated:
+                self.created[keys["task"]] = one
+            elif one.kind is events.MethodChosen:
+                self.chosen.setdefault(keys["task"], []).append(one)
+            elif one.kind is events.TaskWoken and keys.get("holder") is None:
+                self.woken[keys["task"]] = one
+            elif one.kind is events.FactAsserted:
+                self.asserted.append(one)
+            elif one.kind in (events.PrimitiveRequested, events.SkillEnabled):
+                what = keys.get("request") or keys["what"]
+                open_[keys["task"], what] = len(self.requests)
+                self.requests.append(_Request(keys["task"], what, one))
+            elif one.kind in (events.PrimitiveEnded, events.PrimitiveCancelled):
+                at = open_.pop((keys["task"], keys["request"]), None)
+                if at is not None:
+                    self.requests[at] = self.requests[at]._replace(ended=one)
+            elif one.kind is events.TaskFailed:
+                self.failed[keys["task"]] = one
+            elif one.kind is events.RunEnded:
+                self.end = one
+
+    def goal(self, task: int) -> Goal | None:
+        """Return the goal of a task; None if its creation is no longer known."""
+        made = self.created.get(task)
+        return None if made is None else made.keys["goal"]
+
+    def named(self, task: int) -> str:
+        """Return the number and the goal of a task as text."""
+        return f"[{task}] {self.goal(task) or ''}".rstrip()
+
+    def parents(self, task: int) -> Iterator[int]:
+        """Yield a task and its ancestors."""
+        above: int | None = task
+        while above is not None:
+            yield above
+            made = self.created.get(above)
+            above = None if made is None else made.keys["parent"]
+
+    def family(self, task: int) -> int:
+        """Return the top-level task of a task."""
+        return [*self.parents(task)][-1]
+
+    def choice(self, task: int, before: int) -> ToldEvent | None:
+        """Return the last choice of a task before a serial number."""
+        found = [one for one in self.chosen.get(task, ()) if one.serial < before]
+        return found[-1] if found else None
+
+    def method(self, choice: ToldEvent) -> nodes.Method | None:
+        """Return the method of a choice; None without its text."""
+        plan = None if self.program is None else self.program.rap(choice.keys["rap"])
+        methods = () if plan is None else plan.methods
+        wanted = choice.keys["method"]
+        return next((one.node for one in methods if one.name == wanted), None)
+
+    def row(self, node: nodes.Node | None) -> str:
+        """Return the file and line of a node."""
+        if self.program is None or node is None:
+            return ""
+        return self.program.compiler.row(node.span)
+
+    def place(self, formula: nodes.Formula) -> str:
+        """Return the line of the first comparison in a formula or in its queries.
+
+        Without a comparison, this is the line of the first named query.
+        """
+        if self.program is None:
+            return ""
+        found = [self.row(one) for one in thresholds(self.program, formula)]
+        queries = self.program.library.queries
+        names = predicates(self.program.signatures, formula)
+        found += [self.row(queries[one]) for one in names if one in queries]
+        return next(filter(None, found), "")
+
+
+# --- the decisions behind the end -----------------------------------------------------
+
+
+def decisions(told: Iterable[ToldEvent], program: Program | None) -> list[Decision]:
+    """Return the last request of a run and the decisions behind it, latest first.
+
+    Args:
+        told: the events of the run, of `OF_DECISIONS` and of facts.
+        program: the library; None if it is unknown.
+    """
+    story = _Story(told, program)
+    last = _last_request(story)
+    if last is None:
+        return []
+    found = [_of_request(story, last)]
+    for task in story.parents(last.task):
+        chosen = story.choice(task, last.begun.serial)
+        if chosen is not None and task != last.task:
+            found.append(_of_choice(story, chosen))
+        woken = story.woken.get(task)
+        if woken is not None and (chosen is None or woken.serial < chosen.serial):
+            found.append(_of_wake(story, woken))
+            break
+    return found
+
+
+def _last_request(story: _Story) -> _Request | None:
+    """Return the last request that failed, was under way at the end, or ended."""
+    at_end = [one for one in story.requests if _ends_at(story, one)]
+    bad = [one for one in at_end if one.ended and one.ended.keys.get("result") != OKAY]
+    return next(iter([*reversed(bad), *reversed(story.requests)]), None)
+
+
+def _ends_at(story: _Story, request: _Request) -> bool:
+    if story.end is None or request.ended is None:
+        return False
+    is_result = request.ended.kind is events.PrimitiveEnded
+    return is_result and request.ended.time == story.end.time
+
+
+def _of_request(story: _Story, request: _Request) -> Decision:
+    chosen = story.choice(request.task, request.begun.serial)
+    method = None if chosen is None else story.method(chosen)
+    said, at = format_list(request.what), request.begun
+    if request.ended is not None:
+        at = request.ended
+        said += f": {at.keys.get('result', 'cancelled')}"
+    where = story.row(None if method is None else method.body)
+    return Decision(at.time, at.cycle, story.named(request.task), said, "", where)
+
+
+def _of_choice(story: _Story, chosen: ToldEvent) -> Decision:
+    keys = chosen.keys
+    return Decision(
+        chosen.time,
+        chosen.cycle,
+        story.named(keys["task"]),
+        f"chose method {keys['method']}",
+        in_pairs(keys["bindings"]),
+        story.row(story.method(chosen)),
+    )
+
+
+def _of_wake(story: _Story, woken: ToldEvent) -> Decision:
+    on = woken.keys["on"]
+    formula = _formula(on)
+    because, where = "", ""
+    if formula is not None and story.program is not None:
+        names = predicates(story.program.signatures, formula)
+        facts: dict[object, str] = {}
+        for one in story.asserted:
+            fact = one.keys["fact"]
+            if one.serial < woken.serial and fact[0] in names:
+                facts[fact[0]] = format_list(fact)
+        tests = thresholds(story.program, formula)
+        because = " ".join([*facts.values(), *map(format_formula, tests)])
+        where = story.place(formula)
+    task = story.named(woken.keys["task"])
+    return Decision(woken.time, woken.cycle, task, f"woken by {on}", because, where)
+
+
+def _formula(text: str) -> nodes.Formula | None:
+    """Return the formula of a wait; None for a time or a thing."""
+    try:
+        return parse_formula(text) if text.startswith("(") else None
+    except TextError:
+        return None
+
+
+def thresholds(program: Program, formula: nodes.Formula) -> list[nodes.Compare]:
+    """Return the comparisons of a formula, also those in its named queries."""
+    found: list[nodes.Compare] = []
+    stack, seen = [formula], set()
+    while stack:
+        for part in subformulas(stack.pop()):
+            if isinstance(part, nodes.Compare):
+                found.append(part)
+            elif isinstance(part, nodes.Proposition) and part.name not in seen:
+                seen.add(part.name)
+                query = program.library.queries.get(part.name)
+                stack += [] if query is None else [query.formula]
+    return found
+
+
+# --- what kept the goals --------------------------------------------------------------
+
+
+def obstacles(account: Account, story: _Story, family: int) -> list[Obstacle]:
+    """Return what kept a top-level goal: its failure, failed requests, long waits."""
+    return [
+        *_causes(story, family),
+        *_failures(story, family),
+        *_waits(account, story, family),
+    ]
+
+
+def _causes(story: _Story, family: int) -> Iterator[Obstacle]:
+    """Yield the first causes of the failure of a goal, or of its excluded methods."""
+    failed = story.failed.get(family)
+    cause = None if failed is None else failed.keys["because"]
+    while cause is not None and cause.because is not None:
+        cause = cause.because
+    if failed is None or cause is None:
+        return
+    for one in cause.methods or (cause,):
+        inner = one
+        while inner.inside:
+            inner = inner.inside[0]
+        said = msgspec.structs.replace(inner, place="").line()
+        kept_by = f"failed: {failed.keys['result']}"
+        yield Obstacle(kept_by, 1, None, said, inner.place)
+
+
+def _failures(story: _Story, family: int) -> Iterator[Obstacle]:
+    """Yield the failed requests of a family, by name and result."""
+    groups: dict[tuple[str, str], list[_Request]] = {}
+    for one in story.requests:
+        result = OKAY if one.ended is None else one.ended.keys.get("result", OKAY)
+        if result != OKAY and story.family(one.task) == family:
+            groups.setdefault((str(one.what[0]), result), []).append(one)
+    for (name, result), failed in groups.items():
+        others = [other for one in failed for other in _beside(story, one, family)]
+        said = _counted(
+            f"{o.what[0]} of {story.named(story.family(o.task))}" for o in others
+        )
+        where = ""
+        unclaimed = _unclaimed(story, failed[-1], others)
+        if unclaimed is not None:
+            words, where = unclaimed
+            said = f"{said}; {words}"
+        yield Obstacle(f"{name}: {result}", len(failed), None, said, where)
+
+
+def _beside(story: _Story, failed: _Request, family: int) -> list[_Request]:
+    """Return the last request that another family began during a failed request."""
+    assert failed.ended is not None
+    found = [
+        one
+        for one in story.requests
+        if failed.begun.serial < one.begun.serial < failed.ended.serial
+        and story.family(one.task) != family
+    ]
+    return found[-1:]
+
+
+def _unclaimed(
+    story: _Story, failed: _Request, others: Sequence[_Request]
+) -> tuple[str, str] | None:
+    """Return the method that does not claim a thing which others used meanwhile."""
+    program = story.program
+    if program is None or not others:
+        return None
+    primitives = program.library.primitives
+    known = [primitives[str(o.what[0])] for o in others if o.what[0] in primitives]
+    used = {thing.name for one in known for thing in one.uses}
+    above = [
+        (chosen, method)
+        for task in story.parents(failed.task)
+        for chosen in [story.choice(task, failed.begun.serial)]
+        if chosen is not None
+        for method in [story.method(chosen)]
+        if method is not None
+    ]
+    claimed = {thing.name for _, method in above for thing in method.claims}
+    own = primitives.get(str(failed.what[0]))
+    claimed |= set() if own is None else {thing.name for thing in own.uses}
+    if not used or used & claimed or len(above) < 2:
+        return None
+    chosen, method = above[1]
+    named = f"`{chosen.keys['method']}` of `{chosen.keys['rap']}`"
+    return f"{named} does not claim {' or '.join(sorted(used))}", story.row(method)
+
+
+def _waits(account: Account, story: _Story, family: int) -> Iterator[Obstacle]:
+    """Yield the longest waits of a family, each with the wait of the other family."""
+    groups: dict[tuple[str, str], list[Piece]] = {}
+    for one in account.of_family[family]:
+        if one.kind in (WAITING, SUSPENDED):
+            groups.setdefault((one.kind, one.what), []).append(one)
+    listed = sorted(groups.items(), key=lambda item: -_length(item[1]))
+    for (kind, what), pieces in listed[:_MOST_WAITS]:
+        said, where = _meanwhile(account, story, pieces)
+        kept_by = f"{kind} {'for ' if kind == WAITING else ''}{what}"
+        yield Obstacle(kept_by, len(pieces), _length(pieces), said, where)
+
+
+def _length(pieces: Iterable[Piece]) -> Time:
+    return number(sum(one.stop - one.start for one in pieces))
+
+
+def _meanwhile(
+    account: Account, story: _Story, pieces: Sequence[Piece]
+) -> tuple[str, str]:
+    """Return the longest wait of the family that kept another one waiting."""
+    spent: Counter[str] = Counter()
+    for one in pieces:
+        holder = next(
+            (
+                wait.by
+                for wait in account.waits
+                if wait.task == one.task and wait.start <= one.start < wait.stop
+            ),
+            None,
+        )
+        other = None if holder is None else story.family(holder)
+        for piece in account.of_family.get(other or 0, ()):
+            both = min(one.stop, piece.stop) - max(one.start, piece.start)
+            if both > 0 and piece.kind == WAITING and piece.on.startswith("("):
+                spent[piece.on] += both  # type: ignore[assignment]
+    if not spent:
+        return "", ""
+    on, time = spent.most_common(1)[0]
+    formula = _formula(on)
+    where = "" if formula is None else story.place(formula)
+    return f"it waited for {on}, {readable(number(time))}", where
+
+
+def _counted(words: Iterable[str]) -> str:
+    """Return texts with their numbers, the most frequent first."""
+    return ", ".join(
+        f"{text} {plural(count, 'time')}"
+        for text, count in Counter(words).most_common()
+    )
+
+
+# --- the questions --------------------------------------------------------------------
+
+
+def end_of(told: Sequence[ToldEvent], program: Program | None) -> Answer:
+    """Return the reason of the end of a run with the decisions behind it.
+
+    Args:
+        told: the events of the run, of `OF_DECISIONS`; facts are optional.
+        program: the library; None if it is unknown.
+    """
+    end = next((one for one in reversed(told) if one.kind is events.RunEnded), None)
+    if end is None:
+        return say("the run has not ended")
+    reason, because = end.keys["reason"], end.keys["because"]
+    said = f"{reason}: {because}" if because else reason
+    rows = decisions(told, program) if reason == "world" else []
+    left = [one.goal for one in end.keys["results"] if _is_left(one)]
+    notes = [f"{plural(len(left), 'goal')} not reached: see `:goals`"] if left else []
+    head = f"run ended ({said}) at time {readable(end.time)}"
+    columns = ("time", "cycle", "task", "what", "because of", "where")
+    if not rows:
+        return Answer((head, *notes))
+    return table(columns, rows, head, notes=notes)
+
+
+def _is_left(result: events.TaskResult) -> bool:
+    return not result.background and result.outcome != "succeeded"
+
+
+def goals_of(
+    told: Sequence[ToldEvent],
+    now: Time,
+    program: Program | None,
+    *,
+    all_: bool = True,
+) -> Answer:
+    """Return the top-level goals with what kept them.
+
+    Args:
+        told: the events of the run, of `OF_GOALS`.
+        now: the present time.
+        program: the library; None if it is unknown.
+        all_: whether also goals that have ended are listed.
+    """
+    account, story = account_of(told, now), _Story(told, program)
+    rows: list[tuple[object, ...]] = []
+    for family in account.families.values():
+        if family.background or not (all_ or family.ended is None):
+            continue
+        state = f"under way since {readable(family.came)}"
+        if family.ended is not None:
+            state = f"{family.outcome} at {readable(family.ended)}"
+        head: tuple[object, ...] = (family.task, family.goal, state)
+        for one in obstacles(account, story, family.task) or [_NOTHING]:
+            rows.append((*head, *one))
+            head = (family.task, None, None)
+    columns = ("task", "goal", "result", "kept by", "times", "time", "because of")
+    return table((*columns, "where"), rows, none="no goals")
+
+
+_NOTHING = Obstacle("", 0, None, "", "")
+
+
+def why_end(history: History) -> Answer:
+    """Return the reason of the end of a run with the decisions behind it."""
+    told = [*history.scan(*OF_DECISIONS, events.FactAsserted)]
+    return end_of(told, program_of(history))
+
+
+@question(of_recordings=True)
+def goals(history: History, args: Arguments) -> Answer:
+    """List the top-level goals with what kept each, how often and by which task.
+
+    A goal is kept by a failure, by failed requests and by waits. For a failed request,
+    the requests that other tasks began meanwhile are listed, and the method that claims
+    no thing for which the request failed. For a wait, the wait of the task that held
+    the thing is listed, with the line of the condition.
+    """
+    told = [*history.scan(*OF_GOALS)]
+    return goals_of(told, history.now, program_of(history))
+
+
+def program_of(history: History) -> Program | None:
+    """Return the library of a run; None for a read-only recording."""
+    return history.library.program if history.is_run else None
