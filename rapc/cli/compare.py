@@ -12,6 +12,7 @@ import msgspec
 
 from rapc.cli.common import load_checked, width_of
 from rapc.cli.options import Amount, WholeNumber, command, fail, settings
+from rapc.cli.repl import RECORDED, shell_of
 from rapc.cli.run_options import (
     end_time,
     prepared,
@@ -20,6 +21,7 @@ from rapc.cli.run_options import (
     until_option,
 )
 from rapc.compiler.program import Program
+from rapc.debug.bug import SUFFIX
 from rapc.debug.questions.differences import (
     LONGER,
     Comparison,
@@ -27,17 +29,15 @@ from rapc.debug.questions.differences import (
     compared,
     finished,
     recorded_run,
+    this_run,
 )
-from rapc.debug.recording import Recording
 from rapc.spec import RunSpec
-
-RECORDED = ".jsonl"
-"""The suffix of the files of recorded runs."""
 
 EXAMPLES = """\b
 Examples:
   rapc compare yesterday.jsonl today.jsonl
   rapc compare yesterday.jsonl my-library/
+  rapc compare customer.bug my-library/
   rapc compare old/ new/ --world courier --agenda shift --until 3000 --seeds 30
 """
 
@@ -90,19 +90,21 @@ def compare(
     as_json: bool,
     **more: Any,
 ) -> None:
-    """Compare the runs BEFORE and AFTER: recorded runs (FILE.jsonl) or libraries.
+    """Compare the runs BEFORE and AFTER.
 
-    The output has the first different decision with its reasons on both sides, a table
-    with the cost of all differences in time, and the definitions that differ. With a
-    recorded run and a library, the run of the library begins as the recorded run did;
-    it is stopped after 10 times the duration of the recorded run. Two libraries require
-    --world and tasks; with --seeds, the table has averages with 95 % confidence
-    intervals.
+    A run is a recorded run (FILE.jsonl), the report of a run (FILE.bug), or a library
+    that is run. The output has the first different decision with its reasons on both
+    sides, a table with the cost of all differences in time, and the definitions that
+    differ.
+
+    With a file and a library, the run of the library begins as the run of the file did;
+    it is stopped after 10 times the duration of that run. Two libraries require --world
+    and tasks; with --seeds, the table has averages with 95 % confidence intervals.
 
     Exit status: 0; 1 if AFTER has fewer successful tasks, or as many and takes longer
     by PERCENT or more; 2 if a run could not start.
     """
-    recorded = [one for one in (before, after) if one.endswith(RECORDED)]
+    recorded = [one for one in (before, after) if one.endswith((RECORDED, SUFFIX))]
     if recorded and any((*{**more, "seed": 0}.values(), until, seeds, more["seed"])):
         fail(
             "cannot change the start of a recorded run",
@@ -111,11 +113,9 @@ def compare(
     if jobs is not None and seeds is None:
         fail("--jobs requires --seeds")
     if len(recorded) == 2:
-        sides = [
-            recorded_run(Path(before), "before"),
-            recorded_run(Path(after), "after"),
-        ]
-        found = compared(*sides, threshold=threshold)
+        one = _recorded(before, world_name, "before")
+        other = _recorded(after, world_name, "after")
+        found = compared(one, other, threshold=threshold)
     elif recorded:
         found = _beside_a_recording(before, after, world_name, threshold)
     else:
@@ -149,22 +149,29 @@ def _beside_a_recording(
     before: str, after: str, world_name: str | None, threshold: float
 ) -> Comparison:
     """Compare a recorded run with a run of a library that begins in the same way."""
-    path = before if before.endswith(RECORDED) else after
-    begun = Recording(Path(path)).begun
+    is_before = before.endswith((RECORDED, SUFFIX))
+    path, library = (before, after) if is_before else (after, before)
+    names = ("before", "after") if is_before else ("after", "before")
+    recorded = _recorded(path, world_name, names[0])
+    begun = recorded.spec
     if begun.world_class and world_name is None:
         fail(
             f"the module of the world `{begun.world_class}` is imported only with "
             f"`--world {begun.world_class}`"
         )
-    named = world_name or begun.world
-    is_before = before.endswith(RECORDED)
-    recorded = recorded_run(Path(path), "before" if is_before else "after")
     if begun.until is None:
         begun = msgspec.structs.replace(begun, until=recorded.now * LONGER)
-    library = load_checked(after if is_before else before)
-    run = _run(library, begun, named, "after" if is_before else "before")
+    named = world_name or begun.world
+    run = _run(load_checked(library), begun, named, names[1])
     one, other = (recorded, run) if is_before else (run, recorded)
     return compared(one, other, threshold=threshold)
+
+
+def _recorded(path: str, world_name: str | None, name: str) -> Side:
+    """Return a recorded run from its trace, or repeat the run of a report."""
+    if path.endswith(SUFFIX):
+        return this_run(shell_of(path, world_name, until=None).history, name)
+    return recorded_run(Path(path), name)
 
 
 def _run(library: Program, spec: RunSpec, world_name: str, name: str) -> Side:

@@ -67,6 +67,19 @@ def test_recorded_run_is_compared_with_a_library(slow: str, tmp_path: Path) -> N
     ]
 
 
+def test_report_of_a_run_is_compared(slow: str, tmp_path: Path) -> None:
+    report, good = str(tmp_path / "run.bug"), tmp_path / "good.jsonl"
+    assert rapc("bug", slow, *SHIFT, "--seed", "1", "-o", report).returncode == 0
+    done = rapc("compare", report, COURIER)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith("time: before 1118, after 831 (-25.7 %)\n")
+    assert "charging.rap:11:1: query `charged` changed" in done.stdout
+    found = rapc("compare", _recorded(COURIER, good), report)
+    assert found.stdout.startswith("time: before 831, after 1118 (+34.5 %)\n")
+    diff = rapc("repl", str(good), "-c", f":diff {report}")
+    assert "here; use `rapc compare`" in " ".join(diff.stdout.split())
+
+
 def test_library_beside_a_recorded_run_is_stopped(tmp_path: Path) -> None:
     trace = tmp_path / "good.jsonl"
     run = ("run", COURIER, "--world", "courier", "--agenda", "shift", "--seed", "1")

@@ -16,6 +16,7 @@ from rapc.debug import costs
 from rapc.debug.account import account_of
 from rapc.debug.answer import Answer, bound_to, question, table
 from rapc.debug.arguments import Arguments
+from rapc.debug.bug import SUFFIX
 from rapc.debug.history import History
 from rapc.debug.log import EventLog, ToldEvent
 from rapc.debug.questions import why
@@ -113,13 +114,8 @@ def this_run(history: History, name: str = "here") -> Side:
     if history.is_run:
         library = history.library.program.library
     explains = history if history.is_run and not history.no_way_back else None
-    now, over, spec, sensors = (
-        history.now,
-        history.over,
-        history.spec,
-        sensors_of(history),
-    )
-    return Side(name, told, now, over, spec, sensors, explains, library)
+    now, spec, sensors = history.now, history.spec, sensors_of(history)
+    return Side(name, told, now, history.over, spec, sensors, explains, library)
 
 
 def recorded_run(path: Path, name: str = "there") -> Side:
@@ -143,6 +139,8 @@ def _other(history: History, args: Arguments) -> Side:
         found = _again(history, seed=args.count("seed"))
     elif word == "library":
         found = _again(history, library=args.word("path of a library"))
+    elif word.endswith(SUFFIX):
+        raise ArgumentError(f"cannot compare with `{word}` here; use `rapc compare`")
     else:
         found = recorded_run(Path(word))
     if not history.over:
