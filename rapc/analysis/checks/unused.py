@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator, Sequence
 
 import msgspec
 
 from rapc.analysis.check import Pass, check
+from rapc.analysis.facts.effects import (
+    EFFECTS,
+    declared_effects,
+    may_establish,
+    rule_effects,
+)
 from rapc.analysis.facts.index import INDEX, Index, NameUse
+from rapc.analysis.facts.logic import Literal, asked_by, fact_name, literals
 from rapc.analysis.facts.names import declared_at
 from rapc.analysis.facts.statistics import THRESHOLDS
 from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.graph import reachable
 from rapc.base.source import Span
 from rapc.ir import nodes
+from rapc.ir.walk import formulas
 from rapc.library.library import Library, name_span
 from rapc.library.signature import Signature
 from rapc.library.signatures import Use
@@ -43,7 +51,7 @@ FORGOTTEN = Rule(
     code="RAP190",
     name="forgotten-rap",
     severity=Severity.WARNING,
-    summary="tasks of the agendas lead to all RAPs but one",
+    summary="tasks lead to all RAPs but the one that brings about a queried fact",
     ignore="where the command line, a program or another library submits the RAP",
     source="T 5.4",
 )
@@ -87,7 +95,11 @@ def _unreached(run: Pass, index: Index) -> Iterator[Diagnostic]:
     unreached = [rap for rap in run.library.raps.values() if rap.name not in reached]
     below = {name for rap in unreached for name in calls.get(rap.name, ())}
     roots = [rap for rap in unreached if rap.name not in below]
-    forgotten = len(roots) == 1 and len(reached) >= THRESHOLDS.all_reached
+    forgotten = (
+        len(roots) == 1
+        and len(reached) >= THRESHOLDS.all_reached
+        and _is_missed(run, roots[0], reached)
+    )
     rule = FORGOTTEN if forgotten else UNREACHED_RAP
     for rap in roots if forgotten else unreached:
         yield rule.at(
@@ -95,6 +107,29 @@ def _unreached(run: Pass, index: Index) -> Iterator[Diagnostic]:
             f"no submitted task leads to `{rap.name}`",
             help="submit the RAP as a task, call the RAP in a step, or remove the RAP",
         )
+
+
+def _is_missed(run: Pass, rap: nodes.DefineRap, reached: Container[str]) -> bool:
+    """Return whether only a RAP brings about what the reached RAPs query."""
+    library, effects = run.library, run.result(EFFECTS)
+    others = [one for one in library.raps.values() if one.name in reached]
+    known = [effect for one in others for effect in effects.known(one.name)]
+    for datum in library.data.values():
+        known += declared_effects(datum.on or ())
+    for rule in library.event_rules:
+        known += rule_effects(rule.rules)
+    asked = {
+        name
+        for one in others
+        for formula in formulas(one)
+        for name in asked_by(library, formula.formula)
+    }
+    goals = [one for one in literals(rap.succeed) if fact_name(one)]
+    promised = [Literal(one.pattern, not one.negated) for one in rap.effects]
+    return any(
+        fact_name(one) in asked and not may_establish(library, one, known)
+        for one in (*goals, *promised)
+    )
 
 
 SINGLETON_VARIABLE = Rule(

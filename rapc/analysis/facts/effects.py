@@ -22,6 +22,7 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
+from types import MappingProxyType
 from typing import Literal as OneOf
 
 import msgspec
@@ -143,13 +144,13 @@ def request_effects(
         if isinstance(term, nodes.Const)
     }
     whole = any(on.result == "okay" for on in form.on)
-    found = [one for on in form.on for one in _declared(on.effects, given)]
+    found = [one for on in form.on for one in declared_effects(on.effects, given)]
     for name in form.tells:
         datum = library.data.get(name)
         if datum is None or datum.on is None:
             whole = False
         else:
-            found += _declared(datum.on, {})
+            found += declared_effects(datum.on)
     return found, whole
 
 
@@ -173,9 +174,11 @@ def request_done(library: Library, request: nodes.Request) -> list[Literal]:
     return put_in(sure, given)
 
 
-def _declared(
-    effects: Iterable[nodes.DeclaredEffect], given: Mapping[str, object]
+def declared_effects(
+    effects: Iterable[nodes.DeclaredEffect],
+    given: Mapping[str, object] = MappingProxyType({}),
 ) -> Iterator[Effect]:
+    """Yield the possible effects that a declaration states."""
     for one in effects:
         values = _values(one.pattern, given)
         yield Effect(one.pattern.name, values, one.negated)

@@ -48,7 +48,7 @@ class Thresholds(msgspec.Struct, frozen=True):
     unnamed_item: int = 3
     #: Minimum number of RAPs that the tasks of agendas reach for the only other RAP
     #: to be forgotten.
-    all_reached: int = 10
+    all_reached: int = 8
     #: Minimum number of primitives with an argument of one kind that all use a thing
     #: named by this argument.
     uses_alike: int = 3
