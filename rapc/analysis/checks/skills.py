@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 
 from rapc.analysis.check import Pass, check
 from rapc.analysis.facts.index import INDEX
-from rapc.base.diagnostics import Diagnostic, Rule, Severity
+from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.ir import nodes
 from rapc.library.library import word_span
 
@@ -50,13 +50,19 @@ def skill_use(run: Pass) -> Iterator[Diagnostic]:
 def _untold_events(run: Pass) -> Iterator[Diagnostic]:
     skills = run.library.skills
     told = {event for skill in skills.values() for event in skill.events or ()}
+    events = run.library.events
+    all_declared = all(skill.events is not None for skill in skills.values())
     around: set[str] | None = set()
     for method in run.result(INDEX).of(nodes.Method):
         around = _joined(around, _told_by(run, method.node.skills))
     for primitive in run.result(INDEX).of(nodes.Skills):
         own = _joined(around, _told_by(run, primitive.node.enable))
-        for wait in primitive.node.waits if own is not None else ():
-            if own is not None and wait.signal in told and wait.signal not in own:
+        if own is None:
+            continue
+        for wait in primitive.node.waits:
+            if wait.signal in own:
+                continue
+            if wait.signal in told or (all_declared and wait.signal in events):
                 yield _untold(run, wait)
 
 
@@ -77,10 +83,11 @@ def _joined(one: set[str] | None, other: set[str] | None) -> set[str] | None:
 
 def _untold(run: Pass, wait: nodes.WaitFor) -> Diagnostic:
     tellers = list(_tellers(run, wait.signal))
+    instead = f"enable {' or '.join(tellers)}, or " if tellers else ""
     return UNTOLD_EVENT.at(
         wait.span,
         f"no enabled skill emits `{wait.signal}`",
-        help=f"enable {' or '.join(tellers)}, or wait for another event",
+        help=f"{instead}wait for another event",
     )
 
 
@@ -129,9 +136,19 @@ NOTHING_AWAITED = Rule(
 )
 
 
+REPEATED_WAIT = Rule(
+    code="RAP197",
+    name="repeated-wait",
+    severity=Severity.WARNING,
+    summary="a primitive waits twice for the same event",
+    ignore="never: the first wait decides",
+    source="S 3.2",
+)
+
+
 @check(NOTHING_AWAITED, needs_whole="method")
 def nothing_awaited(run: Pass) -> Iterator[Diagnostic]:
-    """Find primitives that enable skills and wait for no event."""
+    """Find primitives that enable skills and wait for no event of success."""
     for use in run.result(INDEX).of(nodes.Skills):
         if use.node.enable and not use.node.waits:
             yield NOTHING_AWAITED.at(
@@ -139,3 +156,25 @@ def nothing_awaited(run: Pass) -> Iterator[Diagnostic]:
                 "this primitive waits for no event and ends at once",
                 help="add `(wait-for (:event) :succeed)`",
             )
+        elif use.node.waits and all(wait.mode == "fail" for wait in use.node.waits):
+            yield NOTHING_AWAITED.at(
+                use.node.span,
+                "this primitive waits for no event with which it succeeds",
+                help="add `(wait-for (:event) :succeed)`",
+            )
+
+
+@check(REPEATED_WAIT, needs_whole="method")
+def repeated_waits(run: Pass) -> Iterator[Diagnostic]:
+    """Find primitives that wait twice for the same event."""
+    for use in run.result(INDEX).of(nodes.Skills):
+        first: dict[tuple[str, tuple[nodes.Term, ...]], nodes.WaitFor] = {}
+        for wait in use.node.waits:
+            other = first.setdefault((wait.signal, wait.args), wait)
+            if other is not wait:
+                yield REPEATED_WAIT.at(
+                    wait.span,
+                    f"this primitive waits for `{wait.signal}` twice",
+                    labels=(Label(other.span, "the first wait"),),
+                    help="wait for another event, or remove a wait",
+                )
