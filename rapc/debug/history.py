@@ -26,6 +26,7 @@ from typing import Any, NamedTuple
 
 import msgspec
 
+from rapc import events
 from rapc.base.values import readable
 from rapc.compiler.program import Program
 from rapc.debug.acts import Act
@@ -66,6 +67,20 @@ _SHARE = 12
 _ONLY_TO_LOOK_AT = (
     "not available in a read-only recording: its library or world is missing"
 )
+
+
+_QUIET = (
+    events.TaskCreated,
+    events.TaskSelected,
+    events.MethodChosen,
+    events.MethodEnded,
+    events.TaskBlocked,
+    events.TaskWoken,
+    events.TaskSucceeded,
+    events.TaskFailed,
+    events.TaskRemoved,
+)
+"""The events that change neither beliefs nor the world, if no time passes."""
 
 
 class Stop(msgspec.Struct, frozen=True):
@@ -233,6 +248,9 @@ class History:
         #: The arrivals since the last cycle, the acts so far, and the cycle of the
         #: last saved state.
         self._arrivals = self._done = self._saved = 0
+        #: The time of the last comparison of beliefs with the truth; None if the run
+        #: has since been changed or restored.
+        self._compared: Time | None = None
         self._questions: tuple[object, dict[str, HostQuery]] = (run, {})
         if isinstance(run, Playback):
             self.log = run
@@ -445,8 +463,14 @@ class History:
     def _compare(self, event: Event) -> None:
         """Compare the beliefs with the truth, the first time that a branch is here."""
         partings = self.branch.partings
-        if self._log.elsewhere is None and event.n >= partings.seen:
+        if self._log.elsewhere is not None or event.n < partings.seen:
+            return
+        since = self._log.since(partings.seen)
+        if event.time == self._compared and all(one.kind in _QUIET for one in since):
+            partings.seen = event.n + 1
+        else:
             partings.compare(event, self.run.wrong_beliefs())
+            self._compared = event.time
 
     def _wait(self) -> bool:
         """Run to the next arrival or end of a cycle; return False if the run is over.
@@ -480,6 +504,7 @@ class History:
         if act is not None and _place(act) <= (cycle, self._arrivals):
             self._run = act.act.do(self.run) or self.run
             self._done += 1
+            self._compared = None
             return True
         is_near = act is not None and act.cycle == cycle
         if to is None or cycle == to.cycle or is_near:
@@ -630,6 +655,7 @@ class History:
         run.restore(save.state)
         self._run, self._saved = run, at.cycle
         self._arrivals, self._done = at.arrivals, at.acts
+        self._compared = None
         if self._log.elsewhere is None:
             self._log.serial = self.fresh = self.serial
 
@@ -902,7 +928,7 @@ class History:
         branch.partings = branch.partings.up_to(log.serial)
         for told in found:
             branch.events.add(told)
-        self._run, log.serial = run, run.serial
+        self._run, log.serial, self._compared = run, run.serial, None
         self._done += 1
         branch.end = self.moment
 

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import random
+
 import pytest
 
 import rapc
+from rapc.base.values import Fact
 from rapc.debug.acts import AssertFact
 from rapc.debug.breakpoints import Breakpoint, Breakpoints
 from rapc.debug.history import History
+from rapc.debug.partings import Partings
 from rapc.debug.questions.beliefs import belief
 from rapc.debug.questions.times import timeline
 from rapc.errors import ArgumentError
+from rapc.events import Event, RunEnded, TaskSelected
 from rapc.repl.commands.table import commands
 from rapc.repl.shell import Shell
+from tests.debug import moments
 from tests.debug.sessions import scripted
 from tests.repl.shells import said
 
@@ -148,3 +154,32 @@ def test_breakpoint_stops_at_the_same_cycle_after_going_back() -> None:
     shell.history.goto(60)
     said(shell, ":goto 2", ":break untrue (docked)", ":run")
     assert shell.history.cycle == 6
+
+
+WRONG: dict[str, Fact] = {
+    "courier": ("docked",),
+    "truck": ("truck-heading", "west"),
+    "hallway": ("current-space", "robot", "kitchen"),
+}
+"""A fact that is seldom true, by run."""
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_partings_are_those_of_a_comparison_in_each_cycle(name: str) -> None:
+    session = moments.RUNS[name](400)
+    each = Partings()
+    run, dice = session.run, random.Random(8)
+
+    def compare(event: Event) -> None:
+        if event.n >= each.seen:
+            each.compare(event, run.wrong_beliefs())
+
+    run.listen(compare, TaskSelected, RunEnded)
+    for _ in range(12):
+        session.step(dice.randrange(40))
+        session.act(AssertFact(WRONG[name]))
+        back = session.moment
+        session.goto(dice.randrange(session.cycle + 1))
+        session.goto(back)
+    assert len(each.all) > 3
+    assert session.branch.partings.all == each.all
