@@ -146,6 +146,8 @@ HIDES = (
     # A misspelt value differs from the value in other clauses.
     Row((*_CONSTANTS, "wrong-kind", "kinds-apart"), ("contrary-step",), "library"),
     Row(("unordered-steps",), ("idle-step",), "form"),
+    # A loop as a precondition queries what the loop was to bind.
+    Row(("idle-precondition",), ("uncompared-number", "idle-part"), "form"),
     Row(("unused-claim", "misspelt-thing"), ("vain-claim",), "form"),
 )
 """The findings that are consequences of other findings."""

@@ -301,19 +301,21 @@ NEEDLESS = Rule(
 @check(CONTRARY, NEEDLESS, needs_whole="form")
 def step_conditions(run: Pass) -> Iterator[Diagnostic]:
     """Compare each step with the context and the clauses around the step."""
-    undone: set[str] = set()
+    undone: dict[str, list[Diagnostic]] = {}
     for rap in run.library.raps.values():
         for method in rap.methods:
             for found in _undone_goal(run, rap, method, given_names(rap)):
-                undone.add(rap.name)
-                yield found
+                undone.setdefault(rap.name, []).append(found)
+    for name, there in undone.items():
+        if undone.keys().isdisjoint(set(calls_of(run.library.raps[name])) - {name}):
+            yield from there
     reported: set[Span] = set()
     for rap in run.library.raps.values():
         for method in rap.methods:
             if isinstance(method.body, nodes.TaskNet) and method.body.steps:
                 for found in _steps(run, rap, method, undone):
                     causes = {label.span for label in found.labels}
-                    if found.rule != CONTRARY.name or causes.isdisjoint(reported):
+                    if causes.isdisjoint(reported):
                         yield found
                     reported |= causes
 
@@ -375,6 +377,7 @@ def _steps(
     chosen = at_choice(run, rap, method, given)
     beginnings = Beginnings(run, rap, method, net, chosen, given)
     brought = _brought(run, body.steps)
+    is_sure = not any(step.goal.name in undone for step in body.steps)
     for at, step in enumerate(body.steps):
         called = run.library.raps.get(step.goal.name)
         if called is None or called.name in undone:
@@ -385,11 +388,14 @@ def _steps(
             for found in _contrary_effect(run, step, note, bound):
                 if not _may_change(brought, net, at, note):
                     yield found
-        refused = _Refusal(run, bound).of(step.goal, partial(beginnings.about, at))
-        if refused is not None:
-            yield _cannot_begin(step, *refused)
+        if is_sure:
+            facts = partial(beginnings.about, at)
+            refused = _Refusal(run, bound).of(step.goal, facts)
+            if refused is not None:
+                yield _cannot_begin(step, *refused)
+                continue
         held = [*beginnings.surviving(chosen, at), *beginnings.protected(at)]
-        if held and refused is None:
+        if held:
             terms = input_terms(called, step.goal)
             yield from _needless(run, step, called, terms, held, bound)
 
