@@ -358,6 +358,8 @@ def methods_text(run: Interpreter, requires: Iterable[str] = ()) -> str:
     """
     if not isinstance(run, Interpreter):
         raise ArgumentError(f"`run` is {kind(run)}, no run")
+    if isinstance(requires, str) or not isinstance(requires, Iterable):
+        raise ArgumentError(f"`requires` is {kind(requires)}, not names of files")
     forms: list[Node] = [Require(_text(name)) for name in requires]
     found = run.added_methods
     for name, plans in found.items():

@@ -850,6 +850,7 @@ class Interpreter(Run):
 
         The result is None for a proposition that no fact of memory can match.
         """
+        need_part(part, Proposition, "a proposition", "run.library")
         return evidence.pattern_of(self, part, env)
 
     def obstacle(self, task: Task, method: MethodPlan, env: Env) -> Claim | None:
