@@ -46,13 +46,13 @@ OPTIONS = (
     Option("drift", "number", 1, "", "how much dead reckoning drifts; 1 is usual"),
     Option("usage", "number", 1, "", "how fast the battery is used up; 1 is usual"),
     Option("sonar", "symbol", "ideal", "", "ideal, slant-50, slant-30 or cone"),
-    Option("odometry", "symbol", "body", "", "measures the body or the wheels"),
+    Option("odometry", "symbol", "body", "", "what it measures: body or wheels"),
     Option(
         "careless",
         "number",
         0,
         "",
-        "the part of people's ways without care",
+        "the share of ways on which people do not look",
     ),
 )
 
@@ -100,6 +100,7 @@ class HallwayWorld(SkillWorld):
 
     def __init_subclass__(cls) -> None:
         """Offer the skills of the subclass."""
+        super().__init_subclass__()
         made = catalogue().extended(cls.skills)
         cls.kit = msgspec.structs.replace(cls.kit, offer=offer(made, {BUMP: 0}))
 
