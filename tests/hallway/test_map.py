@@ -7,6 +7,7 @@ import math
 import pytest
 
 from bench.corridors import corridors, toml_text
+from rapc.worlds.hallway.facts import relation
 from rapc.worlds.hallway.map import Map, signs
 from rapc.worlds.hallway.map_checks import check_map
 from rapc.worlds.hallway.map_text import named_map, read_map
@@ -262,3 +263,19 @@ def test_corridors_of_the_bench_are_maps_of_the_world() -> None:
     assert all(_reachable(map) for map in made)
     assert max(doorway.width for map in made for doorway in map.doorway) <= 0.9
     assert min(map.space[0].box[2] for map in made) >= 24
+
+
+@pytest.mark.parametrize("seed", [3, 50, 106, 187])
+def test_relations_tell_how_landmarks_are_turned(seed: int) -> None:
+    """Opposite doorways of a hall can have one place before them, as in 50 and 106."""
+    hung = signs(random_map(seed))
+    pairs = [
+        (one, other)
+        for one in hung
+        for other in hung
+        if one is not other and (one.space, one.floor) == (other.space, other.floor)
+    ]
+    for one, other in pairs:
+        turned = relation(one, other)[0] - relation(other, one)[0] + math.pi
+        off = math.remainder(turned - (other.normal - one.normal), math.tau)
+        assert abs(off) <= 0.11

@@ -13,6 +13,9 @@ from rapc.base.values import Fact, Number, Text, number
 from rapc.worlds.hallway.map import Map, Sign, openings, signs
 from rapc.worlds.hallway.simulation import STANDOFF
 
+SAME = 0.01
+"""The distance below which two places have no direction, in metres."""
+
 
 def map_facts(map: Map) -> Iterator[Fact]:
     """Yield the facts of a map.
@@ -49,12 +52,20 @@ def map_facts(map: Map) -> Iterator[Fact]:
 
 
 def relation(start: Sign, end: Sign) -> tuple[Number, Number]:
-    """Return direction and distance between the robot's places before two landmarks."""
+    """Return direction and distance between the robot's places before two landmarks.
+
+    The directions from one place to the other and back tell how the landmarks are
+    turned: so they are opposite even if the two places are the same.
+    """
     (ax, ay), (bx, by) = start.front(STANDOFF), end.front(STANDOFF)
-    direction = math.atan2(by - ay, bx - ax) - start.normal - math.pi
+    heading, distance = math.atan2(by - ay, bx - ax), math.hypot(bx - ax, by - ay)
+    if distance < SAME:
+        first, _ = sorted((start, end), key=lambda sign: sign.landmark)
+        heading = first.normal + (0.0 if first is start else math.pi)
+    direction = heading - start.normal - math.pi
     return (
         number(round(math.remainder(direction, math.tau), 1)),
-        number(round(math.hypot(bx - ax, by - ay), 1)),
+        number(round(distance, 1)),
     )
 
 

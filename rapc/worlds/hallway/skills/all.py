@@ -71,7 +71,7 @@ SENSORS = (
 )
 
 LOSSY: Mapping[str, Sequence[type[Skill]]] = {
-    "slant-50": (RememberObstacles, TrackLandmarkInSilence, TrackDoorwayInSilence),
+    "slant-50": (RememberObstacles, TrackDoorwayInSilence),
     "slant-30": (RememberCarefully, TrackLandmarkInSilence, TrackDoorwayInSilence),
 }
 """The skills for models of sonars that lose echoes, in place of the usual ones."""
