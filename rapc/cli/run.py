@@ -142,8 +142,6 @@ def run(
         raise click.UsageError("--show-every requires --show")
     if save is not None and until is None:
         raise click.UsageError("--save requires --until")
-    if save is not None and more["faults"]:
-        raise click.UsageError("cannot combine --save and --fault")
     if more["agenda"] is None and not more["tasks"]:
         fail("missing --task or --agenda")
     keep = _keeping(kept)

@@ -11,15 +11,17 @@ import msgspec
 from rapc.base.source import SourceFile
 from rapc.base.values import Atom
 from rapc.compiler.program import Program
+from rapc.debug.acts import ForcedWorld
 from rapc.debug.reload import TakeUp
 from rapc.errors import Error, StateError
 from rapc.host import linked
 from rapc.library.loader import load_sources
+from rapc.library.signatures import Signatures
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.saving.format import RunRecord, decode_run
 from rapc.spec import RunSpec
 from rapc.world import Callables, Time, World
-from rapc.worlds.faults import SubstituteWorld
+from rapc.worlds.faults import FaultyWorld, InjectedFault, problem
 from rapc.worlds.registry import check_options
 
 _MARK = b"rapc-state 1\n"
@@ -31,6 +33,9 @@ class _Contents(msgspec.Struct, frozen=True):
 
     #: The name and the text of each file of the library.
     sources: tuple[tuple[str, str], ...]
+    #: The faults of the world, and whether it may have forced results.
+    faults: tuple[InjectedFault, ...]
+    forced: bool
     run: bytes
 
 
@@ -38,14 +43,18 @@ def state_file(run: Interpreter) -> bytes:
     """Return the contents of the file for the present state of a run.
 
     Raises:
-        StateError: as `Interpreter.save`, and for a run with faults or forced results.
+        StateError: as `Interpreter.save`.
         PortError: if the world breaks while it is saved.
     """
-    if isinstance(run.port.behind, SubstituteWorld):
-        raise StateError(f"cannot save a run with {run.port.behind.has}")
     files = run.library.library.files.values()
     sources = tuple([(file.name, file.text) for file in files])
-    return _MARK + msgspec.json.encode(_Contents(sources, run.save()))
+    world: World = run.port.behind
+    forced = isinstance(world, ForcedWorld)
+    if isinstance(world, ForcedWorld):
+        world = world.behind
+    faults = world.faults if isinstance(world, FaultyWorld) else ()
+    contents = _Contents(sources, faults, forced, run.save())
+    return _MARK + msgspec.json.encode(contents)
 
 
 class SavedState:
@@ -112,8 +121,19 @@ class SavedState:
             before = self._library()
         spec = RunSpec(seed=self.seed, settings=settings.named())
         run = Interpreter.prepared(before, world, spec, functions=functions)
+        run.port.enclose(self._with_faults(world))
         run.restore(self._contents.run)
         return run if before is library else TakeUp(library, ()).do(run)
+
+    def _with_faults(self, world: World) -> World:
+        """Return the world with the faults and forced results of the state."""
+        faults = self._contents.faults
+        for fault in faults:
+            wrong = problem(fault, Signatures.offered(world.kit.offer))
+            if wrong is not None:
+                raise StateError(f"the saved state is damaged: {wrong}")
+        world = FaultyWorld(world, faults, self.seed) if faults else world
+        return ForcedWorld(world) if self._contents.forced else world
 
     def _library(self) -> Program:
         """Return the library of the saved run."""

@@ -178,24 +178,27 @@ class _Run:
         self._unreached: dict[int, nodes.At] = dict(enumerate(case.test.ats))
         self._broken = False
         self._note = ""
-        test = case.test
-        world: World
+        test, library = case.test, case.library
+        later, known = _later_tasks(test), functions(test.answers)
+        tasks = [*map(of_node, test.tasks)]
         self._simulated = named is not None and not test.script
+        #: The tasks and facts that are added to a saved state.
+        self._more: tuple[list[TaskRequest], list[Fact]] | None = None
+        if state is not None and named is not None:
+            self.interpreter = state.continued(library, named, known)
+            named = self.interpreter.port.behind
+        world: World
         if named is not None and self._simulated:
             world = ObservedWorld(named, self._leaving)
         else:
             world = ScriptedWorld(
-                [row_of(row, case.library.signatures) for row in test.script],
-                declared=case.library.library,
+                [row_of(row, library.signatures) for row in test.script],
+                declared=library.library,
                 kit=Kit() if named is None else named.kit,
                 leaving=self._leaving,
             )
         world = world if wrap is None else wrap(world, seed)
-        later, known = _later_tasks(test), functions(test.answers)
-        tasks, library = [*map(of_node, test.tasks)], case.library
-        #: The tasks and facts that are added to a saved state.
-        self._more: tuple[list[TaskRequest], list[Fact]] | None = None
-        if state is None or named is None:
+        if state is None:
             spec = RunSpec(
                 seed=seed,
                 agenda=test.agenda,
@@ -206,7 +209,6 @@ class _Run:
                 library, world, spec, later=later, functions=known
             )
             return
-        self.interpreter = state.continued(library, named, known)
         self.interpreter.port.enclose(world)
         if test.agenda is not None:
             tasks = [*of_agenda(library.library, test.agenda), *tasks]

@@ -181,14 +181,15 @@ class FaultyWorld(SubstituteWorld):
         self, world: World, faults: Sequence[InjectedFault], seed: int
     ) -> None:
         super().__init__(world)
-        self._faults = tuple(faults)
+        #: The faults, in the order in which they are tried.
+        self.faults = tuple(faults)
         self._rng = random.Random(f"{seed}:faults")
         #: The signals that are still to come, soonest first.
         self._held: list[HeldSignal] = []
 
     def perform(self, ticket: int, request: Fact) -> Reply | Refused | None:
         """Fail as a fault requires, or pass the request on."""
-        fault = self._hit(request, [f for f in self._faults if not f.of_signal])
+        fault = self._hit(request, [f for f in self.faults if not f.of_signal])
         if fault is not None:
             return self.answer(request, fault.result)
         return super().perform(ticket, request)
@@ -220,7 +221,7 @@ class FaultyWorld(SubstituteWorld):
         if not (sent or self._held) or not isinstance(sent, tuple | list):
             return sent
         found: list[Message] = []
-        faults = [f for f in self._faults if f.of_signal and f.result != SPURIOUS]
+        faults = [f for f in self.faults if f.of_signal and f.result != SPURIOUS]
         for message in sent:
             fault = None
             if isinstance(message, Signal):
@@ -249,7 +250,7 @@ class FaultyWorld(SubstituteWorld):
         """Switch skills on in the wrapped world; draw the spurious signals."""
         refused: Refused | None = self.behind.activate(ticket, skills, events)
         now = self.now()
-        for fault in self._faults if refused is None else ():
+        for fault in self.faults if refused is None else ():
             told = fault.result == SPURIOUS and fault.request[0] in events
             if told and fault.concerns(fault.request, now) and self._hits(fault):
                 self._hold(fault, fault.request, (ticket,))

@@ -376,6 +376,14 @@ def test_test_begins_in_a_state_with_other_settings(tmp_path: Path) -> None:
     assert statuses(path) == [Status.PASSED]
 
 
+def test_forced_results_are_in_the_state(tmp_path: Path) -> None:
+    shell, path = courier(tmp_path)
+    said(shell, ":to 30", ":force (drive ward-3) blocked 2", ":to 60")
+    told = said(shell, f":export-test {path} 3 succeeds", width=400)
+    assert "it.state" in told
+    assert statuses(path) == [Status.FAILED]
+
+
 def test_state_file_in_the_way_leaves_no_test(tmp_path: Path) -> None:
     shell, path = courier(tmp_path)
     (tmp_path / "it.state").write_text("kept", encoding="utf-8")

@@ -247,6 +247,16 @@ def test_changed_library_continues_a_saved_state(tmp_path: Path) -> None:
     assert happened(outcome) == [under_way]
 
 
+def test_saved_state_keeps_the_faults_of_its_world(tmp_path: Path) -> None:
+    save(tmp_path, 300, "--fault", "(hand-over ? ?) nobody-there")
+    clauses = '(saved-state "it.state") (until 3000) (expect {})'
+    asked = "(primitives-include (hand-over ? ?) (hand-over ? ?))"
+    outcome = outcome_of(tmp_path, clauses.format(asked))
+    assert outcome.status is Status.PASSED, happened(outcome)
+    lost = outcome_of(tmp_path, clauses.format(DELIVERED))
+    assert lost.status is Status.FAILED
+
+
 def test_saved_state_of_another_kind_is_refused(tmp_path: Path) -> None:
     save(tmp_path, 600)
     state = (tmp_path / "it.state").read_bytes()
@@ -325,7 +335,6 @@ def test_run_that_cannot_be_saved_ends_the_command(tmp_path: Path) -> None:
     for more, message in (
         (save_it, "--save requires --until"),
         ((*save_it, "--until", "9000"), "cannot save: the run ended before time 9000"),
-        ((*save_it, "--until", "9", "--fault", "(drive ?) blocked"), "cannot combine"),
     ):
         done = rapc(*RUN, "-q", *more)
         assert done.returncode == 2

@@ -62,8 +62,8 @@ def _export_test(shell: Shell, args: Arguments) -> Answer:
     the simulator, if the world is one: for a failed task, the test fails now.
 
     A test in the simulator repeats the run with its seed, options and tasks. If the run
-    has other settings, or acts that no test can state, the test begins in a saved
-    state, in a file with the suffix `.state`.
+    has other settings, faults, or acts that no test can state, the test begins in a
+    saved state, in a file with the suffix `.state`.
     """
     path = Path(args.word("file"))
     task = 1 if args.peek() in ("", "succeeds") else args.task(shell.history)
@@ -160,7 +160,7 @@ class _Export:
         end = last_cycle(self.told, self.task)
         acts = [done for done in self._done() if done.cycle < end]
         unsaid = [done.cycle for done in acts if type(done.act) not in _SAID]
-        if self._spec.settings != Settings().named():
+        if self._spec.faults or self._spec.settings != Settings().named():
             unsaid.insert(0, 0)
         if not unsaid:
             said = _actions(acts, _SAID)
