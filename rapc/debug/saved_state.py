@@ -120,8 +120,8 @@ class SavedState:
         if library.digest != digest:
             before = self._library()
         spec = RunSpec(seed=self.seed, settings=settings.named())
+        world = self._with_faults(world)
         run = Interpreter.prepared(before, world, spec, functions=functions)
-        run.port.enclose(self._with_faults(world))
         run.restore(self._contents.run)
         return run if before is library else TakeUp(library, ()).do(run)
 
