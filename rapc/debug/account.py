@@ -170,7 +170,8 @@ _ENDS_OF_TASKS: Mapping[type[Event], str] = {
 
 _OF_TASKS: tuple[type[Event], ...] = (
     *(events.TaskSelected, events.TaskBlocked, events.TaskWoken),
-    *(events.MethodSuspended, events.PrimitiveRequested, events.SkillEnabled),
+    *(events.MethodEnded, events.MethodSuspended),
+    *(events.PrimitiveRequested, events.SkillEnabled),
     *_ENDS_OF_TASKS,
 )
 """The events of a live task."""
@@ -329,7 +330,7 @@ class Account:
             task.wait = _Begun(wait, event.on, event.holder, self.now)
         elif kind is events.MethodSuspended:
             task.wait = _Begun(SUSPENDED, event.for_, event.by, self.now)
-        elif kind is events.TaskWoken:
+        elif kind is events.TaskWoken or kind is events.MethodEnded:
             task.wait = self._turn()
         elif kind in _ENDS_OF_TASKS:
             self._end_task(task, event)

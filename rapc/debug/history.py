@@ -746,20 +746,6 @@ class History:
             self._replay(branch.moment_before(cycle + 1))
             self.run.come_to_choice()
 
-    def replayed(self) -> Iterator[Interpreter]:
-        """Yield the run at its beginning, and after each cycle up to now.
-
-        The end of the iteration undoes every change to the run.
-
-        Raises:
-            StateError: if the run cannot go back.
-        """
-        until = self.moment
-        with self.at(0):
-            yield self.run
-            while self.moment < until and self._advance(until):
-                yield self.run
-
     def ahead(self, acts: Iterable[Act], cycles: int) -> list[ToldEvent]:
         """Return the events of the next cycles after given acts, then undo all.
 

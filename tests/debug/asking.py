@@ -277,7 +277,6 @@ QUESTIONS: Mapping[str, Callable[[Asker], object]] = {
     "another branch": lambda one: one.session.told_by("main"),
     "another seed": lambda one: differences.diff(one.session, "seed 3"),
     "timeline": lambda one: times.timeline(one.session),
-    "replayed": lambda one: [run.now for run in one.session.replayed()],
     "idle": lambda one: idle.idle(one.session, "wheels"),
     "waits": lambda one: times.waits(one.session),
     "waits of a task": lambda one: times.waits(one.session, str(one.task())),

@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
-from itertools import pairwise
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from typing import Any
 
+from rapc import events
 from rapc.base.names import hint
 from rapc.base.values import Fact, format_atom, format_list, number, readable
+from rapc.debug.account import Account, Wait
 from rapc.debug.answer import Answer, question, table
 from rapc.debug.arguments import Arguments, read_pattern
 from rapc.debug.history import History
 from rapc.debug.questions.times import account
-from rapc.debug.questions.why_not import methods
 from rapc.errors import ArgumentError
+from rapc.events import Goal
 from rapc.ir import nodes
 from rapc.ir.walk import steps
 from rapc.library.library import Library
-from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.state.states import ELIGIBLE
 from rapc.world import Time
 
 _MOST = 10
@@ -31,27 +31,47 @@ def idle(history: History, args: Arguments) -> Answer:
     """List the times at which a thing was idle, and the tasks that could have used it.
 
     A thing is idle while no method holds the thing and no request uses it. For each
-    interval, the answer lists the tasks that at its beginning had no method under way,
-    could go on or waited for another thing, and lead to a use of the thing. Tasks that
-    wait for a monitor, a time or the steps before them are left out. `could choose` has
-    the methods whose contexts held. The 10 longest intervals are listed.
+    interval, the answer lists the tasks that lead to a use of the thing and meanwhile
+    waited for another thing or request, were suspended, or waited for their selection.
+    Tasks that waited for a monitor, a time, a signal or the steps before them are left
+    out. The 10 longest intervals are listed.
     """
-    thing = _thing(history.library.program.library, args.word("thing"))
-    found = idle_times(history, thing)
+    library = history.library.program.library
+    thing = _thing(library, args.word("thing"))
+    whole = account(history)
+    found = _idle_times(history, whole, thing)
     longest = sorted(found, key=lambda one: one[0] - one[1])[:_MOST]
-    leading = _leading(history.library.program.library, str(thing[0]))
-    cycles = _cycles(history)
-    rows = [
-        (start, stop, stop - start, *row)
-        for start, stop in sorted(longest)
-        for row in _could(history, _cycle_at(cycles, start), leading)
-    ]
+    waits = [one for one in whole.waits if _could_use(one)]
+    leading = _leading(library, str(thing[0]))
+    waits = [one for one in waits if one.goal[1:-1].split(" ")[0] in leading]
+    rows = [row for interval in sorted(longest) for row in _rows(interval, waits)]
     total, now = sum(stop - start for start, stop in found), history.now
     share = f", {100 * total / now:.0f} %" if now else ""
     said = format_atom(thing[0]) if len(thing) == 1 else format_list(thing)
     shown = f"{readable(number(round(total, 2)))} of {readable(now)}{share}"
-    columns = ("from", "to", "time", "task", "goal", "waits for", "could choose")
+    columns = ("from", "to", "task", "goal", "waited", "for", "of")
     return table(columns, rows, none="never idle", notes=[f"{said} idle: {shown}"])
+
+
+def _could_use(wait: Wait) -> bool:
+    """Return whether a task waited for another task, or for its selection."""
+    return wait.by is not None or wait.kind == "turn"
+
+
+def _rows(interval: _Interval, waits: Sequence[Wait]) -> Iterator[tuple[object, ...]]:
+    """Yield a row for each task that could have used a thing in an interval."""
+    start, stop = interval
+    waited: dict[tuple[object, ...], Time] = {}
+    for one in waits:
+        took = min(one.stop, stop) - max(one.start, start)
+        if took > 0:
+            key = (one.task, one.goal, one.on, one.by)
+            waited[key] = waited.get(key, 0) + took
+    longest = sorted(waited.items(), key=lambda item: -item[1])
+    for (task, goal, on, by), took in longest:
+        yield start, stop, f"[{task}]", goal, took, on, by and f"[{by}]"
+    if not waited:
+        yield start, stop, None, "no task could use it", None, None, None
 
 
 def _thing(library: Library, text: str) -> Fact:
@@ -90,20 +110,19 @@ def idle_times(history: History, thing: Fact) -> list[_Interval]:
     """Return the intervals in which no method held a thing and no request used it.
 
     Raises:
-        StateError: if the run cannot go back.
+        StateError: if the log has dropped events and the run cannot go back.
     """
+    return _idle_times(history, account(history), thing)
+
+
+def _idle_times(history: History, whole: Account, thing: Fact) -> list[_Interval]:
     library = history.library.program.library
     used = [
         (spell.start, spell.stop)
-        for spell in account(history).spells
+        for spell in whole.spells
         if any(thing in _used_by(library, part) for part in spell.parts)
     ]
-    samples: list[tuple[Time, bool]] = [
-        (run.now, any(claim.thing == thing for claim in run.claims()))
-        for run in history.replayed()
-    ]
-    samples.append((history.now, False))
-    used += [(one[0], two[0]) for one, two in pairwise(samples) if one[1]]
+    used += _claimed(history, library, thing)
     found: list[_Interval] = []
     reached: Time = 0
     for start, stop in sorted(used):
@@ -115,6 +134,44 @@ def idle_times(history: History, thing: Fact) -> list[_Interval]:
     return found
 
 
+_ENDS = (
+    *(events.MethodEnded, events.MethodSuspended),
+    *(events.TaskSucceeded, events.TaskFailed, events.TaskRemoved),
+)
+"""The events that end the method of a task."""
+
+
+def _claimed(history: History, library: Library, thing: Fact) -> Iterator[_Interval]:
+    """Yield the intervals in which a method under way claimed a thing."""
+    claims = {
+        (rap.name, str(method.name or f"#{number}")): (rap, claim)
+        for rap in library.raps.values()
+        for number, method in enumerate(rap.methods, 1)
+        for claim in method.claims
+        if claim.name == thing[0]
+    }
+    if not claims:
+        return
+    goals: dict[int, Goal] = {}
+    since: dict[int, Time] = {}
+    kinds = (events.TaskSelected, events.MethodChosen, *_ENDS)
+    for told in history.scan(*kinds):
+        task = told.keys["task"]
+        if told.kind is events.TaskSelected:
+            goals[task] = told.keys["goal"]
+        elif told.kind is events.MethodChosen:
+            found = claims.get((told.keys["rap"], told.keys["method"]))
+            if found is not None:
+                rap, claim = found
+                inputs = [one.name for one in rap.inputs]
+                bound = dict(zip(inputs, goals[task].inputs, strict=False))
+                if _filled_in(claim, {**bound, **told.keys["bindings"]}) == thing:
+                    since[task] = told.time
+        elif task in since:
+            yield since.pop(task), told.time
+    yield from ((start, history.now) for start in since.values())
+
+
 def _used_by(library: Library, request: Fact) -> list[Fact]:
     """Return the things that a request or a skill uses, as declared."""
     name, *given = request
@@ -123,15 +180,17 @@ def _used_by(library: Library, request: Fact) -> list[Fact]:
         return []
     names = [one.variable.name for one in form.args]
     bound = dict(zip(names, given, strict=False))
-    found = []
-    for thing in form.uses:
-        values = [
-            term.value if isinstance(term, nodes.Const) else bound.get(term.name)
-            for term in thing.args
-            if isinstance(term, nodes.Const | nodes.Var)
-        ]
-        found.append((thing.name, *(one for one in values if one is not None)))
-    return found
+    return [_filled_in(thing, bound) for thing in form.uses]
+
+
+def _filled_in(thing: nodes.Thing, bound: Mapping[str, Any]) -> Fact:
+    """Return a thing with the values of its variables; computed terms are left out."""
+    values = [
+        term.value if isinstance(term, nodes.Const) else bound.get(term.name)
+        for term in thing.args
+        if isinstance(term, nodes.Const | nodes.Var)
+    ]
+    return (thing.name, *(value for value in values if value is not None))
 
 
 # --- the tasks ----------------------------------------------------------------------
@@ -165,39 +224,3 @@ def _uses(library: Library, rap: nodes.DefineRap, name: str) -> bool:
         if any(one.name == name for one in things):
             return True
     return False
-
-
-def _cycles(history: History) -> list[Time]:
-    """Return the time at the end of each cycle, from 0 on."""
-    ends: dict[int, Time] = {}
-    for told in history.scan():
-        ends[told.cycle] = told.time
-    return [ends.get(cycle, 0) for cycle in range(history.cycle + 1)]
-
-
-def _cycle_at(ends: Sequence[Time], time: Time) -> int:
-    """Return the last cycle that had ended at a time."""
-    return max((n for n, end in enumerate(ends) if end <= time), default=0)
-
-
-def _could(
-    history: History, cycle: int, leading: Collection[str]
-) -> Iterator[tuple[object, ...]]:
-    """Yield the tasks at the end of a cycle that lead to a use of a thing."""
-    with history.at(cycle) as run:
-        blocked = {number for claim in run.claims() for number in claim.waiting}
-        rows: list[tuple[object, ...]] = [
-            (f"[{one.task}]", str(one.goal), one.waits_for, _choices(run, one.task))
-            for one in run.agenda()
-            if (one.state == ELIGIBLE or one.task in blocked)
-            and one.goal.name in leading
-        ]
-    yield from rows or [(None, "no task could use it", None, None)]
-
-
-def _choices(run: Interpreter, number: int) -> str:
-    """Return the methods of a task that could be chosen now."""
-    task = run.task(number)
-    if not task.bound:
-        return ""
-    return " ".join(one.name for one in methods(run, task) if one.holds)

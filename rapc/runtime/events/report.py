@@ -35,7 +35,7 @@ OF_GOALS: tuple[type[events.Event], ...] = (
     *OF_DECISIONS,
     *(events.RunStarted, events.TaskSelected, events.TaskBlocked),
     *(events.TaskSucceeded, events.TaskFailed, events.TaskRemoved),
-    *(events.MethodSuspended, events.RequestRefused),
+    *(events.MethodEnded, events.MethodSuspended, events.RequestRefused),
     *(events.SkillDisabled, events.SignalReceived),
 )
 """The kinds of events that show what kept the goals of a run."""
