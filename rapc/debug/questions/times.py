@@ -122,7 +122,7 @@ def timeline(history: History, args: Arguments) -> Answer:
     Each request and skill is listed at its start, with the events reported by the
     skill. A wrong belief is listed too, if the world tells the truth. If several
     requests or skills overlap, the last to start counts for its family. A time without
-    them counts for the wait that ended it; `:waits` lists all waits.
+    them counts for one of the waits; `:waits` lists all waits.
     """
     start = args.time("time") if args else 0
     stop = args.time("time") if args else None
