@@ -613,7 +613,7 @@ class History:
             at = max(at, self.branch.moment_after(cycle))
         self._put_back(at)
         found = self.moment
-        while self.now <= time and self._wait():
+        while self.now <= time and self._run_cycle(arrivals=True) is None:
             found = self.moment if self.now <= time else found
         if self.over or self.moment != found:
             self._put_back(found)

@@ -8,13 +8,16 @@ from collections import deque
 import pytest
 
 import rapc
+from rapc.base.values import Fact
 from rapc.debug.acts import AssertFact, FailTask, SubmitTask
 from rapc.debug.history import Branch, History, Moment
 from rapc.debug.log import EventLog, ToldEvent
 from rapc.errors import ArgumentError, StateError
 from rapc.runtime.task_request import read_task_request
+from rapc.world import Refused, Reply
+from rapc.worlds.scripted import ScriptedWorld
 from tests.debug import long, moments
-from tests.debug.sessions import truck
+from tests.debug.sessions import row, truck
 from tests.effort import first
 
 
@@ -355,3 +358,35 @@ def test_pause_before_the_continuation_counts() -> None:
     session.pause()
     session.pause(False)
     assert session.go().kind == "over"
+
+
+class _Breaking(ScriptedWorld):
+    """A world that breaks at the time 2."""
+
+    def perform(self, ticket: int, request: Fact) -> Reply | Refused | None:
+        if self.now() >= 2:
+            raise RuntimeError("the arm is off")
+        return super().perform(ticket, request)
+
+
+def test_times_before_the_break_of_a_world_are_reached() -> None:
+    text = """
+    (declare-primitive act (?x) (okay))
+    (define-rap (top) (method (task-net
+      (t1 (use a) (for t2)) (t2 (use b) (for t3)) (t3 (use c)))))
+    (define-rap (use ?x) (method (primitive (act ?x))))
+    """
+    library = rapc.loads(text, "small.rap")
+    world = _Breaking([row("(act ?)")], declared=library.program.library)
+    session = History.open(library, world, tasks=["(top)"])
+    assert session.go().kind == "broken"
+    stood = set()
+    for start in (10**6, 0, 2):
+        session.goto(start)
+        session.goto_time(1.5)
+        assert session.now <= 1.5
+        assert not session.over
+        stood.add((session.moment, session.run.save()))
+    assert len(stood) == 1
+    session.goto_time(2)
+    assert session.now == 2
