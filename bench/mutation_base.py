@@ -120,13 +120,6 @@ def misspell(base: Base, span: Span) -> Edit:
     return Edit(span, misspelt(base.text(span)))
 
 
-def denied(base: Base, formula: nodes.Formula) -> str:
-    """Return the text of the contrary of a formula: a denial loses its `not`."""
-    if isinstance(formula, nodes.Not):
-        return base.text(formula.part.span)
-    return f"(not {base.text(formula.span)})"
-
-
 def swap(base: Base, one: Span, other: Span) -> Edit:
     between = base.files[one.file].text[one.end : other.start]
     whole = Span(one.file, one.start, other.end)

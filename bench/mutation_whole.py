@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from os.path import basename
 
-from bench.mutation_base import Base, Edit, Kind, denied
+from bench.mutation_base import Base, Edit, Kind, negated
 from rapc.analysis.facts.logic import is_never
 from rapc.base.source import Span
 from rapc.ir import nodes
@@ -68,7 +68,8 @@ def _standing_with_a_goal(base: Base) -> Iterator[Edit]:
     """What a standing task brings about is made its goal."""
     for rap in base.raps:
         if _stands(rap) and rap.succeed is not None and rap.monitor_state is not None:
-            yield Edit(rap.succeed.span, denied(base, rap.monitor_state))
+            goal = negated(base, rap.monitor_state)
+            yield Edit(rap.succeed.span, goal.content)
 
 
 def _stands(rap: nodes.DefineRap) -> bool:
