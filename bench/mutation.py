@@ -25,6 +25,7 @@ import msgspec
 
 from bench import (
     mutation_harmless,
+    mutation_more,
     mutation_plans,
     mutation_sense,
     mutation_taken,
@@ -50,6 +51,7 @@ KINDS: Mapping[str, tuple[str, Kind]] = {
     **mutation_taken.KINDS,
     **mutation_whole.KINDS,
     **mutation_plans.KINDS,
+    **mutation_more.KINDS,
     **mutation_tests.KINDS,
 }
 """Every kind of slip, with the group that it is of."""
@@ -149,6 +151,14 @@ NOT_SURE: Mapping[str, str] = {
     "precondition dropped": "no: a RAP may as well be tried",
     "`succeed` dropped": "where a goal rests on it alone",
     "result of another primitive": "where all that the steps can bring is declared",
+    "general case of a memory rule first": "where the case before takes all results",
+    "`until` another step": "where that step cannot end this one",
+    "`until-start` for both ends": "where the two steps run at the same time",
+    "standing tasks of one priority": "where one fact wakes both",
+    "fact of a monitor made a context": "where that fact changes",
+    "belief a hundredth as old": "where a standing task looks at times",
+    "claims the other way round": "where other tasks claim the things in order",
+    "another skill enabled": "where an event, a kind or a thing tells",
     "`never` of a thing that is not there": "where the constant stands nowhere else",
     "limit of a loop dropped": "where nothing else ends the loop",
     "`repeat-while` negated": "where it bound a variable, or contradicts a context",

@@ -48,6 +48,12 @@ HIDES = (
         ),
         "form",
     ),
+    # A query that uses itself in place of a fact has the arguments of that fact.
+    Row(
+        ("query-in-a-circle",),
+        ("unbound-variable", "not-a-fact"),
+        "form",
+    ),
     # An unexpected word may be a variable without its question mark.
     Row((*_CONSTANTS, "wrong-kind"), ("unbound-variable", "marked-constant"), "name"),
     # A fact in place of a computed value binds no variable, against the intention.

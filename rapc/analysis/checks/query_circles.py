@@ -41,6 +41,12 @@ def _finding(
 ) -> Diagnostic:
     first, *others = circle
     through = f", through {', '.join(f'`{name}`' for name in others)}" if others else ""
+    use = next(
+        part
+        for name in reversed(circle)
+        for part in walk.subformulas(queries[name].formula)
+        if isinstance(part, nodes.Proposition) and part.name == first
+    )
     return CIRCLE.at(
         queries[first].name_span,
         f"query `{first}` uses itself{through}",
@@ -49,6 +55,7 @@ def _finding(
                 Label(queries[n].name_span, "this query is part of the cycle")
                 for n in others
             ]
+            + [Label(use.span, f"uses `{first}`")]
         ),
         help="use a RAP with `repeat-while`, or declare a function",
     )
