@@ -707,13 +707,13 @@ def _missing_order(
     for needed in _needed(run, step.goal):
         name = fact_name(needed)
         there = brought.get(name, ())
-        if not needed.holds or name in sure or _is_any(run, needed):
+        if name in sure or (needed.holds and _is_any(run, needed)):
             continue
         if len(there) > LIMITS.steps_of_fact:
             continue
-        there = [(by, one) for by, one in there if one.holds]
+        there = [(by, one) for by, one in there if one.holds is needed.holds]
         late = [(by, one) for by, one in there if not net.is_before(by, at)]
-        if len(late) < len(there):
+        if needed.holds and len(late) < len(there):
             continue
         for by, one in late:
             if by not in (at, *net.early) and _is_one(run, needed, one):
@@ -735,7 +735,11 @@ def _is_any(run: Pass, needed: Literal) -> bool:
 
 
 def _is_one(run: Pass, needed: Literal, brought: Literal) -> bool:
-    """Return whether a fact that a step brings about meets a need."""
+    """Return whether a fact that a step brings about meets a need, or a part of it.
+
+    If a step requires that no thing is in a state, other steps each see to one thing.
+    """
+    needed, brought = Literal(needed.formula, True), Literal(brought.formula, True)
     names = variable_names(needed.formula)
     free = {name for name in names if name.endswith(_NEED)}
     return bool(follows([needed], [brought], free, run.signatures.relations))

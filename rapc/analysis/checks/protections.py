@@ -337,7 +337,38 @@ def vain_protection(run: Pass) -> Iterator[Diagnostic]:
     for rap, method, net in sure_nets(run) if run.complete else ():
         notes = [note for step in steps(method) for note in step.annotations]
         if any(isinstance(n, nodes.For) and n.formula is not None for n in notes):
-            yield from _of_net(run, rap, method, net, known)
+            misplaced = list(_misplaced(run, steps(method), net))
+            yield from misplaced or _of_net(run, rap, method, net, known)
+
+
+def _misplaced(
+    run: Pass, steps: Sequence[nodes.Step], net: Net
+) -> Iterator[Diagnostic]:
+    """Yield protected facts that an earlier step guarantees, and this step may undo."""
+    every = [
+        {one.formula for one in done(run.library, step.goal) if one.holds}
+        for step in steps
+    ]
+    brought: dict[nodes.Formula, list[int]] = {}
+    for by, facts in enumerate(every):
+        for fact in facts:
+            brought.setdefault(fact, []).append(by)
+    for at, note, wanted in _protected(steps):
+        there = brought.get(wanted.formula, [])
+        if not wanted.holds or at in there or len(there) != 1:
+            continue
+        (by,) = there
+        changes = run.result(EFFECTS).changes(steps[at].goal.name)
+        if changes is not None and fact_name(wanted) not in changes:
+            continue
+        if by not in net.early and net.is_before(by, at):
+            yield VAIN.at(
+                note.span,
+                f"step `{steps[at].tag}` does not bring about "
+                f"`{format_formula(wanted.formula)}`, step `{steps[by].tag}` does",
+                labels=(Label(steps[by].goal.span, "guaranteed here"),),
+                help=f"write the formula at step `{steps[by].tag}`",
+            )
 
 
 def _asked(rap: nodes.DefineRap) -> set[str]:
