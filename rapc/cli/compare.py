@@ -31,6 +31,7 @@ from rapc.debug.questions.differences import (
     recorded_run,
     this_run,
 )
+from rapc.experiments.definition import MOST_SEEDS
 from rapc.spec import RunSpec
 
 EXAMPLES = """\b
@@ -40,8 +41,6 @@ Examples:
   rapc compare customer.bug my-library/
   rapc compare old/ new/ --world courier --agenda shift --until 3000 --seeds 30
 """
-
-_MOST_SEEDS = 10_000
 
 _MOST_PROCESSES = 1000
 
@@ -60,7 +59,7 @@ _THRESHOLD = 5
 @until_option
 @click.option(
     "--seeds",
-    type=WholeNumber(_MOST_SEEDS),
+    type=WholeNumber(MOST_SEEDS),
     metavar="N",
     help="Compare N runs of each library, from --seed on.",
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import zip_longest
 from pathlib import Path
@@ -14,13 +15,14 @@ from rapc.base.source import place
 from rapc.base.values import Fact, format_list, readable
 from rapc.debug import costs
 from rapc.debug.account import account_of
-from rapc.debug.answer import Answer, bound_to, question, table
+from rapc.debug.answer import Answer, question, table
 from rapc.debug.arguments import Arguments
 from rapc.debug.bug import SUFFIX
 from rapc.debug.history import History
 from rapc.debug.log import EventLog, ToldEvent
 from rapc.debug.questions import why
 from rapc.debug.questions.times import sensors_of
+from rapc.debug.questions.why_not import in_words
 from rapc.debug.recording import Playback, Recording
 from rapc.debug.reload import differing
 from rapc.errors import ArgumentError, Error, StateError
@@ -281,13 +283,20 @@ def _lines(found: Difference, here: Side, there: Side) -> Iterator[str]:
     sides = ((here, found.here), (there, found.there))
     cycle = next(one.cycle for one in (found.here, found.there) if one is not None)
     yield f"first different decision, in cycle {cycle}:"
-    for side, other, told, beside in (
-        (*(here, there), *(found.here, found.there)),
-        (*(there, here), *(found.there, found.here)),
+    reasons = [
+        _reasons(here, found.here, found.there),
+        _reasons(there, found.there, found.here),
+    ]
+    common = {_FOLDER.sub("", line) for line in reasons[0]}
+    common &= {_FOLDER.sub("", line) for line in reasons[1]}
+    for side, other, told, beside, lines in (
+        (*(here, there), *(found.here, found.there), reasons[0]),
+        (*(there, here), *(found.there, found.here), reasons[1]),
     ):
         yield f"  {side.name}: {_decision(told)}"
         if told is not None:
-            yield from (f"    {line}" for line in _reasons(side, told))
+            own = [one for one in lines if _FOLDER.sub("", one) not in common]
+            yield from (f"    {line}" for line in own[:_MOST_REASONS])
             if beside is None or beside.keys["task"] != told.keys["task"]:
                 yield f"    {other.name}: {_state_at(other, told)}"
     if found.before is not None:
@@ -303,7 +312,8 @@ def _decision(told: ToldEvent | None) -> str:
     if told.kind is events.TaskSelected:
         return f"{keys['goal']} [{keys['task']}] was selected {at}"
     chose = f"[{keys['task']}] chose {keys['method']} of {keys['rap']} {at}"
-    return f"{chose}{bound_to(keys['bindings'])}"
+    bound = [f"{name} {readable(value)}" for name, value in keys["bindings"].items()]
+    return f"{chose} with {' '.join(bound)}" if bound else chose
 
 
 def _event(told: ToldEvent | None) -> str:
@@ -326,19 +336,32 @@ _MOST_REASONS = 8
 """The highest number of lines about the reasons of a decision."""
 
 
-def _reasons(side: Side, told: ToldEvent) -> list[str]:
-    """Return the reasons of a decision: from the events, and from a replay."""
+_FOLDER = re.compile(r"[^\s()]*[/\\](?=[^/\\\s]+\.rap:[0-9])")
+"""The folder in the position of a definition."""
+
+
+def _reasons(side: Side, told: ToldEvent | None, beside: ToldEvent | None) -> list[str]:
+    """Return the reasons of a decision: from the events, and from a replay.
+
+    Of the methods of a task, only those that one of the two sides chose are explained,
+    unless both chose the same method.
+    """
+    if told is None:
+        return []
     found = list(_grounds(side, told))
-    if side.history is not None:
-        try:
-            choice, doing = why.reasons(side.history, told.keys["task"], told.cycle)
-        except (ArgumentError, StateError):
-            return found
-        if told.kind is events.TaskSelected:
-            found += list(why.of_choice(choice))[1:]
-        else:
-            found += list(why.of_doing(doing))[1:]
-    return [line.strip() for line in found[:_MOST_REASONS]]
+    if side.history is None:
+        return found
+    try:
+        choice, doing = why.reasons(side.history, told.keys["task"], told.cycle)
+    except (ArgumentError, StateError):
+        return found
+    if told.kind is events.TaskSelected:
+        return found + [line.strip() for line in list(why.of_choice(choice))[1:]]
+    chosen = {one.keys.get("method") for one in (told, beside) if one is not None}
+    for method in doing.methods if len(chosen) > 1 else ():
+        if method.name in chosen:
+            found.append(f"method {method.name}: {in_words(method)}")
+    return found + [str(origin) for origin in doing.rests_on]
 
 
 def _grounds(side: Side, told: ToldEvent) -> Iterator[str]:
