@@ -92,7 +92,7 @@ def repl(
     if sys.stdin.isatty() and sys.stdout.isatty() and not (given or as_json):
         from rapc.repl.prompt import Prompt, history_file
 
-        history = history_file()
+        history = history_file(path)
         Prompt(shell, color=color, history=history).run()
         return
     texts = given or inputs(sys.stdin)

@@ -6,6 +6,7 @@ All code that depends on terminals is in this module. Not here: the meaning of a
 
 from __future__ import annotations
 
+import hashlib
 import os
 import shutil
 import signal
@@ -186,18 +187,20 @@ class Prompt:
         words = [f"time {readable(history.now)}", f"cycle {history.cycle}"]
         if history.branch.name != "main":
             words.append(history.branch.name)
-        selected = history.selected
-        entries = {entry.task: entry for entry in history.run.agenda()}
-        entry = entries.get(selected or 0)
-        if entry is not None:
-            words.append(f"[{entry.task}] {entry.goal}")
-            top = entries.get(entry.family)
-            if top is not None and top is not entry:
-                words.append(f"for [{top.task}] {top.goal}")
         if history.over:
             words.append(f"ended ({history.reason})")
-        width = shutil.get_terminal_size().columns
-        return visible("  ".join(words))[: max(width - 1, 1)]
+        entries = {entry.task: entry for entry in history.run.agenda()}
+        entry = entries.get(history.selected or 0)
+        more: list[str] = []
+        if entry is not None:
+            more.append(f"[{entry.task}] {entry.goal}")
+            top = entries.get(entry.family)
+            if top is not None and top is not entry:
+                more.append(f"for [{top.task}] {top.goal}")
+        width = shutil.get_terminal_size().columns - 1
+        while more and len("  ".join([*words, *more])) > width:
+            more.pop()
+        return visible("  ".join([*words, *more]))[: max(width, 1)]
 
 
 @contextmanager
@@ -251,10 +254,17 @@ def _is_typed(prompt: Application[str]) -> bool:
     return prompt.future is not None and not prompt.future.done()
 
 
-def history_file() -> Path:
-    """Return the path of the file that keeps inputs between sessions."""
+def history_file(path: str | None) -> Path:
+    """Return the path of the file that keeps inputs between sessions.
+
+    Args:
+        path: the library or the recording; each has inputs of its own.
+    """
     state = os.environ.get("XDG_STATE_HOME") or "~/.local/state"
-    return Path(state).expanduser() / "rapc" / "history"
+    whole = str(Path(path).resolve()) if path else ""
+    digest = hashlib.sha256(whole.encode("utf-8", "surrogateescape")).hexdigest()
+    name = f"{Path(whole).name or 'typed'}-{digest[:12]}"
+    return Path(state).expanduser() / "rapc" / "inputs" / name
 
 
 def _history(path: Path | None) -> History:

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from rapc.repl.complete import candidates
+from rapc.repl.prompt import history_file
 from tests.effort import first
 from tests.repl.shells import truck_shell
 from tests.repl.terminal import Terminal
@@ -92,12 +93,25 @@ def test_ctrl_c_pauses_a_run(tmp_path: Path) -> None:
     assert terminal.leave() == 0
 
 
+def test_inputs_are_kept_for_each_library(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    monkeypatch.chdir(tmp_path)
+    one, other = history_file("one/robot"), history_file("two/robot")
+    assert one != other
+    assert one == history_file(str(tmp_path / "one" / "robot"))
+    assert one.name.startswith("robot-")
+    assert history_file(None).name.startswith("typed-")
+
+
 def test_inputs_are_kept_from_one_session_to_the_next(tmp_path: Path) -> None:
     terminal = Terminal(80, tmp_path, *TASK)
     terminal.see("Ctrl-D quits")
     terminal.ask(":to 7", "cycle 7, time 0")
     terminal.leave()
-    assert ":to 7" in (tmp_path / ".local/state/rapc/history").read_text()
+    [kept] = (tmp_path / ".local/state/rapc/inputs").iterdir()
+    assert ":to 7" in kept.read_text()
     again = Terminal(80, tmp_path, *TASK)
     again.see("Ctrl-D quits")
     again.see("cycle 0")
