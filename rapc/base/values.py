@@ -9,6 +9,7 @@ Not here: resources, that is, sets and counters (`rapc.base.resources`).
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
@@ -132,6 +133,14 @@ def readable(value: object) -> str:
         shown = round(value, _DECIMALS) or float(f"{value:.{_DECIMALS}g}")
         return format_atom(number(shown))
     return format_atom(value)
+
+
+_LONG_NUMBER = re.compile(rf"(?<![\w.])-?\d+\.\d{{{_DECIMALS + 1},}}(?![\w.])")
+
+
+def readable_numbers(text: str) -> str:
+    """Return a text for people, with each long number as `readable` returns it."""
+    return _LONG_NUMBER.sub(lambda found: readable(float(found[0])), text)
 
 
 def format_list(parts: Iterable[object]) -> str:

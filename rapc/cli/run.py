@@ -17,7 +17,7 @@ import msgspec
 from rapc.analysis.facts.effects import endless, reached
 from rapc.base.interrupts import interrupts_held
 from rapc.base.outputs import SAVED_STATE, TRACE
-from rapc.base.values import format_list, readable
+from rapc.base.values import format_list, readable, readable_numbers
 from rapc.base.visible import visible, visible_lines
 from rapc.cli.common import (
     PIPED_WIDTH,
@@ -301,14 +301,14 @@ def _ended_by_interrupts(interpreter: Interpreter) -> Iterator[None]:
 
 
 class _Shown:
-    """A stream that replaces control characters in texts of a world."""
+    """A stream for people: with readable numbers, without control characters."""
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
 
     def write(self, text: str) -> int:
-        """Write `text` with visible symbols for its control characters."""
-        return self._stream.write(visible_lines(text))
+        """Write `text` with readable numbers and visible control characters."""
+        return self._stream.write(visible_lines(readable_numbers(text)))
 
     def flush(self) -> None:
         """Flush the stream."""

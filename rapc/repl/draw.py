@@ -18,6 +18,7 @@ from rich.padding import Padding
 from rich.table import Table as RichTable
 from rich.text import Text
 
+from rapc.base.values import readable_numbers
 from rapc.base.visible import visible_lines
 from rapc.debug.answer import Answer, Table, shown
 
@@ -39,6 +40,8 @@ _HANG = 2
 def draw(answer: Answer, width: int, *, color: bool) -> str:
     """Return an answer as text; each line ends with a line break.
 
+    Long numbers are rounded to 6 decimals, except in RAP text.
+
     Args:
         answer: the answer.
         width: the width in characters.
@@ -58,11 +61,11 @@ def draw(answer: Answer, width: int, *, color: bool) -> str:
     )
     style = "red" if answer.failed else ""
     for line in answer.lines:
-        _line(console, line, style)
+        _line(console, line if answer.is_code else readable_numbers(line), style)
     if answer.table is not None:
         _print_table(console, answer.table)
     for line in answer.notes:
-        _line(console, line, "")
+        _line(console, readable_numbers(line), "")
     return "".join(_without_trailing_space(stream.getvalue(), color))
 
 
@@ -103,7 +106,10 @@ def _print_table(console: Console, table: Table) -> None:
         for at in range(len(table.columns))
         if any(r[at] not in (None, "") for r in table.rows)
     ]
-    cells = [[visible_lines(shown(row[at])) for at in shows] for row in table.rows]
+    cells = [
+        [visible_lines(readable_numbers(shown(row[at]))) for at in shows]
+        for row in table.rows
+    ]
     names = [table.columns[at] for at in shows]
     columns = list(zip(names, *cells, strict=True))
     least = [

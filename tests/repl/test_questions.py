@@ -8,6 +8,7 @@ from __future__ import annotations
 import pytest
 
 import rapc
+from rapc.debug.answer import Answer, say, table
 from rapc.debug.history import History
 from rapc.repl.commands.table import commands
 from rapc.repl.draw import draw
@@ -209,3 +210,13 @@ def test_10_what_if_shows_the_choice() -> None:
     assert "actual:" in text
     assert "method search of order" in text.partition("with the change:")[0]
     assert "method fetch of order" in text.partition("with the change:")[2]
+
+
+def test_long_numbers_are_rounded_for_people_but_not_in_code() -> None:
+    noisy = "(turn-to -0.29200000000000004)"
+    shown = draw(table(("what",), [(noisy,)], noisy), 80, color=False)
+    assert shown.count("(turn-to -0.292)") == 2
+    version = "x1.00000000001 1.2.00000000003"
+    assert draw(say(version), 80, color=False) == f"{version}\n"
+    code = Answer((noisy,), is_code=True)
+    assert draw(code, 80, color=False) == f"{noisy}\n"
