@@ -103,9 +103,9 @@ def _obstacle(run: Run, task: Task) -> str:
         return "steps before it"
     if task.number in run.things.waits:
         return _things_in_the_way(run, run.things.waits[task.number])
-    if task.state is BLOCKED:
+    if task.state in (BLOCKED, UNTESTED):
         return run.monitors.reason(task)
-    return "" if task.state in (ELIGIBLE, UNTESTED) else "its time"
+    return "" if task.state is ELIGIBLE else "its time"
 
 
 def results(given: Iterable[TopLevelTask]) -> tuple[TaskResult, ...]:
