@@ -95,6 +95,8 @@ class Spell(msgspec.Struct, eq=False):
     background: bool = False
     #: The wait as text; empty for requests and skills.
     waits: str = ""
+    #: The result of a request; empty while it is under way, and for skills.
+    result: str = ""
 
 
 class Family(msgspec.Struct, eq=False):
@@ -156,11 +158,12 @@ class _Lane:
             self.since = now
 
 
-_ENDS_OF_REQUESTS: tuple[type[Event], ...] = (
-    events.PrimitiveEnded,
-    events.PrimitiveCancelled,
-    events.RequestRefused,
-)
+_ENDS_OF_REQUESTS: Mapping[type[Event], str] = {
+    events.PrimitiveEnded: "",
+    events.PrimitiveCancelled: "cancelled",
+    events.RequestRefused: "refused",
+}
+"""The ends of requests, each with its result if the event has none."""
 
 _ENDS_OF_TASKS: Mapping[type[Event], str] = {
     events.TaskSucceeded: "succeeded",
@@ -245,7 +248,8 @@ class Account:
         elif kind in _ENDS_OF_REQUESTS:
             if kind is events.RequestRefused:
                 self._refused = number
-            self._end_request(number, event.request)
+            result = _ENDS_OF_REQUESTS[kind] or event.result
+            self._end_request(number, event.request, result)
         elif kind is events.SkillDisabled:
             self._disable(number)
         elif kind is events.RunStarted:
@@ -409,10 +413,11 @@ class Account:
             for lane in (self._run, self._of_family[task.family]):
                 lane.under_way[id(spell)] = piece
 
-    def _end_request(self, number: int | None, request: Fact) -> None:
+    def _end_request(self, number: int | None, request: Fact, result: str) -> None:
         for spell in self._requests:
             if request in spell.parts and number in (None, spell.task):
                 self._requests.remove(spell)
+                spell.result = result
                 self._finish(spell)
                 return
 

@@ -9,8 +9,8 @@ import pytest
 import rapc
 from rapc.debug.account import times
 from rapc.debug.history import History
-from rapc.debug.questions.times import account, spells
-from tests.debug.sessions import truck
+from rapc.debug.questions.times import account, spells, timeline
+from tests.debug.sessions import row, scripted, truck
 
 
 def test_the_timeline_accounts_for_all_time() -> None:
@@ -63,3 +63,15 @@ def test_moment_counts_for_the_latest_start(hallway: History) -> None:
     assert used == {"acting": pytest.approx(hallway.now - 1), "waiting": 1}
     part = times(pieces, lambda one: one.kind, 0.5, 2)
     assert part == {"acting": pytest.approx(1), "waiting": pytest.approx(0.5)}
+
+
+def test_timeline_lists_the_result_of_each_request() -> None:
+    text = """
+    (declare-primitive walk (?place) (okay blocked) :atomic false)
+    (define-rap (go ?place) (method (primitive (walk ?place))))
+    """
+    rows_ = (row("(walk hall)", "blocked", 2), row("(walk ?place)", takes=1))
+    session = scripted(text, "(go hall)", "(go yard)", rows=rows_)
+    session.go()
+    found = {one["what"]: one["result or events"] for one in timeline(session).rows}
+    assert found == {"(walk hall)": "blocked", "(walk yard)": "okay"}

@@ -119,10 +119,10 @@ def sensors_of(history: History) -> Collection[str]:
 def timeline(history: History, args: Arguments) -> Answer:
     """Show the requests, active skills and waiting over time.
 
-    Each request and skill is listed at its start, with the events reported by the
-    skill. A wrong belief is listed too, if the world tells the truth. If several
-    requests or skills overlap, the last to start counts for its family. A time without
-    them counts for one of the waits; `:waits` lists all waits.
+    Each request and skill is listed at its start, with the result of the request or the
+    events reported by the skill. A wrong belief is listed too, if the world tells the
+    truth. If several requests or skills overlap, the last to start counts for its
+    family. A time without them counts for one of the waits; `:waits` lists all waits.
     """
     start = args.time("time") if args else 0
     stop = args.time("time") if args else None
@@ -132,7 +132,7 @@ def timeline(history: History, args: Arguments) -> Answer:
             *(one.start, one.stop, one.family and f"[{one.family}]"),
             one.task and f"[{one.task}]",
             " ".join(map(format_list, one.parts)) or one.waits,
-            _in_words(one.heard),
+            one.result or _in_words(one.heard),
         )
         for one in spells(whole, start, stop)
     ]
@@ -149,7 +149,7 @@ def timeline(history: History, args: Arguments) -> Answer:
         f"{format_atom(number(round(total, 2)))}, {100 * time / total:.0f} %"
         for user, time in used.items()
     ]
-    columns = ("from", "to", "family", "task", "what", "heard")
+    columns = ("from", "to", "family", "task", "what", "result or events")
     return table(columns, rows, none="no time passed", notes=notes)
 
 
