@@ -129,6 +129,9 @@ def test_change_by_a_rule_has_its_line_and_the_facts_behind() -> None:
     [made, behind] = who(session, "(at robot ?) in 0").rows
     assert (made["what"], made["where"]) == ("(at robot hall)", "small.rap:11")
     assert str(behind["what"]).strip() == "(known hall)"
+    later = who(session, "(at robot ?) in 4")
+    assert later.lines == ("no change in cycle 4; the last change was in cycle 0:",)
+    assert later.rows == [made, behind]
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,8 @@ from collections.abc import Container, Iterator, Sequence, Set
 from contextlib import suppress
 from typing import NamedTuple, get_args
 
+from msgspec.structs import replace
+
 from rapc import events
 from rapc.analysis.facts.index import Index
 from rapc.base.names import plural
@@ -357,8 +359,15 @@ def _changed_in(history: History, pattern: Fact, cycle: int) -> Answer:
             for one in origins(history, behind, (cycle, rule.serial)):
                 fact = f"  {format_list(one.fact)}"
                 rows.append(("", fact, one.time, one.by, one.where))
-    said = format_list(pattern)
-    none = f"no change in cycle {cycle}; use `:history {said}`"
+    none = f"no change in cycle {cycle}"
+    if not rows:
+        last = history.last(
+            *FACTS, want=lambda told: told.cycle < cycle and wanted(told)
+        )
+        if last is not None:
+            found_before = _changed_in(history, pattern, last.cycle)
+            lines = (f"{none}; the last change was in cycle {last.cycle}:",)
+            return replace(found_before, lines=lines)
     return table(("", "what", "since", "by", "where"), rows, none=none)
 
 
