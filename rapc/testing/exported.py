@@ -119,9 +119,9 @@ class Exported(msgspec.Struct):
     #: The end of a test that expects success, as `until`.
     limit: str
 
-    def want(self) -> None:
-        """Expect success of the task, in place of the recorded result."""
-        self.expectations = (f"(succeeds {self.goal})",)
+    def want(self, *more: str) -> None:
+        """Expect success of the task and more, in place of the recorded result."""
+        self.expectations = (f"(succeeds {self.goal})", *more)
         self.until = self.limit
 
     def node(self) -> DefineTest:

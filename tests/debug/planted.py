@@ -43,6 +43,8 @@ class Fault(msgspec.Struct, frozen=True):
     tasks: tuple[str, ...] = ()
     seed: int = 1
     until: float = 5000
+    #: The time by which a sound robot has succeeded and a faulty one has not.
+    by: float = 0
     options: Mapping[str, Atom | bool] = {}
 
     def plant(self, folder: Path) -> str:
@@ -144,6 +146,7 @@ FAULTS: tuple[Fault, ...] = (
         "(believe (standard-value ?value) 80)",
         "(believe (standard-value ?value) 25)",
         "shift",
+        by=650,
     ),
     Fault(
         "slow-on-the-road",
@@ -153,6 +156,7 @@ FAULTS: tuple[Fault, ...] = (
         "(truck-speed-p medium)",
         "(truck-speed-p slow)",
         "nine-orders",
+        by=4200,
         until=9000,
     ),
     Fault(
@@ -163,6 +167,7 @@ FAULTS: tuple[Fault, ...] = (
         "(t1 (halt-for 10) (counter-add ?pauses 1))",
         "(t1 (halt-for 100) (counter-add ?pauses 1))",
         "shift",
+        by=900,
         options={"blocked": 40},
     ),
     Fault(
@@ -175,6 +180,7 @@ FAULTS: tuple[Fault, ...] = (
         "((not (current-space robot ?beyond))\n"
         "        (mem-add (current-space robot ?beyond)))))\n    ((:stuck)",
         "sightseeing",
+        by=800,
     ),
     Fault(
         "slip-taken-as-grip",
@@ -257,6 +263,7 @@ FAULTS: tuple[Fault, ...] = (
         "(>= ?level 90)",
         "(> ?level 100)",
         "shift",
+        by=900,
     ),
     Fault(
         "heading-not-turned",
@@ -266,6 +273,7 @@ FAULTS: tuple[Fault, ...] = (
         "                    (+ ?heading 3.14159))))",
         "                    ?heading)))",
         "errand",
+        by=200,
     ),
     Fault(
         "sold-out-for-ever",

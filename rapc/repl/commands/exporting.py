@@ -30,6 +30,7 @@ from rapc.ir.nodes import DefineTest
 from rapc.repl.shell import Shell
 from rapc.runtime.settings import Settings
 from rapc.runtime.task_request import as_text
+from rapc.runtime.truth import WRONG_BELIEFS
 from rapc.spec import RunSpec
 from rapc.testing.discover import find
 from rapc.testing.exported import (
@@ -59,7 +60,8 @@ def _export_test(shell: Shell, args: Arguments) -> Answer:
     world becomes a script with each request, its result, its time and its changes of
     memory; the test then expects all requests. If a script cannot repeat the run, the
     test runs in the simulator. With `succeeds`, the test expects success and runs in
-    the simulator, if the world is one: for a failed task, the test fails now.
+    the simulator, if the world is one: for a failed task, the test fails now. If the
+    robot has wrong beliefs now, the test also expects none at its end.
 
     A test in the simulator repeats the run with its seed, options and tasks. If the run
     has other settings, faults, or acts that no test can state, the test begins in a
@@ -97,7 +99,7 @@ def _exported(export: _Export, *, wanted: bool) -> Answer:
             reasons.append(error.message)
             continue
         if wanted:
-            written.want()
+            written.want(*export.right_beliefs(written))
         return export.write(written, wanted=wanted)
     raise StateError(f"cannot export this run: {'; '.join(reasons)}")
 
@@ -141,6 +143,12 @@ class _Export:
             yield self._in_simulator
         if wanted and simulated:
             yield self._in_script
+
+    def right_beliefs(self, test: Exported) -> Iterator[str]:
+        """Yield the expectation of right beliefs, if the robot has wrong ones now."""
+        simulated = not any(part.kind == "row" for part in test.parts)
+        if simulated and self._shell.history.run.wrong_beliefs():
+            yield f"(figure {WRONG_BELIEFS} = 0)"
 
     def _in_script(self) -> Exported:
         declared = self._program.library.primitives
