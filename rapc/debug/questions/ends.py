@@ -161,6 +161,28 @@ class _Story:
         found += [self.row(queries[one]) for one in names if one in queries]
         return next(filter(None, found), "")
 
+    def place_of_wait(self, wait: Piece) -> str:
+        """Return the line of a signal that a step waits for, or of a monitor."""
+        if wait.on.startswith("(:"):
+            made = self.created.get(wait.task or 0)
+            parent = None if made is None else made.keys["parent"]
+            if made is None or parent is None:
+                return ""
+            chosen = self.choice(parent, made.serial)
+            method = None if chosen is None else self.method(chosen)
+            if method is None or not isinstance(method.body, nodes.TaskNet):
+                return ""
+            found = [
+                self.row(annotation)
+                for step in method.body.steps
+                if step.tag == made.keys["step"]
+                for annotation in step.annotations
+                if isinstance(annotation, nodes.WaitFor)
+            ]
+            return next(iter(found), "")
+        formula = _formula(wait.on)
+        return "" if formula is None else self.place(formula)
+
 
 # --- the decisions behind the end -----------------------------------------------------
 
@@ -376,7 +398,7 @@ def _meanwhile(
     account: Account, story: _Story, pieces: Sequence[Piece]
 ) -> tuple[str, str]:
     """Return the longest wait of the family that kept another one waiting."""
-    spent: Counter[str] = Counter()
+    spent: dict[str, list[Piece]] = {}
     for one in pieces:
         holder = next(
             (
@@ -388,15 +410,15 @@ def _meanwhile(
         )
         other = None if holder is None else story.family(holder)
         for piece in account.of_family.get(other or 0, ()):
-            both = min(one.stop, piece.stop) - max(one.start, piece.start)
-            if both > 0 and piece.kind == WAITING and piece.on.startswith("("):
-                spent[piece.on] += both  # type: ignore[assignment]
+            start, stop = max(one.start, piece.start), min(one.stop, piece.stop)
+            if stop > start and piece.kind == WAITING and piece.on.startswith("("):
+                both = piece._replace(start=start, stop=stop)
+                spent.setdefault(piece.on, []).append(both)
     if not spent:
-        return "", ""
-    on, time = spent.most_common(1)[0]
-    formula = _formula(on)
-    where = "" if formula is None else story.place(formula)
-    return f"it waited for {on}, {readable(number(time))}", where
+        return "", next(filter(None, map(story.place_of_wait, pieces)), "")
+    on, waits = max(spent.items(), key=lambda item: _length(item[1]))
+    time, where = _length(waits), story.place_of_wait(waits[0])
+    return f"it waited for {on}, {readable(time)}", where
 
 
 def _counted(words: Iterable[str]) -> str:
