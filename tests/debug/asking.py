@@ -28,6 +28,7 @@ from rapc.debug.questions import (
     beliefs,
     commitments,
     differences,
+    ends,
     facts,
     idle,
     state,
@@ -271,6 +272,8 @@ QUESTIONS: Mapping[str, Callable[[Asker], object]] = {
     "commitment": lambda one: commitments.commitment(one.session, one.task()),
     "stale": lambda one: commitments.stale(one.session),
     "why failed": lambda one: why.why(one.session, "failed"),
+    "why end": lambda one: why.why(one.session, "end"),
+    "goals with obstacles": lambda one: ends.goals(one.session),
     "between": lambda one: differences.diff(
         one.session, f"{one.cycle()} {one.cycle()}"
     ),
