@@ -1,12 +1,17 @@
 """Account of the time of a run: actions, waits and suspensions, from its events.
 
 The account needs no library: it works for recorded runs, and in the workers of
-experiments. Each moment of a run, and of a family, counts for the request or the skills
-that began last among those under way. A moment of a family without them counts for the
-wait that ended the interval: the wait of the first task that could go on. A moment of a
-run without them counts for a wait that does not depend on other tasks: the wait of a
-family that holds things for which others wait, or else of a foreground task, or else of
-a background task; the latest of these.
+experiments. A family is a top-level task with its descendants. The run and each family
+have a lane: their time, divided into pieces.
+
+While requests or skills are under way, the time counts for those that began last.
+Other time is idle and counts for a wait:
+
+- In the lane of a family, for the wait that ended the idle interval: the wait of the
+  first task that could go on.
+- In the lane of the run, for a wait that does not depend on other tasks. The first of
+  these groups that has such a wait decides, with its latest wait: families that hold
+  things for which other families wait, foreground tasks, background tasks.
 """
 
 from __future__ import annotations
@@ -32,13 +37,10 @@ WAITING = "waiting"
 SUSPENDED = "suspended"
 
 KINDS = (ACTING, SENSING, WAITING, SUSPENDED)
-"""The kinds of time, in the order of tables."""
+"""The kinds of time, in the order of tables; `Wait.kind` is a finer division."""
 
-
-_ROOTS = ("monitor", "window", "signal")
+_INDEPENDENT = ("monitor", "window", "signal")
 """The kinds of waits that do not depend on other tasks."""
-
-_ARRIVAL = "arrival of "
 
 
 class Wait(msgspec.Struct, eq=False):
@@ -67,7 +69,7 @@ class Piece(NamedTuple):
 
     start: Time
     stop: Time
-    #: The family and the task that the part counts for; None if no task is live.
+    #: The family and the task for which the time counts; None if no task is live.
     family: int | None
     task: int | None
     kind: str
@@ -78,7 +80,11 @@ class Piece(NamedTuple):
 
 
 class Spell(msgspec.Struct, eq=False):
-    """An interval of a run: a request, the skills of an activation, or waiting."""
+    """An interval of a run: a request, the skills of an activation, or waiting.
+
+    An account has the spells of requests and activations, which may overlap. Waiting is
+    added by `rapc.debug.questions.times.spells`.
+    """
 
     start: Time
     #: The end of the interval; the present time while under way.
@@ -113,8 +119,8 @@ class Family(msgspec.Struct, eq=False):
     background: bool = False
 
 
-class _Begun(NamedTuple):
-    """A wait of a task that has begun; see `Wait`."""
+class _OpenWait(NamedTuple):
+    """A wait that has not ended; see `Wait`."""
 
     kind: str
     on: str
@@ -130,7 +136,7 @@ class _Task(msgspec.Struct, eq=False):
     family: int
     parent: int | None
     made: Time
-    wait: _Begun | None
+    wait: _OpenWait | None
     #: The time at which the last child ended; None before.
     child_ended: Time | None = None
 
@@ -139,23 +145,25 @@ class _Lane:
     """The time of a run or of a family, as pieces without gaps."""
 
     def __init__(self, since: Time) -> None:
+        #: The time up to which the pieces reach.
         self.since = since
         self.pieces: list[Piece] = []
         #: The requests and activations under way, in the order of their start.
         self.under_way: dict[int, Piece] = {}
 
-    def spend(self, now: Time, waited: Piece) -> None:
-        """Count the time up to `now`: for the last request, or else as `waited`."""
-        if self.since < now:
-            mine = waited
-            if self.under_way:
-                mine = self.under_way[next(reversed(self.under_way))]
-            last = self.pieces[-1] if self.pieces else None
-            if last is not None and last[2:] == mine[2:] and last.stop == self.since:
-                self.pieces[-1] = last._replace(stop=now)
-            else:
-                self.pieces.append(mine._replace(start=self.since, stop=now))
-            self.since = now
+    def spend(self, now: Time, idle: Piece) -> None:
+        """Count the time up to `now`: for the last request, or else as `idle`."""
+        if self.since >= now:
+            return
+        piece = idle
+        if self.under_way:
+            piece = self.under_way[next(reversed(self.under_way))]
+        last = self.pieces[-1] if self.pieces else None
+        if last is not None and last[2:] == piece[2:] and last.stop == self.since:
+            self.pieces[-1] = last._replace(stop=now)
+        else:
+            self.pieces.append(piece._replace(start=self.since, stop=now))
+        self.since = now
 
 
 _ENDS_OF_REQUESTS: Mapping[type[Event], str] = {
@@ -215,7 +223,7 @@ class Account:
         self._activations: dict[int, Spell] = {}
         #: The goals of the background tasks of the spec, as text.
         self._background: set[str] = set()
-        #: Whether the time of unfinished waits is counted.
+        #: Whether `_spend_all` has counted waits that have not ended.
         self._closing = False
         #: The parent of each step, by task.
         self.parents: dict[int, int] = {}
@@ -271,9 +279,9 @@ class Account:
         self._spend_all()
         for task in self._tasks.values():
             self._end_wait(task)
-        for spell in (*self._requests, *self._activations.values()):
-            if spell in self._requests or spell.on:
-                spell.stop = self.now
+        active = (one for one in self._activations.values() if one.on)
+        for spell in (*self._requests, *active):
+            spell.stop = self.now
 
     def _spend_all(self) -> None:
         """Count the time up to now for the run and all live families."""
@@ -286,21 +294,19 @@ class Account:
                         last[key] = one.wait.start, one
         for key, lane in ((None, self._run), *self._of_family.items()):
             if key is None or self.families[key].ended is None:
-                lane.spend(
-                    self.now, self._waited(last[key][1] if key in last else None)
-                )
+                task = last[key][1] if key in last else None
+                lane.spend(self.now, self._idle_for(task))
 
     # --- events -----------------------------------------------------------------------
 
     def _create(self, event: events.TaskCreated) -> None:
         number, goal, family = event.task, event.goal, event.family
-        wait = _Begun("order", "preceding steps", None, self.now)
+        wait = _OpenWait("order", "preceding steps", None, self.now)
         if event.parent is None:
             rap, text = goal.name, str(goal)
-            said = f"{_ARRIVAL}{rap}"
-            arrival = Piece(0, 0, family, number, WAITING, said, text)
+            arrival = Piece(0, 0, family, number, WAITING, f"arrival of {rap}", text)
             if self._run.since < self.now:
-                self._run.spend(self.now, self._awaited(arrival))
+                self._run.spend(self.now, self._idle_in_run(arrival, arrival=True))
             self._of_family[family] = _Lane(self.now)
             made = Family(number, text, rap, self.now)
             made.background = text in self._background
@@ -310,17 +316,16 @@ class Account:
             self.parents[number] = event.parent
         self._tasks[number] = _Task(number, goal, family, event.parent, self.now, wait)
 
-    def _turn(self) -> _Begun:
-        return _Begun("turn", "its selection", None, self.now)
+    def _turn(self) -> _OpenWait:
+        return _OpenWait("turn", "its selection", None, self.now)
 
     def _take(self, task: _Task, event: Any) -> None:
         """Count an event of a live task."""
         kind = type(event)
         if kind is events.PrimitiveRequested:
             parts = [event.request]
-            self._begin(
-                Spell(self.now, self.now, task.family, task.number, parts), task
-            )
+            spell = Spell(self.now, self.now, task.family, task.number, parts)
+            self._begin(spell, task)
             return
         if kind is events.SkillEnabled:
             self._enable(task, event)
@@ -330,10 +335,10 @@ class Account:
         self._spend(task)
         self._end_wait(task)
         if kind is events.TaskBlocked:
-            wait = self._blocked(task, event.on, event.holder)
-            task.wait = _Begun(wait, event.on, event.holder, self.now)
+            wait = self._kind_of_wait(task, event.on, event.holder)
+            task.wait = _OpenWait(wait, event.on, event.holder, self.now)
         elif kind is events.MethodSuspended:
-            task.wait = _Begun(SUSPENDED, event.for_, event.by, self.now)
+            task.wait = _OpenWait(SUSPENDED, event.for_, event.by, self.now)
         elif kind is events.TaskWoken or kind is events.MethodEnded:
             task.wait = self._turn()
         elif kind in _ENDS_OF_TASKS:
@@ -341,7 +346,7 @@ class Account:
         if task.number == self._refused:
             self._refused = None
 
-    def _blocked(self, task: _Task, on: str, by: int | None) -> str:
+    def _kind_of_wait(self, task: _Task, on: str, by: int | None) -> str:
         """Return the kind of the wait of a task that is blocked."""
         if by is not None:
             return "device" if task.number == self._refused else "thing"
@@ -360,7 +365,7 @@ class Account:
         if ordered < self.now:
             self._add_wait(task, "window", "its start time", ordered, self.now)
 
-    def _add_wait(  # the fields of a wait
+    def _add_wait(
         self,
         task: _Task,
         kind: str,
@@ -375,7 +380,10 @@ class Account:
         )
 
     def _order_until(self, task: _Task) -> Time:
-        """Return the time at which the steps before a step had ended."""
+        """Return the time at which the steps before a step had ended.
+
+        While a sibling of a step that still waits is live, this is the present time.
+        """
         parent = self._tasks.get(task.parent or 0)
         if self._closing and self._has_sibling(task):
             return self.now
@@ -428,8 +436,7 @@ class Account:
         assert spell.task is not None
         for lane in (self._run, self._of_family[spell.family]):
             if id(spell) in lane.under_way:
-                if lane.since < self.now:
-                    lane.spend(self.now, self._waited(None))
+                lane.spend(self.now, lane.under_way[id(spell)])
                 del lane.under_way[id(spell)]
         task = self._tasks.get(spell.task)
         if task is not None and spell.stop > spell.start and not spell.background:
@@ -461,18 +468,19 @@ class Account:
         """Count the time up to now; the wait of `task` has ended an idle interval."""
         family = self._of_family[task.family]
         if self._run.since < self.now or family.since < self.now:
-            waited = self._waited(task)
-            family.spend(self.now, waited)
+            idle = self._idle_for(task)
+            family.spend(self.now, idle)
             if not self._run.under_way:
-                waited = self._awaited(waited)
-            self._run.spend(self.now, waited)
+                idle = self._idle_in_run(idle)
+            self._run.spend(self.now, idle)
 
-    def _awaited(self, other: Piece) -> Piece:
+    def _idle_in_run(self, default: Piece, *, arrival: bool = False) -> Piece:
         """Return the piece of an idle interval of the run; see the head of the module.
 
         Args:
-            other: the result if all waits depend on other tasks; an arrival of a task
-                counts before the waits of background tasks.
+            default: the result if all waits depend on other tasks.
+            arrival: whether the arrival of a task has ended the interval: `default`
+                then counts before the waits of background tasks.
         """
         latest: dict[int, _Task] = {}
         holders = set()
@@ -484,29 +492,28 @@ class Account:
                 holder = self._tasks.get(wait.by)
                 if holder is not None and holder.family != task.family:
                     holders.add(holder.family)
-            elif wait.kind in _ROOTS:
+            elif wait.kind in _INDEPENDENT:
                 known = latest.get(task.family)
                 if known is None or known.wait.start <= wait.start:  # type: ignore[union-attr]
                     latest[task.family] = task
-        arrives = other.what.startswith(_ARRIVAL)
-        ahead = {n for n in latest if not self.families[n].background}
-        for families in (holders, ahead, set() if arrives else set(latest)):
-            roots = [latest[number] for number in families if number in latest]
-            if roots:
-                return self._waited(max(roots, key=_since))
-        return other
+        foreground = {n for n in latest if not self.families[n].background}
+        for families in (holders, foreground, set() if arrival else set(latest)):
+            tasks = [latest[number] for number in families if number in latest]
+            if tasks:
+                return self._idle_for(max(tasks, key=_start_of_wait))
+        return default
 
-    def _waited(self, task: _Task | None) -> Piece:
-        """Return the piece of an idle interval that the wait of a task has ended."""
+    def _idle_for(self, task: _Task | None) -> Piece:
+        """Return the piece of an idle interval that counts for the wait of a task."""
         if task is None:
             return Piece(0, 0, None, None, WAITING, "a task")
         rap = task.goal.name
-        kind, on, by, _ = task.wait or _Begun("turn", "its selection", None, 0)
+        kind, on, by, _ = task.wait or _OpenWait("turn", "its selection", None, 0)
         if kind == "order" and self._order_until(task) < self.now:
             kind, on = "window", "its start time"
         what = f"{kind} of {rap}"
         if kind == "signal":
-            what = f"signal {_first_word(on)} for {rap}"
+            what = f"signal {first_word(on)} for {rap}"
         elif by is not None:
             holder = self._tasks.get(by)
             of = "a task that has ended"
@@ -514,20 +521,20 @@ class Account:
                 of = self.families[holder.family].rap
             what = f"{on} of {of}"
             if kind == "device":
-                what = f"the request {_first_word(on)} of {of}"
+                what = f"the request {first_word(on)} of {of}"
             elif kind == SUSPENDED:
                 what = f"by {of} for {on}"
         kind = SUSPENDED if kind == SUSPENDED else WAITING
         return Piece(0, 0, task.family, task.number, kind, what, on)
 
 
-def _since(task: _Task) -> tuple[Time, int]:
+def _start_of_wait(task: _Task) -> tuple[Time, int]:
     """Return the start of the wait of a task, and its number."""
     return task.wait.start if task.wait is not None else 0, task.number
 
 
-def _first_word(text: str) -> str:
-    """Return the first word of a list as text."""
+def first_word(text: str) -> str:
+    """Return the first word of a list that is given as text."""
     return text[1:].rstrip(")").split(" ")[0]
 
 

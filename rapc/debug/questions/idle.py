@@ -8,7 +8,7 @@ from typing import Any
 from rapc import events
 from rapc.base.names import hint
 from rapc.base.values import Fact, format_atom, format_list, number, readable
-from rapc.debug.account import Account, Wait
+from rapc.debug.account import Account, Wait, first_word
 from rapc.debug.answer import Answer, question, table
 from rapc.debug.arguments import Arguments, read_pattern
 from rapc.debug.history import History
@@ -43,7 +43,7 @@ def idle(history: History, args: Arguments) -> Answer:
     longest = sorted(found, key=lambda one: one[0] - one[1])[:_MOST]
     waits = [one for one in whole.waits if _could_use(one)]
     leading = _leading(library, str(thing[0]))
-    waits = [one for one in waits if one.goal[1:-1].split(" ")[0] in leading]
+    waits = [one for one in waits if first_word(one.goal) in leading]
     rows = [row for interval in sorted(longest) for row in _rows(interval, waits)]
     total, now = sum(stop - start for start, stop in found), history.now
     share = f", {100 * total / now:.0f} %" if now else ""
