@@ -186,8 +186,10 @@ def _outcome(
     return Outcome(
         change=change,
         verdict=costs.verdict(listed, ("before", "after"), 100 * _LEAST),
-        slower=time.difference / time.before if time.is_one else 0,
-        fewer=done.difference / done.before if done.is_one and done.before else 0,
+        slower=time.difference / time.before if time.is_significant else 0,
+        fewer=done.difference / done.before
+        if done.is_significant and done.before
+        else 0,
         families=tuple(
             _rap(one.what)
             for one in (

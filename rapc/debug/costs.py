@@ -1,4 +1,8 @@
-"""Differences in time between two runs, or between pairs of runs of equal seeds."""
+"""Differences in time between two runs, or between pairs of runs of equal seeds.
+
+The accounts of the runs (`rapc.debug.account`) give their sums (`Times`); pairs of sums
+give the changes of all figures, a table of the changes and a verdict.
+"""
 
 from __future__ import annotations
 
@@ -9,29 +13,24 @@ from statistics import fmean, stdev
 import msgspec
 
 from rapc.base.values import readable
-from rapc.debug.account import (
-    ACTING,
-    KINDS,
-    SENSING,
-    SUSPENDED,
-    WAITING,
-    Account,
-    Piece,
-)
+from rapc.debug.account import KINDS, SUSPENDED, WAITING, Account, Piece
 from rapc.debug.answer import Answer, Cell, table
 
 _MOST_ROWS = 6
 """The highest number of rows of a section."""
 
-_DUST = 1e-9
-"""Differences up to this part of the time are due to the rounding of sums."""
+_ROUNDING = 1e-9
+"""Differences up to this part of a figure are due to the rounding of sums."""
 
 Share = tuple[str, str, str, float]
-"""A family (its goal), a kind, what the time was used for, and the time."""
+"""The goal of a family and the `kind` and `what` of its pieces, with their time."""
 
 
 class Times(msgspec.Struct, frozen=True):
-    """The time of a run in sums, as data for other processes."""
+    """The sums of an account, as data that experiments store.
+
+    The names of the fields are keys in the files of experiments.
+    """
 
     time: float
     #: The end reason; empty before the end.
@@ -39,23 +38,23 @@ class Times(msgspec.Struct, frozen=True):
     #: The foreground tasks that succeeded, and those that did not.
     succeeded: int
     others: int
-    #: The time of the run without overlaps.
+    #: The time of the run; the sum is `time`.
     shares: tuple[Share, ...]
-    #: The time of each family without overlaps, from its arrival to its end.
+    #: The time of each family from its arrival to its end; families overlap.
     within: tuple[Share, ...]
     #: The goals of the foreground tasks.
     ahead: tuple[str, ...]
     #: For each request or skill, by its name: how often, and how long.
     requests: Mapping[str, tuple[int, float]]
-    #: How often tasks of a RAP failed with a result in a family, as text.
+    #: How often tasks failed, by a text with the family, the RAP and the result.
     failures: Mapping[str, int]
 
 
 def times_of(account: Account) -> Times:
     """Return the sums of an account."""
     families = account.families
-    ahead = [one for one in families.values() if not one.background]
-    succeeded = sum(one.outcome == "succeeded" for one in ahead)
+    foreground = [one for one in families.values() if not one.background]
+    succeeded = sum(one.outcome == "succeeded" for one in foreground)
     requests: dict[str, tuple[int, float]] = {}
     for spell in account.spells:
         for part in spell.parts if not spell.background else ():
@@ -67,10 +66,10 @@ def times_of(account: Account) -> Times:
         time=account.now,
         reason=account.reason,
         succeeded=succeeded,
-        others=len(ahead) - succeeded,
+        others=len(foreground) - succeeded,
         shares=_shares(account.of_run, goals),
         within=_shares(within, goals),
-        ahead=tuple(dict.fromkeys(one.goal for one in ahead)),
+        ahead=tuple(dict.fromkeys(one.goal for one in foreground)),
         requests=requests,
         failures=_failures(account, goals),
     )
@@ -88,18 +87,21 @@ def _shares(pieces: Iterable[Piece], goals: Mapping[int, str]) -> tuple[Share, .
 def _failures(account: Account, goals: Mapping[int, str]) -> dict[str, int]:
     found: dict[str, int] = {}
     for (family, rap, result), count in account.failures.items():
-        said = f"{goals[family]}: {rap} failed, {result}"
-        found[said] = found.get(said, 0) + count
+        text = f"{goals[family]}: {rap} failed, {result}"
+        found[text] = found.get(text, 0) + count
     return found
 
 
 Pair = tuple[Times, Times]
+"""The sums of the first and of the second side."""
 
 
 class Change(msgspec.Struct, frozen=True):
     """A figure before and after: averages over the pairs, and their difference."""
 
+    #: The section of the table, a key of `_SECTIONS`.
     of: str
+    #: The name of the figure in the section.
     what: str
     before: float
     after: float
@@ -108,10 +110,10 @@ class Change(msgspec.Struct, frozen=True):
     margin: float
 
     @property
-    def is_one(self) -> bool:
+    def is_significant(self) -> bool:
         """Whether the two figures differ beyond chance and rounding."""
-        dust = _DUST * max(abs(self.before), abs(self.after))
-        return abs(self.difference) > max(self.margin, dust)
+        rounding = _ROUNDING * max(abs(self.before), abs(self.after))
+        return abs(self.difference) > max(self.margin, rounding)
 
 
 def change(of: str, what: str, pairs: Sequence[tuple[float, float]]) -> Change:
@@ -160,10 +162,9 @@ def _of_kind(kind: str) -> Callable[[Times], _Figures]:
 def _in_family(one: Times) -> _Figures:
     """Return the waits and suspensions within each family."""
     kept = [s for s in one.within if s[1] in (WAITING, SUSPENDED)]
-    return _total(kept, lambda s: f"{s[0]}: {s[1]}{_FOR[s[1]]} {s[2]}")
+    words = {WAITING: "waiting for", SUSPENDED: "suspended"}
+    return _total(kept, lambda s: f"{s[0]}: {words[s[1]]} {s[2]}")
 
-
-_FOR = {ACTING: ":", SENSING: ":", WAITING: " for", SUSPENDED: ""}
 
 _SECTIONS: Mapping[str, Callable[[Times], _Figures]] = {
     "run": lambda one: {
@@ -190,7 +191,7 @@ family`, families overlap.
 
 
 def changes(pairs: Sequence[Pair]) -> dict[str, list[Change]]:
-    """Return all changes by section, the largest first."""
+    """Return the significant changes by section, the largest first."""
     found: dict[str, list[Change]] = {}
     for of, figures in _SECTIONS.items():
         read = [(figures(before), figures(after)) for before, after in pairs]
@@ -199,7 +200,7 @@ def changes(pairs: Sequence[Pair]) -> dict[str, list[Change]]:
             change(of, name, [(a.get(name, 0), b.get(name, 0)) for a, b in read])
             for name in names
         )
-        kept = [one for one in made if one.is_one]
+        kept = [one for one in made if one.is_significant]
         found[of] = sorted(kept, key=lambda one: -abs(one.difference))
     return found
 
@@ -243,24 +244,29 @@ class Verdict(msgspec.Struct, frozen=True):
 def verdict(
     pairs: Sequence[Pair], names: tuple[str, str], threshold: float = 0
 ) -> Verdict:
-    """Return whether the second side takes longer, or has fewer successes.
+    """Return whether the second side is worse: fewer successes, or else more time.
+
+    The time decides only if the numbers of successes do not differ.
 
     Args:
         pairs: the runs of the two sides.
         names: the names of the two sides.
-        threshold: the least increase of the time that counts as worse, in per cent.
+        threshold: the smallest increase of the time that is worse, in per cent.
     """
     time = change("run", "time", [(a.time, b.time) for a, b in pairs])
     done = change("run", "done", [(a.succeeded, b.succeeded) for a, b in pairs])
-    told = []
+    lines = []
     for label, one in (("time", time), ("tasks succeeded", done)):
-        if one.is_one:
+        if one.is_significant:
             sides = zip(names, (one.before, one.after), strict=True)
             both = ", ".join(f"{name} {readable(round(n, 2))}" for name, n in sides)
-            told.append(f"{label}: {both} ({in_per_cent(one)})")
-    slower = time.is_one and time.difference >= threshold / 100 * time.before
-    worse = done.difference < 0 if done.is_one else slower and time.difference > 0
-    return Verdict(tuple(told) or ("no difference in time and successes",), worse)
+            lines.append(f"{label}: {both} ({_in_per_cent(one)})")
+    if done.is_significant:
+        worse = done.difference < 0
+    else:
+        least = threshold / 100 * time.before
+        worse = time.is_significant and 0 < time.difference >= least
+    return Verdict(tuple(lines) or ("no difference in time and successes",), worse)
 
 
 def table_of(
@@ -270,22 +276,22 @@ def table_of(
     notes: Sequence[str] = (),
 ) -> Answer:
     """Return the verdict, further lines, and the table of the changes."""
-    said = (*verdict(pairs, names).lines, *by_pair(pairs), *lines)
+    head = (*verdict(pairs, names).lines, *_by_pair(pairs), *lines)
     made, none = rows(changes(pairs)), "no difference in times"
-    return table(columns(*names), made, *said, none=none, notes=notes)
+    return table(columns(*names), made, *head, none=none, notes=notes)
 
 
-def by_pair(pairs: Sequence[Pair]) -> Iterator[str]:
+def _by_pair(pairs: Sequence[Pair]) -> Iterator[str]:
     """Yield a line with the number of pairs by their difference in time."""
     if len(pairs) > 1:
         slower = sum(after.time > before.time for before, after in pairs)
         faster = sum(after.time < before.time for before, after in pairs)
         equal = sum(after == before for before, after in pairs)
-        said = f"slower in {slower} of {len(pairs)} seeds, faster in {faster}"
-        yield f"{said}, equal in all figures in {equal}"
+        line = f"slower in {slower} of {len(pairs)} seeds, faster in {faster}"
+        yield f"{line}, equal in all figures in {equal}"
 
 
-def in_per_cent(one: Change) -> str:
+def _in_per_cent(one: Change) -> str:
     """Return a difference in per cent, with its confidence interval."""
     if not one.before:
         return f"{one.difference:+.4g}"

@@ -169,8 +169,8 @@ def test_change_of_pairs_has_a_confidence_interval() -> None:
     found = costs.change("run", "time", pairs)
     assert (found.before, found.after, found.difference) == (20, 22, 2)
     assert found.margin == pytest.approx(4.303 / 3**0.5, rel=1e-3)
-    assert not found.is_one
-    assert costs.change("run", "time", [(10.0, 12.0), (20.0, 22.0)]).is_one
+    assert not found.is_significant
+    assert costs.change("run", "time", [(10.0, 12.0), (20.0, 22.0)]).is_significant
     many = costs.change("run", "time", [(0.0, n % 2 + 1.0) for n in range(30)])
     assert many.margin == pytest.approx(2.0452 * 0.5085 / 30**0.5, rel=1e-3)
 
