@@ -1,6 +1,6 @@
-"""What a host may know of a simulator: its figures, and which beliefs are wrong.
+"""Ground truth of a simulator, for hosts: its figures, and the wrong beliefs.
 
-Neither is known to the robot.
+The robot has no access to ground truth.
 """
 
 from __future__ import annotations
@@ -16,26 +16,27 @@ from rapc.runtime.memory.memory import Memory
 from rapc.world import Measured, Time, Truth, World
 
 WRONG_BELIEFS = "wrong-beliefs"
-"""The figure that counts the wrong beliefs, of a world that is a `Truth`."""
+"""The name of the figure that counts the wrong beliefs in a world that is a `Truth`."""
 
 
 class WrongBelief(NamedTuple):
     """A believed fact that is not true."""
 
     fact: Fact
-    #: The time of its last assertion; None if nobody asserted it.
+    #: The time of its last assertion; None if the fact was never asserted.
     since: Time | None
-    #: The true facts with the same index, if the fact is that of a property.
+    #: The true facts of the same property with the same arguments; empty for relations.
     truth: tuple[Fact, ...]
 
 
 def wrong_beliefs(
     world: World, memory: Memory, signatures: Signatures
 ) -> Iterator[WrongBelief]:
-    """Yield the wrong beliefs; none if the world is no `Truth`.
+    """Yield the wrong beliefs; none if the world is not a `Truth`.
 
-    A fact about an item is only compared while the item has a sensor name. A property
-    with its default value, such as `unknown`, is no belief.
+    The truth has the sensor names of items. A fact about an item is compared only while
+    the item has one. A property with its default value, such as `unknown`, is not a
+    belief.
 
     Raises:
         PortError: if a `HeldWorld` violates the port.
@@ -50,16 +51,16 @@ def wrong_beliefs(
         true = set(facts)
         relation = signatures.relations.get(name)
         for fact, stamp in memory.facts.table(name).stamps.items():
-            seen = tuple([sensors.get(part, part) for part in fact])
-            if seen in true or None in seen:
+            in_world = tuple([sensors.get(part, part) for part in fact])
+            if in_world in true or None in in_world:
                 continue
-            others: Iterable[Fact] = ()
+            same_index: Iterable[Fact] = ()
             if relation is not None and relation.is_property:
                 if fact[-1] == relation.default:
                     continue
-                others = [one for one in facts if one[:-1] == seen[:-1]]
+                same_index = [one for one in facts if one[:-1] == in_world[:-1]]
             since = None if stamp == NEVER else stamp
-            yield WrongBelief(fact, since, tuple(others))
+            yield WrongBelief(fact, since, tuple(same_index))
 
 
 def figures_of(
@@ -75,9 +76,9 @@ def figures_of(
         PortError: if the world violates the port, or returns no mapping.
     """
     held = world if isinstance(world, HeldWorld) else HeldWorld(world)
-    told: Any = held.figures() if isinstance(held, Measured) else {}
+    named: Any = held.figures() if isinstance(held, Measured) else {}
     figures: dict[str, int | float]
-    figures = {n.replace("_", "-"): v for n, v in told.items() if is_number(v)}
+    figures = {n.replace("_", "-"): v for n, v in named.items() if is_number(v)}
     if isinstance(held, Truth):
         figures[WRONG_BELIEFS] = sum(1 for _ in wrong)
     return figures
