@@ -295,14 +295,15 @@ class Breakpoints:
 
     def _untrue(self) -> Iterator[tuple[int, str]]:
         """Yield the breakpoints on beliefs that were found wrong, with texts."""
-        for one in self._history.branch.partings.all:
-            if not self._history.fresh <= one.start < self._history.serial:
+        for one in self._history.branch.discrepancies.all:
+            if not self._history.fresh <= one.first_serial < self._history.serial:
                 continue
-            words = f"{format_list(one.fact)} is untrue"
-            if one.truth:
-                words += f", the truth is {' or '.join(map(format_list, one.truth))}"
+            fact, _, truth = one.belief
+            words = f"{format_list(fact)} is untrue"
+            if truth:
+                words += f", the truth is {' or '.join(map(format_list, truth))}"
             for number, pattern in self._beliefs.items():
-                if match_pattern(pattern, one.fact[: len(pattern)]) is not None:
+                if match_pattern(pattern, fact[: len(pattern)]) is not None:
                     yield number, words
 
     def _is_so(self, point: Breakpoint) -> bool:

@@ -30,8 +30,8 @@ from rapc import events
 from rapc.base.values import readable
 from rapc.compiler.program import Program
 from rapc.debug.acts import Act
+from rapc.debug.discrepancies import Discrepancies
 from rapc.debug.log import EventLog, Events, Hear, ToldEvent, Want
-from rapc.debug.partings import Partings
 from rapc.debug.recording import Playback
 from rapc.debug.reload import TakeUp, changed
 from rapc.errors import ArgumentError, Error, PortError, StateError
@@ -149,8 +149,8 @@ class Branch:
     saves: dict[Moment, Save] = field(default_factory=dict)
     #: The latest events, up to the furthest moment.
     events: Events = field(default_factory=Events)
-    #: The wrong beliefs, if the world tells the truth.
-    partings: Partings = field(default_factory=Partings)
+    #: The wrong beliefs; empty if the world is not a `Truth`.
+    discrepancies: Discrepancies = field(default_factory=Discrepancies)
     #: The furthest moment reached.
     end: Moment = _BEGINNING
     #: Whether the run ended at the furthest moment.
@@ -181,8 +181,8 @@ class Branch:
         saves = {at: save for at, save in self.saves.items() if at <= moment}
         acts = self.acts[: moment.acts]
         found = _up_to(self.solutions, moment.cycle)
-        events, partings = self.events.up_to(serial), self.partings.up_to(serial)
-        logs = found, saves, events, partings
+        events = self.events.up_to(serial)
+        logs = found, saves, events, self.discrepancies.up_to(serial)
         return Branch(name, begun, acts, *logs, moment, left=moment)
 
     def keep(self, moment: Moment, save: Save) -> None:
@@ -461,15 +461,15 @@ class History:
         return True
 
     def _compare(self, event: Event) -> None:
-        """Compare the beliefs with the truth, the first time that a branch is here."""
-        partings = self.branch.partings
-        if self._log.elsewhere is not None or event.n < partings.seen:
+        """Compare the beliefs with the truth when a branch reaches an event first."""
+        found = self.branch.discrepancies
+        if self._log.elsewhere is not None or event.n < found.compared:
             return
-        since = self._log.since(partings.seen)
+        since = self._log.since(found.compared)
         if event.time == self._compared and all(one.kind in _QUIET for one in since):
-            partings.seen = event.n + 1
+            found.compared = event.n + 1
         else:
-            partings.compare(event, self.run.wrong_beliefs())
+            found.compare(event, self.run.wrong_beliefs())
             self._compared = event.time
 
     def _wait(self) -> bool:
@@ -911,7 +911,7 @@ class History:
         branch.acts.append(Done(moment.cycle, moment.arrivals, self.now, act))
         branch.over = False
         log.events = branch.events = branch.events.up_to(log.serial)
-        branch.partings = branch.partings.up_to(log.serial)
+        branch.discrepancies = branch.discrepancies.up_to(log.serial)
         for told in found:
             branch.events.add(told)
         self._run, log.serial, self._compared = run, run.serial, None

@@ -10,8 +10,8 @@ import rapc
 from rapc.base.values import Fact
 from rapc.debug.acts import AssertFact
 from rapc.debug.breakpoints import Breakpoint, Breakpoints
+from rapc.debug.discrepancies import Discrepancies
 from rapc.debug.history import History
-from rapc.debug.partings import Partings
 from rapc.debug.questions.beliefs import belief
 from rapc.debug.questions.times import timeline
 from rapc.errors import ArgumentError
@@ -165,13 +165,13 @@ WRONG: dict[str, Fact] = {
 
 
 @pytest.mark.parametrize("name", WRONG)
-def test_partings_are_those_of_a_comparison_in_each_cycle(name: str) -> None:
+def test_discrepancies_equal_a_comparison_in_each_cycle(name: str) -> None:
     session = moments.RUNS[name](400)
-    each = Partings()
+    each = Discrepancies()
     run, dice = session.run, random.Random(8)
 
     def compare(event: Event) -> None:
-        if event.n >= each.seen:
+        if event.n >= each.compared:
             each.compare(event, run.wrong_beliefs())
 
     run.listen(compare, TaskSelected, RunEnded)
@@ -182,4 +182,4 @@ def test_partings_are_those_of_a_comparison_in_each_cycle(name: str) -> None:
         session.goto(dice.randrange(session.cycle + 1))
         session.goto(back)
     assert len(each.all) > 3
-    assert session.branch.partings.all == each.all
+    assert session.branch.discrepancies.all == each.all

@@ -1,4 +1,4 @@
-"""Questions about beliefs and truth, in worlds that tell the truth."""
+"""Questions about beliefs and truth, in worlds that are a `Truth`."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ _COLUMNS = ("believed", "since", "by", "truth", "wrong from", "cycle", "to")
 
 @question("[FACT]", ":belief", ":belief (robot-at ?)")
 def belief(history: History, args: Arguments) -> Answer:
-    """List the wrong beliefs of the present, or all that a fact has been until now.
+    """List the present wrong beliefs, or all wrong beliefs of a fact.
 
-    A belief is compared with the truth at each cycle. The columns show the assertion
-    of the belief and its source, the truth, and the times at which the two parted and
-    agreed again.
+    The beliefs are compared with the truth at each cycle. The columns show the
+    assertion of the belief and its source, the truth, the time and the cycle at which
+    the belief became wrong, and the time at which it was true or erased.
     """
     history.check_knows_truth()
     pattern = read_pattern(args.word("fact")) if args else None
@@ -27,17 +27,17 @@ def belief(history: History, args: Arguments) -> Answer:
         if str(pattern[0]) not in signatures.relations:
             raise ArgumentError(str(signatures.unknown("test", str(pattern[0]))))
     rows = []
-    for one in history.branch.partings.up_to(history.serial).all:
+    for one in history.branch.discrepancies.up_to(history.serial).all:
+        fact, since, truth = one.belief
         if pattern is None:
-            wanted = one.end is None
+            wanted = one.ended is None
         else:
-            wanted = match_pattern(pattern, one.fact[: len(pattern)]) is not None
+            wanted = match_pattern(pattern, fact[: len(pattern)]) is not None
         if wanted:
-            believed = {one.fact: one.believed}
-            (origin,) = origins(history, believed, (one.cycle + 1, 0))
-            since = None if one.believed is None else number(one.believed)
-            truth = " or ".join(map(format_list, one.truth)) or "not so"
+            (origin,) = origins(history, {fact: since}, (one.cycle + 1, 0))
+            true = " or ".join(map(format_list, truth)) or "not so"
             ended = None if one.ended is None else number(one.ended)
-            told = (format_list(one.fact), since, origin.source, truth)
-            rows.append((*told, number(one.time), one.cycle, ended))
+            asserted = None if since is None else number(since)
+            belief = (format_list(fact), asserted, origin.source, true)
+            rows.append((*belief, number(one.time), one.cycle, ended))
     return table(_COLUMNS, rows, none="no wrong beliefs")

@@ -136,10 +136,10 @@ def timeline(history: History, args: Arguments) -> Answer:
         )
         for one in spells(whole, start, stop)
     ]
-    for one in history.branch.partings.up_to(history.serial).all:
+    for one in history.branch.discrepancies.up_to(history.serial).all:
         ended = history.now if one.ended is None else one.ended
         if ended > max(start, one.time) and (stop is None or one.time < stop):
-            wrong = f"wrong belief: {format_list(one.fact)}"
+            wrong = f"wrong belief: {format_list(one.belief.fact)}"
             rows.append((one.time, ended, None, None, wrong, ""))
     rows.sort(key=lambda row: row[0])
     used = times(whole.of_run, _user, start, stop)
