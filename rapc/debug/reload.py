@@ -14,6 +14,7 @@ requests and skills under way, must be valid for the new declarations.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
@@ -30,7 +31,8 @@ from rapc.debug.acts import Act, taken_up
 from rapc.errors import RefusedError
 from rapc.host import CheckedLibrary, CheckError
 from rapc.ir import nodes
-from rapc.ir.printer import format_node
+from rapc.ir.printer import format_goal, format_node
+from rapc.ir.walk import variables
 from rapc.library.library import KINDS, Library, digest
 from rapc.library.loader import Loaded, load, load_sources
 from rapc.library.signature import Signature
@@ -322,21 +324,38 @@ def _with(files: Mapping[str, SourceFile], typed: str) -> list[SourceFile]:
     """Return the files, with the definitions in `typed` moved to a file of their own.
 
     Blanks replace the old definitions, so that all positions stay valid.
+
+    Raises:
+        RefusedError: if several rules in the files match one typed rule.
     """
     source = SourceFile(TYPED, typed)
-    names = names_of(typed)
-    found = []
+    names = Counter(map(_named, parse(source).forms))
+    found: list[SourceFile] = []
+    replaced: Counter[tuple[str, str]] = Counter()
     for file in files.values():
         if file.name == TYPED:
             continue
         text = file.text
         for form in parse(file).forms:
-            if _named(form) in names:
+            name = _named(form)
+            if name in names:
+                replaced[name] += 1
                 start, end = form.span.start, form.span.end
                 blank = "".join(c if c == "\n" else " " for c in text[start:end])
                 text = text[:start] + blank + text[end:]
         found.append(file if text == file.text else SourceFile(file.name, text))
+    for key, count in replaced.items():
+        if key[0] in _RULES and count > names[key]:
+            raise RefusedError(
+                [
+                    f"cannot replace rule `{key[1]}`: {count} rules have this pattern; "
+                    f"enter {count} rules in one input"
+                ]
+            )
     return [*found, source]
+
+
+_RULES = (nodes.MemoryRule.__name__, nodes.EventRule.__name__)
 
 
 def names_of(text: str) -> frozenset[tuple[str, str]]:
@@ -345,8 +364,24 @@ def names_of(text: str) -> frozenset[tuple[str, str]]:
 
 
 def _named(form: nodes.TopForm) -> tuple[str, str]:
+    """Return the kind and name of a definition; of a rule the pattern and the phase."""
+    kind = type(form).__name__
     if isinstance(form, nodes.DefineMethod):
         named = form.method.name is not None
         method = form.method.name if named else format_node(form.method)
-        return type(form).__name__, f"{form.rap} {method}"
-    return type(form).__name__, str(getattr(form, "name", ""))
+        return kind, f"{form.rap} {method}"
+    if isinstance(form, nodes.MemoryRule):
+        return kind, f"{_pattern(form.index)} :{form.when}"
+    if isinstance(form, nodes.EventRule):
+        return kind, _pattern(nodes.Goal(form.signal, form.args, ()))
+    if isinstance(form, nodes.DeclareComparator):
+        return kind, f"{form.class_name} {form.place}"
+    return kind, form.name
+
+
+def _pattern(goal: nodes.Goal) -> str:
+    """Return a pattern as text in which the names of the variables do not matter."""
+    terms = (*goal.args, *goal.outputs)
+    uses = Counter(one.name for one in variables(*terms) if not one.anonymous)
+    names = {name: f"?{at}" for at, name in enumerate(uses, 1) if uses[name] > 1}
+    return format_goal(goal, {name: names.get(name, "?") for name in uses})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -284,6 +285,112 @@ def test_typed_methods_are_added_and_replaced() -> None:
         _typed(session, "(define-method utter loud (primitive (say la)))")
     with pytest.raises(CheckError, match="unknown RAP `uter`"):
         _typed(session, "(define-method uter song (primitive (say la)))")
+
+
+RULES = """
+(declare-primitive say (?word) (okay hoarse))
+(declare-event :noise ((?sound symbol)))
+(declare-memory-proposition heard (?word ?by))
+(define-rap (speak ?word ?tone) (method (primitive (say ?word))))
+(define-memory-rule (speak ?word ?tone) :event
+  (match-result ((:noise ?sound) (rule (true (mem-add (heard ?word event)))))))
+(define-memory-rule (speak ?word ?) :finish
+  (match-result (succeed (rule (true (mem-add (heard ?word finish)))))))
+(define-memory-rule (speak ?word ?word) :finish
+  (match-result (succeed (rule (true (mem-add (heard ?word same)))))))
+(define-event-rule (:noise ?sound) (rule (true (mem-add (heard ?sound any)))))
+(define-event-rule (:noise bang) (rule (true (mem-add (heard bang bang)))))
+"""
+
+
+def _asserted_by(session: History) -> list[str]:
+    """Return the last argument of each fact that a rule asserts."""
+    library = session.run.library.library
+    rules = (*library.memory_rules, *library.event_rules)
+    return re.findall(r"\(heard \S+ ([^\s)]+)", " ".join(map(format_node, rules)))
+
+
+@pytest.mark.parametrize(
+    ("typed", "by"),
+    [
+        (
+            "(define-memory-rule (speak ?w ?tone) :finish"
+            " (match-result (succeed (rule (true (mem-add (heard ?w new)))))))",
+            ["event", "same", "new", "any", "bang"],
+        ),
+        (
+            "(define-memory-rule (speak ?w ?w) :finish"
+            " (match-result (succeed (rule (true (mem-add (heard ?w new)))))))",
+            ["event", "finish", "new", "any", "bang"],
+        ),
+        (
+            "(define-memory-rule (speak ?a ?b) :event"
+            " (match-result ((:noise ?) (rule (true (mem-add (heard ?a new)))))))",
+            ["finish", "same", "new", "any", "bang"],
+        ),
+        (
+            "(define-memory-rule (speak hello ?) :finish"
+            " (match-result (succeed (rule (true (mem-add (heard hello new)))))))",
+            ["event", "finish", "same", "new", "any", "bang"],
+        ),
+        (
+            "(define-event-rule (:noise ?any) (rule (true (mem-add (heard x new)))))",
+            ["event", "finish", "same", "bang", "new"],
+        ),
+        (
+            "(define-event-rule (:noise hiss) (rule (true (mem-add (heard x new)))))",
+            ["event", "finish", "same", "any", "bang", "new"],
+        ),
+    ],
+)
+def test_typed_rule_replaces_the_rule_of_its_pattern(typed: str, by: list[str]) -> None:
+    session = scripted(RULES, "(speak hello soft)", rows=(row("(say ?word)"),))
+    _typed(session, typed)
+    assert _asserted_by(session) == by
+    _typed(session, typed.replace(" new)", " newer)"))
+    assert _asserted_by(session) == ["newer" if one == "new" else one for one in by]
+
+
+def test_typed_comparator_replaces_the_comparator_of_its_class_and_place() -> None:
+    session = scripted(
+        TEXT + "(declare-memory-property size (?thing (?size number)) unknown)"
+        "(declare-indistinct-class cup) (declare-indistinct-class jar)"
+        "(declare-class-comparator cup (score size 1))"
+        "(declare-class-comparator cup attic (score size 2))"
+        "(declare-class-comparator jar (score size 3))",
+        "(speak)",
+    )
+    _typed(session, "(declare-class-comparator cup (score size 4))")
+    library = session.run.library.library
+    assert [int(format_node(one)[-3]) for one in library.comparators] == [2, 3, 4]
+
+
+def test_typed_rule_is_refused_if_several_rules_have_its_pattern() -> None:
+    rule = (
+        "(define-memory-rule (speak ?w ?t) :finish"
+        " (match-result (succeed (rule (true (mem-add (heard ?w {}))))))) "
+    )
+    session = scripted(
+        RULES + rule.format("second"), "(speak hello soft)", rows=(row("(say ?word)"),)
+    )
+    with pytest.raises(RefusedError, match="2 rules have this pattern"):
+        _typed(session, rule.format("new"))
+    _typed(session, rule.format("new") + rule.format("newer"))
+    assert _asserted_by(session) == ["event", "same", "new", "newer", "any", "bang"]
+
+
+def test_reload_keeps_typed_rules_and_rereads_the_others(tmp_path: Path) -> None:
+    file = tmp_path / "small.rap"
+    file.write_text(RULES)
+    session = scripted(RULES, "(speak hello soft)", rows=(row("(say ?word)"),))
+    shell = Shell(session, commands(), [str(file)])
+    text = "(define-event-rule (:noise ?s) (rule (true (mem-add (heard ?s {})))))"
+    assert said(shell, text.format("new")) == "reloaded `event rules`\n"
+    assert said(shell, ":reload") == "no definition changed\n"
+    assert said(shell, text.format("newer")) == "reloaded `event rules`\n"
+    file.write_text(RULES.replace("same", "alike"))
+    assert said(shell, ":reload") == "reloaded `memory rules`\n"
+    assert _asserted_by(session) == ["event", "finish", "alike", "bang", "newer"]
 
 
 def test_source_shows_added_methods() -> None:
