@@ -58,11 +58,25 @@ def test_parting_ends_when_the_belief_goes() -> None:
     history.step()
     begun = history.now
     history.goto(60)
-    assert rows(history) == []
     first = rows(history, "(docked)")[0]
     assert first[4] == begun
     assert isinstance(first[6], int | float)
     assert first[6] > begun
+
+
+def test_past_wrong_beliefs_are_listed_without_a_present_one() -> None:
+    history = courier()
+    assert belief(history).lines == ("no wrong beliefs",)
+    history.goto(5)
+    put_wrong(history)
+    history.step()
+    assert belief(history).lines == ()
+    history.goto(60)
+    told = belief(history)
+    assert told.lines == ("no present wrong beliefs; wrong beliefs of the past:",)
+    assert rows(history) == rows(history, "(docked)")
+    history.goto(7)
+    assert belief(history).lines == ()
 
 
 def test_going_back_gives_the_answer_of_then() -> None:

@@ -16,6 +16,7 @@ _COLUMNS = ("believed", "since", "by", "truth", "wrong from", "cycle", "to")
 def belief(history: History, args: Arguments) -> Answer:
     """List the present wrong beliefs, or all wrong beliefs of a fact.
 
+    Without a present wrong belief, the past wrong beliefs are listed, the latest last.
     The beliefs are compared with the truth at each cycle. The columns show the
     assertion of the belief and its source, the truth, the time and the cycle at which
     the belief became wrong, and the time at which it was true or erased.
@@ -26,18 +27,25 @@ def belief(history: History, args: Arguments) -> Answer:
         signatures = history.library.program.signatures
         if str(pattern[0]) not in signatures.relations:
             raise ArgumentError(str(signatures.unknown("test", str(pattern[0]))))
+    found, lines = history.branch.discrepancies.up_to(history.serial).all, []
+    if pattern is not None:
+        size = len(pattern)
+        found = [
+            one
+            for one in found
+            if match_pattern(pattern, one.belief.fact[:size]) is not None
+        ]
+    elif present := [one for one in found if one.ended is None]:
+        found = present
+    elif found:
+        lines = ["no present wrong beliefs; wrong beliefs of the past:"]
     rows = []
-    for one in history.branch.discrepancies.up_to(history.serial).all:
+    for one in found:
         fact, since, truth = one.belief
-        if pattern is None:
-            wanted = one.ended is None
-        else:
-            wanted = match_pattern(pattern, fact[: len(pattern)]) is not None
-        if wanted:
-            (origin,) = origins(history, {fact: since}, (one.cycle + 1, 0))
-            true = " or ".join(map(format_list, truth)) or "not so"
-            ended = None if one.ended is None else number(one.ended)
-            asserted = None if since is None else number(since)
-            belief = (format_list(fact), asserted, origin.source, true)
-            rows.append((*belief, number(one.time), one.cycle, ended))
-    return table(_COLUMNS, rows, none="no wrong beliefs")
+        (origin,) = origins(history, {fact: since}, (one.cycle + 1, 0))
+        true = " or ".join(map(format_list, truth)) or "not so"
+        ended = None if one.ended is None else number(one.ended)
+        asserted = None if since is None else number(since)
+        told = (format_list(fact), asserted, origin.source, true)
+        rows.append((*told, number(one.time), one.cycle, ended))
+    return table(_COLUMNS, rows, *lines, none="no wrong beliefs")
