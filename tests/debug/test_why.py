@@ -10,9 +10,15 @@ from rapc import events
 from rapc.debug.acts import AssertFact
 from rapc.debug.history import History
 from rapc.debug.questions.commitments import commitment, stale
+from rapc.debug.questions.state import monitors
 from rapc.debug.questions.what_if import ahead, what_if
 from rapc.debug.questions.why import reasons, why
-from rapc.debug.questions.why_not import ClauseAsked, task_asked, why_not_query
+from rapc.debug.questions.why_not import (
+    ClauseAsked,
+    task_asked,
+    why_not,
+    why_not_query,
+)
 from rapc.errors import ArgumentError, FactError
 from rapc.events import KnownFact
 from tests.debug.sessions import row, scripted, truck
@@ -114,6 +120,34 @@ def test_why_not_says_how_far_each_conjunct_held() -> None:
     asked = task_asked(session, 1).methods[0].context
     assert asked is not None
     assert asked.unwanted == (KnownFact("(holds ann bell)", 0),)
+
+
+def test_failing_conjunct_of_a_monitor_has_a_line() -> None:
+    session = scripted(
+        """
+(declare-primitive refuel () (okay))
+(declare-memory-proposition fuel (?level))
+(define-rap (mend-low-fuel)
+  (monitor-state (and (fuel ?level)
+                      (< ?level 0)))
+  (method (primitive (refuel))))
+(define-rap (drive) (method (primitive (refuel))))
+""",
+        "(mend-low-fuel)",
+        "(drive)",
+        rows=(row("(refuel)", takes=5),),
+    )
+    session.act(AssertFact(("fuel", 2)))
+    session.step(2)
+    lines = why_not(session, "mend-low-fuel").lines
+    clause = "monitor-state of `mend-low-fuel`"
+    failing = "(< ?level 0) fails, conjunct 2 of 2, with ?level 2"
+    assert f"  {clause} at small.rap:6: {failing}" in lines
+    (waits,) = monitors(session).rows
+    assert (waits["waits for"], waits["where"]) == (
+        "(and (fuel ?level) (< ?level 0))",
+        "small.rap:5",
+    )
 
 
 def test_why_not_of_an_ended_task_uses_its_last_cycle() -> None:

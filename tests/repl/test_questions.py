@@ -93,7 +93,8 @@ def test_2_why_not_this_method() -> None:
     assert "> (ward ?place ?what): 0" in text
     assert "?place tray" in text
     other = _said(shell, ":why-not 1")
-    assert "method fetch: (ward ?place ?what) fails, conjunct 3 of 3" in other
+    assert ": (ward ?place ?what) fails, conjunct 3 of 3" in other
+    assert "  method fetch at small.rap:" in other
     assert "method search: no context" in other
 
 

@@ -103,7 +103,7 @@ def items(history: History, args: Arguments) -> Answer:
 @question()
 def monitors(history: History, args: Arguments) -> Answer:
     """List the tasks with monitors, and the facts and events they wait for."""
-    run = history.run
+    run, row = history.run, history.library.program.compiler.row
     entries = {entry.task: entry for entry in history.run.agenda()}
     rows = []
     for task in run.tasks():
@@ -111,9 +111,11 @@ def monitors(history: History, args: Arguments) -> Answer:
             entry, wait = entries[task.number], task.wait
             formula = run.monitored(task) if task.bound else ""
             timer = None if wait is None else wait.timer
-            told = (task.number, entry.goal, entry.state, formula, timer)
+            plan = task.plan.monitor_state
+            where = "" if plan is None else row(plan.formula.span)
+            told = (task.number, entry.goal, entry.state, formula, where, timer)
             rows.append((*told, entry.deadline))
-    columns = ("task", "goal", "state", "waits for", "next test", "deadline")
+    columns = ("task", "goal", "state", "waits for", "where", "next test", "deadline")
     return table(columns, rows, none="no monitors")
 
 

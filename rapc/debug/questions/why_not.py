@@ -74,10 +74,14 @@ class ClauseAsked(msgspec.Struct, frozen=True):
         """Whether the whole clause has a solution."""
         return len(self.parts) == self.count and all(found for _, found in self.parts)
 
+    @property
+    def at(self) -> str:
+        """The place of the failing conjunct, after ` at `; empty without a place."""
+        return f" at {self.place}" if self.place else ""
+
     def lines(self) -> Iterator[str]:
         """Yield lines about the conjuncts that hold and the missing facts."""
-        at = f" at {self.place}" if self.place else ""
-        yield f"{self.clause}{at}: {'holds' if self.holds else 'does not hold'}"
+        yield f"{self.clause}{self.at}: {'holds' if self.holds else 'does not hold'}"
         for text, found in self.parts:
             told = str(found) if found < MOST else f"{MOST} or more"
             yield f"  {' ' if found else '>'} {text}: {told}"
@@ -111,8 +115,7 @@ class ClauseAsked(msgspec.Struct, frozen=True):
         told += f" ({self.note})" if self.note else ""
         told += "".join(f": contradicted by {known}" for known in self.unwanted[:1])
         for inner in self.opened:
-            at = f" at {inner.place}" if inner.place else ""
-            told += f"; {inner.clause}{at}: {inner.in_a_line()}"
+            told += f"; {inner.clause}{inner.at}: {inner.in_a_line()}"
         return told
 
 
@@ -174,8 +177,11 @@ def why_not(history: History, args: Arguments) -> Answer:
     answer = task_asked(history, args.task(history))
     if args:
         return say(*_one_method(answer, args.word("method")))
-    clauses = (f"  {one.clause}: {one.in_a_line()}" for one in answer.clauses)
-    methods = (f"  method {one.name}: {in_words(one)}" for one in answer.methods)
+    clauses = (f"  {one.clause}{one.at}: {one.in_a_line()}" for one in answer.clauses)
+    methods = (
+        f"  method {one.name}{one.context.at if one.context else ''}: {in_words(one)}"
+        for one in answer.methods
+    )
     return say(*answer.stands, *clauses, *methods)
 
 
