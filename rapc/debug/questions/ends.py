@@ -14,7 +14,7 @@ import msgspec
 
 from rapc import events
 from rapc.base.names import plural
-from rapc.base.values import Fact, format_list, number, readable
+from rapc.base.values import format_list, number, readable
 from rapc.compiler.program import Program
 from rapc.debug.account import SUSPENDED, WAITING, Account, Piece, account_of
 from rapc.debug.answer import Answer, in_pairs, question, say, table
@@ -22,12 +22,8 @@ from rapc.debug.arguments import Arguments
 from rapc.debug.history import History
 from rapc.debug.log import ToldEvent
 from rapc.debug.questions.names import predicates
-from rapc.errors import TextError
-from rapc.events import Goal
-from rapc.ir import nodes
+from rapc.debug.questions.story import Request, Story, formula_of, thresholds
 from rapc.ir.printer import format_formula
-from rapc.ir.walk import subformulas
-from rapc.parser.parse import parse_formula
 from rapc.runtime.events.report import OF_DECISIONS, OF_GOALS
 from rapc.world import OKAY, Time
 
@@ -58,132 +54,6 @@ class Obstacle(NamedTuple):
     where: str
 
 
-# --- the events of a run --------------------------------------------------------------
-
-
-class _Request(NamedTuple):
-    """A request, or an activation of skills."""
-
-    task: int
-    what: Fact
-    begun: ToldEvent
-    #: The event of its end; None while it is under way.
-    ended: ToldEvent | None = None
-
-
-class _Story:
-    """The tasks, choices and requests of a run, from its events."""
-
-    def __init__(self, told: Iterable[ToldEvent], program: Program | None) -> None:
-        self.program = program
-        self.created: dict[int, ToldEvent] = {}
-        #: The choices of each task, in order.
-        self.chosen: dict[int, list[ToldEvent]] = {}
-        #: The last wake of each task that no thing has caused.
-        self.woken: dict[int, ToldEvent] = {}
-        self.failed: dict[int, ToldEvent] = {}
-        self.requests: list[_Request] = []
-        self.asserted: list[ToldEvent] = []
-        self.end: ToldEvent | None = None
-        open_: dict[tuple[int, Fact], int] = {}
-        for one in told:
-            keys = one.keys
-            if one.kind is events.TaskCreated:
-                self.created[keys["task"]] = one
-            elif one.kind is events.MethodChosen:
-                self.chosen.setdefault(keys["task"], []).append(one)
-            elif one.kind is events.TaskWoken and keys.get("holder") is None:
-                self.woken[keys["task"]] = one
-            elif one.kind is events.FactAsserted:
-                self.asserted.append(one)
-            elif one.kind in (events.PrimitiveRequested, events.SkillEnabled):
-                what = keys.get("request") or keys["what"]
-                open_[keys["task"], what] = len(self.requests)
-                self.requests.append(_Request(keys["task"], what, one))
-            elif one.kind in (events.PrimitiveEnded, events.PrimitiveCancelled):
-                at = open_.pop((keys["task"], keys["request"]), None)
-                if at is not None:
-                    self.requests[at] = self.requests[at]._replace(ended=one)
-            elif one.kind is events.TaskFailed:
-                self.failed[keys["task"]] = one
-            elif one.kind is events.RunEnded:
-                self.end = one
-
-    def goal(self, task: int) -> Goal | None:
-        """Return the goal of a task; None if its creation is no longer known."""
-        made = self.created.get(task)
-        return None if made is None else made.keys["goal"]
-
-    def named(self, task: int) -> str:
-        """Return the number and the goal of a task as text."""
-        return f"[{task}] {self.goal(task) or ''}".rstrip()
-
-    def parents(self, task: int) -> Iterator[int]:
-        """Yield a task and its ancestors."""
-        above: int | None = task
-        while above is not None:
-            yield above
-            made = self.created.get(above)
-            above = None if made is None else made.keys["parent"]
-
-    def family(self, task: int) -> int:
-        """Return the top-level task of a task."""
-        return [*self.parents(task)][-1]
-
-    def choice(self, task: int, before: int) -> ToldEvent | None:
-        """Return the last choice of a task before a serial number."""
-        found = [one for one in self.chosen.get(task, ()) if one.serial < before]
-        return found[-1] if found else None
-
-    def method(self, choice: ToldEvent) -> nodes.Method | None:
-        """Return the method of a choice; None without its text."""
-        plan = None if self.program is None else self.program.rap(choice.keys["rap"])
-        methods = () if plan is None else plan.methods
-        wanted = choice.keys["method"]
-        return next((one.node for one in methods if one.name == wanted), None)
-
-    def row(self, node: nodes.Node | None) -> str:
-        """Return the file and line of a node."""
-        if self.program is None or node is None:
-            return ""
-        return self.program.compiler.row(node.span)
-
-    def place(self, formula: nodes.Formula) -> str:
-        """Return the line of the first comparison in a formula or in its queries.
-
-        Without a comparison, this is the line of the first named query.
-        """
-        if self.program is None:
-            return ""
-        found = [self.row(one) for one in thresholds(self.program, formula)]
-        queries = self.program.library.queries
-        names = predicates(self.program.signatures, formula)
-        found += [self.row(queries[one]) for one in names if one in queries]
-        return next(filter(None, found), "")
-
-    def place_of_wait(self, wait: Piece) -> str:
-        """Return the line of a signal that a step waits for, or of a monitor."""
-        if wait.on.startswith("(:"):
-            made = self.created.get(wait.task or 0)
-            parent = None if made is None else made.keys["parent"]
-            if made is None or parent is None:
-                return ""
-            chosen = self.choice(parent, made.serial)
-            method = None if chosen is None else self.method(chosen)
-            if method is None or not isinstance(method.body, nodes.TaskNet):
-                return ""
-            found = [
-                self.row(annotation)
-                for step in method.body.steps
-                if step.tag == made.keys["step"]
-                for annotation in step.annotations
-                if isinstance(annotation, nodes.WaitFor)
-            ]
-            return next(iter(found), "")
-        formula = _formula(wait.on)
-        return "" if formula is None else self.place(formula)
-
-
 # --- the decisions behind the end -----------------------------------------------------
 
 
@@ -194,7 +64,7 @@ def decisions(told: Iterable[ToldEvent], program: Program | None) -> list[Decisi
         told: the events of the run, of `OF_DECISIONS` and of facts.
         program: the library; None if it is unknown.
     """
-    story = _Story(told, program)
+    story = Story(told, program)
     last = _last_request(story)
     if last is None:
         return []
@@ -210,21 +80,21 @@ def decisions(told: Iterable[ToldEvent], program: Program | None) -> list[Decisi
     return found
 
 
-def _last_request(story: _Story) -> _Request | None:
+def _last_request(story: Story) -> Request | None:
     """Return the last request that failed, was under way at the end, or ended."""
     at_end = [one for one in story.requests if _ends_at(story, one)]
     bad = [one for one in at_end if one.ended and one.ended.keys.get("result") != OKAY]
     return next(iter([*reversed(bad), *reversed(story.requests)]), None)
 
 
-def _ends_at(story: _Story, request: _Request) -> bool:
+def _ends_at(story: Story, request: Request) -> bool:
     if story.end is None or request.ended is None:
         return False
     is_result = request.ended.kind is events.PrimitiveEnded
     return is_result and request.ended.time == story.end.time
 
 
-def _of_request(story: _Story, request: _Request) -> Decision:
+def _of_request(story: Story, request: Request) -> Decision:
     chosen = story.choice(request.task, request.begun.serial)
     method = None if chosen is None else story.method(chosen)
     said, at = format_list(request.what), request.begun
@@ -235,7 +105,7 @@ def _of_request(story: _Story, request: _Request) -> Decision:
     return Decision(at.time, at.cycle, story.named(request.task), said, "", where)
 
 
-def _of_choice(story: _Story, chosen: ToldEvent) -> Decision:
+def _of_choice(story: Story, chosen: ToldEvent) -> Decision:
     keys = chosen.keys
     return Decision(
         chosen.time,
@@ -247,9 +117,9 @@ def _of_choice(story: _Story, chosen: ToldEvent) -> Decision:
     )
 
 
-def _of_wake(story: _Story, woken: ToldEvent) -> Decision:
+def _of_wake(story: Story, woken: ToldEvent) -> Decision:
     on = woken.keys["on"]
-    formula = _formula(on)
+    formula = formula_of(on)
     because, where = "", ""
     if formula is not None and story.program is not None:
         names = predicates(story.program.signatures, formula)
@@ -260,38 +130,15 @@ def _of_wake(story: _Story, woken: ToldEvent) -> Decision:
                 facts[fact[0]] = format_list(fact)
         tests = thresholds(story.program, formula)
         because = " ".join([*facts.values(), *map(format_formula, tests)])
-        where = story.place(formula)
+        _, where = story.wait(on, woken.keys["task"])
     task = story.named(woken.keys["task"])
     return Decision(woken.time, woken.cycle, task, f"woken by {on}", because, where)
-
-
-def _formula(text: str) -> nodes.Formula | None:
-    """Return the formula of a wait; None for a time or a thing."""
-    try:
-        return parse_formula(text) if text.startswith("(") else None
-    except TextError:
-        return None
-
-
-def thresholds(program: Program, formula: nodes.Formula) -> list[nodes.Compare]:
-    """Return the comparisons of a formula, also those in its named queries."""
-    found: list[nodes.Compare] = []
-    stack, seen = [formula], set()
-    while stack:
-        for part in subformulas(stack.pop()):
-            if isinstance(part, nodes.Compare):
-                found.append(part)
-            elif isinstance(part, nodes.Proposition) and part.name not in seen:
-                seen.add(part.name)
-                query = program.library.queries.get(part.name)
-                stack += [] if query is None else [query.formula]
-    return found
 
 
 # --- what kept the goals --------------------------------------------------------------
 
 
-def obstacles(account: Account, story: _Story, family: int) -> list[Obstacle]:
+def obstacles(account: Account, story: Story, family: int) -> list[Obstacle]:
     """Return what kept a top-level goal: its failure, failed requests, long waits."""
     return [
         *_causes(story, family),
@@ -300,7 +147,7 @@ def obstacles(account: Account, story: _Story, family: int) -> list[Obstacle]:
     ]
 
 
-def _causes(story: _Story, family: int) -> Iterator[Obstacle]:
+def _causes(story: Story, family: int) -> Iterator[Obstacle]:
     """Yield the first causes of the failure of a goal, or of its excluded methods."""
     failed = story.failed.get(family)
     cause = None if failed is None else failed.keys["because"]
@@ -317,9 +164,9 @@ def _causes(story: _Story, family: int) -> Iterator[Obstacle]:
         yield Obstacle(kept_by, 1, None, said, inner.place)
 
 
-def _failures(story: _Story, family: int) -> Iterator[Obstacle]:
+def _failures(story: Story, family: int) -> Iterator[Obstacle]:
     """Yield the failed requests of a family, by name and result."""
-    groups: dict[tuple[str, str], list[_Request]] = {}
+    groups: dict[tuple[str, str], list[Request]] = {}
     for one in story.requests:
         result = OKAY if one.ended is None else one.ended.keys.get("result", OKAY)
         if result != OKAY and story.family(one.task) == family:
@@ -337,7 +184,7 @@ def _failures(story: _Story, family: int) -> Iterator[Obstacle]:
         yield Obstacle(f"{name}: {result}", len(failed), None, said, where)
 
 
-def _beside(story: _Story, failed: _Request, family: int) -> list[_Request]:
+def _beside(story: Story, failed: Request, family: int) -> list[Request]:
     """Return the last request that another family began during a failed request."""
     assert failed.ended is not None
     found = [
@@ -350,7 +197,7 @@ def _beside(story: _Story, failed: _Request, family: int) -> list[_Request]:
 
 
 def _unclaimed(
-    story: _Story, failed: _Request, others: Sequence[_Request]
+    story: Story, failed: Request, others: Sequence[Request]
 ) -> tuple[str, str] | None:
     """Return the method that does not claim a thing which others used meanwhile."""
     program = story.program
@@ -377,7 +224,7 @@ def _unclaimed(
     return f"{named} does not claim {' or '.join(sorted(used))}", story.row(method)
 
 
-def _waits(account: Account, story: _Story, family: int) -> Iterator[Obstacle]:
+def _waits(account: Account, story: Story, family: int) -> Iterator[Obstacle]:
     """Yield the longest waits of a family, each with the wait of the other family."""
     groups: dict[tuple[str, str], list[Piece]] = {}
     for one in account.of_family[family]:
@@ -395,7 +242,7 @@ def _length(pieces: Iterable[Piece]) -> Time:
 
 
 def _meanwhile(
-    account: Account, story: _Story, pieces: Sequence[Piece]
+    account: Account, story: Story, pieces: Sequence[Piece]
 ) -> tuple[str, str]:
     """Return the longest wait of the family that kept another one waiting."""
     spent: dict[str, list[Piece]] = {}
@@ -415,10 +262,15 @@ def _meanwhile(
                 both = piece._replace(start=start, stop=stop)
                 spent.setdefault(piece.on, []).append(both)
     if not spent:
-        return "", next(filter(None, map(story.place_of_wait, pieces)), "")
+        return "", next(filter(None, (_place(story, one) for one in pieces)), "")
     on, waits = max(spent.items(), key=lambda item: _length(item[1]))
-    time, where = _length(waits), story.place_of_wait(waits[0])
+    time, where = _length(waits), _place(story, waits[0])
     return f"it waited for {on}, {readable(time)}", where
+
+
+def _place(story: Story, wait: Piece) -> str:
+    """Return the line of what a task waits for."""
+    return story.wait(wait.on, wait.task or 0)[1]
 
 
 def _counted(words: Iterable[str]) -> str:
@@ -473,7 +325,7 @@ def goals_of(
         program: the library; None if it is unknown.
         all_: whether also goals that have ended are listed.
     """
-    account, story = account_of(told, now), _Story(told, program)
+    account, story = account_of(told, now), Story(told, program)
     rows: list[tuple[object, ...]] = []
     for family in account.families.values():
         if family.background or not (all_ or family.ended is None):

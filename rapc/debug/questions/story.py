@@ -1,0 +1,167 @@
+"""The tasks, choices and requests of a run, with the places behind them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import NamedTuple
+
+from rapc import events
+from rapc.base.values import Fact
+from rapc.compiler.program import Program
+from rapc.debug.log import ToldEvent
+from rapc.debug.questions.names import predicates
+from rapc.errors import TextError
+from rapc.events import Goal
+from rapc.ir import nodes
+from rapc.ir.printer import format_formula
+from rapc.ir.walk import subformulas
+from rapc.parser.parse import parse_formula
+
+
+class Request(NamedTuple):
+    """A request, or an activation of skills."""
+
+    task: int
+    what: Fact
+    begun: ToldEvent
+    #: The event of its end; None while it is under way.
+    ended: ToldEvent | None = None
+
+
+class Story:
+    """The tasks, choices and requests of a run, from its events."""
+
+    def __init__(self, told: Iterable[ToldEvent], program: Program | None) -> None:
+        self.program = program
+        self.created: dict[int, ToldEvent] = {}
+        #: The choices of each task, in order.
+        self.chosen: dict[int, list[ToldEvent]] = {}
+        #: The last wake of each task that no thing has caused.
+        self.woken: dict[int, ToldEvent] = {}
+        self.failed: dict[int, ToldEvent] = {}
+        self.requests: list[Request] = []
+        self.asserted: list[ToldEvent] = []
+        self.end: ToldEvent | None = None
+        open_: dict[tuple[int, Fact], int] = {}
+        for one in told:
+            keys = one.keys
+            if one.kind is events.TaskCreated:
+                self.created[keys["task"]] = one
+            elif one.kind is events.MethodChosen:
+                self.chosen.setdefault(keys["task"], []).append(one)
+            elif one.kind is events.TaskWoken and keys.get("holder") is None:
+                self.woken[keys["task"]] = one
+            elif one.kind is events.FactAsserted:
+                self.asserted.append(one)
+            elif one.kind in (events.PrimitiveRequested, events.SkillEnabled):
+                what = keys.get("request") or keys["what"]
+                open_[keys["task"], what] = len(self.requests)
+                self.requests.append(Request(keys["task"], what, one))
+            elif one.kind in (events.PrimitiveEnded, events.PrimitiveCancelled):
+                at = open_.pop((keys["task"], keys["request"]), None)
+                if at is not None:
+                    self.requests[at] = self.requests[at]._replace(ended=one)
+            elif one.kind is events.TaskFailed:
+                self.failed[keys["task"]] = one
+            elif one.kind is events.RunEnded:
+                self.end = one
+
+    def goal(self, task: int) -> Goal | None:
+        """Return the goal of a task; None if its creation is no longer known."""
+        made = self.created.get(task)
+        return None if made is None else made.keys["goal"]
+
+    def named(self, task: int) -> str:
+        """Return the number and the goal of a task as text."""
+        return f"[{task}] {self.goal(task) or ''}".rstrip()
+
+    def parents(self, task: int) -> Iterator[int]:
+        """Yield a task and its ancestors."""
+        above: int | None = task
+        while above is not None:
+            yield above
+            made = self.created.get(above)
+            above = None if made is None else made.keys["parent"]
+
+    def family(self, task: int) -> int:
+        """Return the top-level task of a task."""
+        return [*self.parents(task)][-1]
+
+    def choice(self, task: int, before: int) -> ToldEvent | None:
+        """Return the last choice of a task before a serial number."""
+        found = [one for one in self.chosen.get(task, ()) if one.serial < before]
+        return found[-1] if found else None
+
+    def method(self, choice: ToldEvent) -> nodes.Method | None:
+        """Return the method of a choice; None without its text."""
+        plan = None if self.program is None else self.program.rap(choice.keys["rap"])
+        methods = () if plan is None else plan.methods
+        wanted = choice.keys["method"]
+        return next((one.node for one in methods if one.name == wanted), None)
+
+    def row(self, node: nodes.Node | None) -> str:
+        """Return the file and line of a node."""
+        if self.program is None or node is None:
+            return ""
+        return self.program.compiler.row(node.span)
+
+    def step(self, made: ToldEvent) -> tuple[ToldEvent | None, nodes.Step | None]:
+        """Return the choice that created a task, and the text of the task's step."""
+        parent = made.keys["parent"]
+        chosen = None if parent is None else self.choice(parent, made.serial)
+        method = None if chosen is None else self.method(chosen)
+        if method is None or not isinstance(method.body, nodes.TaskNet):
+            return chosen, None
+        steps = (one for one in method.body.steps if one.tag == made.keys["step"])
+        return chosen, next(steps, None)
+
+    def wait(self, on: str, task: int) -> tuple[str, str]:
+        """Return what a task waits for, with its line; no texts if it is unknown.
+
+        This is the annotation of a step that waits for a signal, or the first test of
+        a monitor (see `thresholds`), or else the first named query.
+        """
+        if on.startswith("(:"):
+            made = self.created.get(task)
+            _, step = (None, None) if made is None else self.step(made)
+            waits = () if step is None else step.annotations
+            found = [
+                (f"step {step.tag}", self.row(one))
+                for one in waits
+                if step is not None and isinstance(one, nodes.WaitFor)
+            ]
+            return next(iter(found), ("", ""))
+        formula = formula_of(on)
+        if formula is None or self.program is None:
+            return "", ""
+        tests = thresholds(self.program, formula)
+        found = [(format_formula(one), self.row(one)) for one in tests]
+        queries = self.program.library.queries
+        names = predicates(self.program.signatures, formula)
+        named = [one for one in names if one in queries]
+        found += [(f"query `{one}`", self.row(queries[one])) for one in named]
+        return next((one for one in found if one[1]), ("", ""))
+
+
+def formula_of(text: str) -> nodes.Formula | None:
+    """Return the formula of a wait; None for a time or a thing."""
+    try:
+        return parse_formula(text) if text.startswith("(") else None
+    except TextError:
+        return None
+
+
+def thresholds(program: Program, formula: nodes.Formula) -> list[nodes.Formula]:
+    """Return the comparisons and the limits of age in a formula and its queries."""
+    found: list[nodes.Formula] = []
+    stack, seen = [formula], set()
+    while stack:
+        for part in subformulas(stack.pop()):
+            is_limit = isinstance(part, nodes.Believe) and type(part.age) is nodes.Const
+            if isinstance(part, nodes.Compare) or is_limit:
+                found.append(part)
+            elif isinstance(part, nodes.Proposition) and part.name not in seen:
+                seen.add(part.name)
+                query = program.library.queries.get(part.name)
+                stack += [] if query is None else [query.formula]
+    return found
