@@ -217,10 +217,10 @@ def _decided_in(before: Side, after: Side) -> str:
     """Return the file of the RAP of the first different decision."""
     found = first_difference(before, after)
     told = found and (found.there or found.here)
-    if not told or after.library is None:
+    if not told or after.program is None:
         return ""
     goal = told.keys.get("goal")
-    rap = after.library.raps[told.keys["rap"] if goal is None else goal.name]
+    rap = after.program.library.raps[told.keys["rap"] if goal is None else goal.name]
     return Path(rap.span.file).name
 
 

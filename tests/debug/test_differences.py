@@ -14,8 +14,9 @@ from rapc.debug.acts import EraseFacts
 from rapc.debug.answer import Answer
 from rapc.debug.history import History
 from rapc.debug.questions.differences import diff
+from rapc.debug.questions.story import Story
 from rapc.errors import ArgumentError
-from tests.debug.sessions import truck
+from tests.debug.sessions import row, scripted, truck
 
 COURIER = Path("examples/courier")
 
@@ -47,16 +48,20 @@ def test_comparison_with_another_library_names_cause_and_cost(
     history.go()
     found = diff(history, f"library {never_charged}")
     there = str(never_charged)
-    assert found.lines[:8] == (
+    assert found.lines[:11] == (
         f"time: here 831, {there} 1118 (+34.5 %)",
         "first different decision, in cycle 24:",
         "  here: (stay-until-charged) [20] was selected at 116",
         "    woken by (or (charged) (not (robot-at base)))",
+        "    (>= ?level 90) at examples/courier/charging.rap:13",
         "    after datum (battery 94) at 116",
         f"    {there}: [20] at 116: blocked until (or (charged) (not (robot-at base))) "
         "since 76",
+        f"      (> ?level 100) at {there}/charging.rap:13",
         f"  {there}: (answer-calls) [1] was selected at 131",
         "    woken by (can-help ?)",
+        f"    (> ?level (+ (way ?here ?room) (way ?room base) ?spare)) at {there}"
+        "/moving.rap:37",
     )
     assert _row(found, "kind", "waiting") == (272, 456)
     assert _row(found, "family", "(stay-charged)") == (300, 447)
@@ -143,6 +148,62 @@ def test_reasons_of_a_choice_are_the_facts_that_differ(tmp_path: Path) -> None:
     assert " at stdlib/hallway/travel.rap:" in because
     assert otherwise.startswith("    because of (base lab-door 4.951 14.03 -1.57), ")
     assert f" at {tmp_path}/travel.rap:" in otherwise
+
+
+def _changed(folder: Path, file: str, old: str, new: str) -> Path:
+    """Return a courier library with a changed line."""
+    for one in COURIER.glob("*.rap"):
+        text = one.read_text()
+        assert one.name != file or old in text
+        (folder / one.name).write_text(text.replace(old, new))
+    return folder
+
+
+def test_different_step_is_named_with_its_method_and_line(tmp_path: Path) -> None:
+    slow = _changed(tmp_path, "moving.rap", "(halt-for 10)", "(halt-for 100)")
+    recorded_file = tmp_path / "run.jsonl"
+    options = {"blocked": 40}
+    before = History.open(
+        rapc.load(COURIER), "courier", agenda="shift", seed=1, options=options
+    )
+    before.go()
+    recorded.write_trace(before, recorded_file)
+    history = History.open(
+        rapc.load(slow), "courier", agenda="shift", seed=1, options=options
+    )
+    history.go()
+    found = diff(history, str(recorded_file))
+    at = found.lines.index("first different event before:")
+    here, because = found.lines[at + 1 : at + 3]
+    assert here.startswith("  here: creating task (halt-for 100) ")
+    step = f"step t1 of method let-pass of travel-to at {slow}/moving.rap:20"
+    assert because == f"    {step}"
+
+
+def test_different_method_is_named_with_its_line(tmp_path: Path) -> None:
+    there = """
+    (declare-primitive tick () (okay))
+    (define-rap (go)
+      (method one (context true) (primitive (tick)))
+      (method two (context otherwise) (primitive (tick))))
+    """
+    for text in (there, there.replace("context true", "context (not true)")):
+        session = scripted(text, "(go)", rows=(row("(tick)"),))
+        session.go()
+        if text is there:
+            recorded.write_trace(session, tmp_path / "run.jsonl")
+    found = diff(session, str(tmp_path / "run.jsonl"))
+    here, because = found.lines[2:4]
+    assert here.startswith("  here: [1] chose two of go at 0")
+    assert because == "    method two of go at small.rap:5"
+
+
+def test_wait_names_the_limit_of_age_in_a_query() -> None:
+    story = Story((), rapc.load("examples/laboratory").program)
+    assert story.wait("(not (known-standard ?))", 1) == (
+        "(believe (standard-value ?value) 80)",
+        "examples/laboratory/measuring.rap:6",
+    )
 
 
 def test_run_with_faults_is_not_begun_again(tmp_path: Path) -> None:

@@ -13,6 +13,7 @@ import msgspec
 from rapc import events
 from rapc.base.source import place
 from rapc.base.values import Fact, format_list, readable
+from rapc.compiler.program import Program
 from rapc.debug import costs
 from rapc.debug.account import account_of
 from rapc.debug.answer import Answer, question, table
@@ -21,13 +22,13 @@ from rapc.debug.bug import SUFFIX
 from rapc.debug.history import History
 from rapc.debug.log import EventLog, ToldEvent
 from rapc.debug.questions import why
+from rapc.debug.questions.story import Story
 from rapc.debug.questions.times import sensors_of
 from rapc.debug.questions.why_not import in_words
 from rapc.debug.recording import Playback, Recording
 from rapc.debug.reload import differing
 from rapc.errors import ArgumentError, Error, StateError
 from rapc.host import load
-from rapc.library.library import Library
 from rapc.runtime.events.trace import record
 from rapc.runtime.interpreter import Interpreter
 from rapc.spec import RunSpec
@@ -107,17 +108,16 @@ class Side(msgspec.Struct):
     #: A history of the run that can explain its past decisions, if there is one.
     history: History | None = None
     #: The library, if it is known.
-    library: Library | None = None
+    program: Program | None = None
 
 
 def this_run(history: History, name: str = "here") -> Side:
     """Return a run up to its present moment."""
-    told, library = list(history.scan()), None
-    if history.is_run:
-        library = history.library.program.library
+    told = list(history.scan())
+    program = history.library.program if history.is_run else None
     explains = history if history.is_run and not history.no_way_back else None
     now, spec, sensors = history.now, history.spec, sensors_of(history)
-    return Side(name, told, now, history.over, spec, sensors, explains, library)
+    return Side(name, told, now, history.over, spec, sensors, explains, program)
 
 
 def recorded_run(path: Path, name: str = "there") -> Side:
@@ -157,8 +157,8 @@ def _branch(history: History, name: str) -> Side:
     now = told[-1].time if told else 0
     over = any(one.kind is events.RunEnded for one in told)
     spec, sensors = history.spec, sensors_of(history)
-    library = history.library.program.library
-    return Side(name, told, now, over, spec, sensors, None, library)
+    program = history.library.program
+    return Side(name, told, now, over, spec, sensors, None, program)
 
 
 LONGER = 10
@@ -283,26 +283,51 @@ def _lines(found: Difference, here: Side, there: Side) -> Iterator[str]:
     sides = ((here, found.here), (there, found.there))
     cycle = next(one.cycle for one in (found.here, found.there) if one is not None)
     yield f"first different decision, in cycle {cycle}:"
+    stories = [Story(side.told, _library(side)) for side in (here, there)]
     reasons = [
-        _reasons(here, found.here, found.there),
-        _reasons(there, found.there, found.here),
+        _reasons(here, stories[0], found.here, found.there),
+        _reasons(there, stories[1], found.there, found.here),
     ]
     common = {_FOLDER.sub("", line) for line in reasons[0]}
     common &= {_FOLDER.sub("", line) for line in reasons[1]}
-    for side, other, told, beside, lines in (
-        (*(here, there), *(found.here, found.there), reasons[0]),
-        (*(there, here), *(found.there, found.here), reasons[1]),
+    shown = set(common)
+    for side, other, told, beside, lines, story in (
+        (*(here, there), *(found.here, found.there), reasons[0], stories[1]),
+        (*(there, here), *(found.there, found.here), reasons[1], stories[0]),
     ):
         yield f"  {side.name}: {_decision(told)}"
         if told is not None:
             own = [one for one in lines if _FOLDER.sub("", one) not in common]
+            shown.update(own)
             yield from (f"    {line}" for line in own[:_MOST_REASONS])
             if beside is None or beside.keys["task"] != told.keys["task"]:
-                yield f"    {other.name}: {_state_at(other, told)}"
+                state, *behind = _state_at(other, story, told)
+                shown.update(behind)
+                yield f"    {other.name}: {state}"
+                yield from (f"      {line}" for line in behind)
     if found.before is not None:
         yield "first different event before:"
-        for (side, _), told in zip(sides, found.before, strict=True):
+        for (side, _), story, told in zip(sides, stories, found.before, strict=True):
             yield f"  {side.name}: {_event(told)}"
+            places = [] if told is None else [*_behind(story, told)]
+            yield from (f"    {line}" for line in places if line not in shown)
+
+
+def _behind(story: Story, told: ToldEvent) -> Iterator[str]:
+    """Yield the place of the step, method or formula behind an event, if known."""
+    keys, what, where = told.keys, "", ""
+    if told.kind is events.TaskCreated:
+        chosen, step = story.step(told)
+        if chosen is not None:
+            of = f"method {chosen.keys['method']} of {chosen.keys['rap']}"
+            what, where = f"step {keys['step']} of {of}", story.row(step)
+    elif told.kind is events.MethodChosen:
+        what = f"method {keys['method']} of {keys['rap']}"
+        where = story.row(story.method(told))
+    elif told.kind in (events.TaskBlocked, events.TaskWoken):
+        what, where = story.wait(keys["on"], keys["task"])
+    if where:
+        yield f"{what} at {where}"
 
 
 def _decision(told: ToldEvent | None) -> str:
@@ -340,7 +365,9 @@ _FOLDER = re.compile(r"[^\s()]*[/\\](?=[^/\\\s]+\.rap:[0-9])")
 """The folder in the position of a definition."""
 
 
-def _reasons(side: Side, told: ToldEvent | None, beside: ToldEvent | None) -> list[str]:
+def _reasons(
+    side: Side, story: Story, told: ToldEvent | None, beside: ToldEvent | None
+) -> list[str]:
     """Return the reasons of a decision: from the events, and from a replay.
 
     Of the methods of a task, only those that one of the two sides chose are explained,
@@ -348,7 +375,7 @@ def _reasons(side: Side, told: ToldEvent | None, beside: ToldEvent | None) -> li
     """
     if told is None:
         return []
-    found = list(_grounds(side, told))
+    found = [*_behind(story, told), *_grounds(side, story, told)]
     if side.history is None:
         return found
     try:
@@ -364,7 +391,7 @@ def _reasons(side: Side, told: ToldEvent | None, beside: ToldEvent | None) -> li
     return found + [str(origin) for origin in doing.rests_on]
 
 
-def _grounds(side: Side, told: ToldEvent) -> Iterator[str]:
+def _grounds(side: Side, story: Story, told: ToldEvent) -> Iterator[str]:
     """Yield the last event that made a task eligible, from the events of a run."""
     if told.kind is not events.TaskSelected:
         return
@@ -382,6 +409,7 @@ def _grounds(side: Side, told: ToldEvent) -> Iterator[str]:
         elif one.kind is events.TaskWoken:
             woken = one
             yield f"woken by {one.keys['on']}"
+            yield from _behind(story, one)
         elif one.kind is events.MethodEnded:
             yield f"its method {one.keys['method']} ended: {one.keys['result']}"
             return
@@ -415,31 +443,33 @@ _STATES: Mapping[type[events.Event], str] = {
 """The state of a task after an event, as text."""
 
 
-def _state_at(side: Side, told: ToldEvent) -> str:
-    """Return the state of the task of another run's event, at the time of the event."""
+def _state_at(side: Side, story: Story, told: ToldEvent) -> Iterator[str]:
+    """Yield the state of the task of another run's event, at the time of the event."""
     number, at = told.keys["task"], readable(told.time)
-    state = "has not been created"
+    state, last = "has not been created", None
     for one in side.told:
         if one.time > told.time:
             break
         if one.keys.get("task") == number and one.kind in _STATES:
             since = f" since {readable(one.time)}" if one.time < told.time else ""
-            state = _STATES[one.kind].format(**one.keys) + since
-    return f"[{number}] at {at}: {state}"
+            state, last = _STATES[one.kind].format(**one.keys) + since, one
+    yield f"[{number}] at {at}: {state}"
+    if last is not None and last.kind is events.TaskBlocked:
+        yield from _behind(story, last)
 
 
 # --- the whole comparison -----------------------------------------------------------
 
 
-def _library(side: Side) -> Library | None:
+def _library(side: Side) -> Program | None:
     """Return the library of a side; None if it has changed since the recording."""
-    if side.library is not None:
-        return side.library
+    if side.program is not None:
+        return side.program
     try:
         found = load(side.spec.library).program
     except Error:
         return None
-    return found.library if found.digest == side.spec.digest else None
+    return found if found.digest == side.spec.digest else None
 
 
 def changed_definitions(here: Side, there: Side) -> list[str]:
@@ -448,11 +478,12 @@ def changed_definitions(here: Side, there: Side) -> list[str]:
     Each line has the place in the library of the second side, or of the first for a
     definition that was removed.
     """
-    if here.spec.digest == there.spec.digest and here.library is there.library:
+    if here.spec.digest == there.spec.digest and here.program is there.program:
         return []
-    one, other = _library(here), _library(there)
-    if one is None or other is None or one is other:
+    first, second = _library(here), _library(there)
+    if first is None or second is None or first is second:
         return []
+    one, other = first.library, second.library
     found = []
     for kind, name, before, after in differing(one, other):
         node, files = (after, other.files) if after else (before, one.files)
