@@ -114,10 +114,14 @@ class Arguments:
             raise TextError(f"{what} must be a whole number, not `{said}`")
         return int(said)
 
-    def task(self, history: History) -> int:
+    def task(self, history: History, *, ended: bool = False) -> int:
         """Take the next argument as a task: a number, or the RAP of one live task.
 
         Without an argument, return the task of the last cycle.
+
+        Args:
+            history: the run.
+            ended: whether a RAP without live tasks stands for its last task.
 
         Raises:
             TextError: for an invalid argument, or if no task was selected before.
@@ -128,7 +132,7 @@ class Arguments:
             history.check_is_run()
             if name in history.library.program.library.raps:
                 self.word("task")
-                return _task_of(history, name)
+                return _task_of(history, name, ended)
         number = self.count("task", history.selected or 0)
         if not number:
             raise TextError("no current task; give a task number")
@@ -172,8 +176,8 @@ class Arguments:
             raise TextError(f"unexpected argument `{self._left[0]}`")
 
 
-def _task_of(history: History, rap: str) -> int:
-    """Return the number of the live task of a RAP.
+def _task_of(history: History, rap: str, ended: bool) -> int:
+    """Return the number of the live task of a RAP; with `ended`, else of its last task.
 
     Raises:
         ArgumentError: if the RAP has no live task or several live tasks.
@@ -185,5 +189,9 @@ def _task_of(history: History, rap: str) -> int:
         listed = ", ".join(f"[{number}] {goal}" for number, goal in goals.items())
         raise ArgumentError(f"`{rap}` has several live tasks: {listed}; give a number")
     last = history.last(TaskCreated, want=lambda told: told.keys["goal"].name == rap)
-    ended = f"; its last task was [{last.keys['task']}]" if last is not None else ""
-    raise ArgumentError(f"`{rap}` has no live task{ended}")
+    if last is None:
+        raise ArgumentError(f"`{rap}` has no live task")
+    number: int = last.keys["task"]
+    if ended:
+        return number
+    raise ArgumentError(f"`{rap}` has no live task; its last task was [{number}]")

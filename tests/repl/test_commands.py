@@ -175,6 +175,32 @@ def test_rap_name_stands_for_its_live_task() -> None:
     assert "has no live task; its last task was [" in said(shell, ":fail rock-order")
 
 
+@pytest.mark.parametrize("command", [":why", ":why-not", ":waits", ":chain"])
+def test_rap_name_stands_for_its_last_task_if_none_is_live(command: str) -> None:
+    shell = truck_shell()
+    shell.answer("(rock-order blue 1)")
+    shell.answer(":show none")
+    shell.answer(":run")
+    answer = shell.answer(f"{command} rock-order")
+    assert not answer.failed, answer.lines
+    assert answer == shell.answer(f"{command} 2")
+    assert answer != shell.answer(f"{command} 1")
+
+
+def test_why_failed_takes_the_name_of_a_rap_without_live_tasks() -> None:
+    session = scripted(
+        "(declare-primitive say (?word) (okay hoarse))"
+        "(define-rap (speak) (method (primitive (say hello))))",
+        "(speak)",
+        rows=(row("(say ?word)", "hoarse"),),
+    )
+    shell = Shell(session, commands())
+    shell.answer(":run")
+    told = said(shell, ":why failed speak")
+    assert told.startswith("[1] (speak) failed in cycle ")
+    assert told == said(shell, ":why failed 1")
+
+
 def test_ended_task_is_still_shown() -> None:
     shell = truck_shell()
     shell.answer(":run")

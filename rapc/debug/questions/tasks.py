@@ -11,6 +11,7 @@ from rapc.debug.answer import Answer, question, table
 from rapc.debug.arguments import Arguments
 from rapc.debug.history import History
 from rapc.debug.log import ToldEvent
+from rapc.debug.questions.why_not import last_cycle
 from rapc.runtime.events.report import cause_lines
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.state.task import Task
@@ -165,8 +166,20 @@ def task(history: History, args: Arguments) -> Answer:
 
 @question("[TASK]", ":chain 157")
 def chain(history: History, args: Arguments) -> Answer:
-    """Show a task and its ancestors."""
-    above: Task | None = history.run.task(args.task(history))
+    """Show a task and its ancestors.
+
+    The answer for an ended task describes the state before its last cycle.
+    """
+    number = args.task(history, ended=True)
+    live = {task.number: task for task in history.run.tasks()}
+    if number in live:
+        return _chain(live[number])
+    with history.at_choice(last_cycle(history, number)) as run:
+        return _chain(run.task(number))
+
+
+def _chain(task: Task) -> Answer:
+    above: Task | None = task
     rows = []
     while above is not None:
         method = "" if above.run is None else above.run.plan.name

@@ -207,7 +207,7 @@ def waits(history: History, args: Arguments) -> Answer:
     """
     whole = account(history)
     if args:
-        return _waits_of(whole, args.task(history))
+        return _waits_of(whole, args.task(history, ended=True))
     groups: dict[tuple[str, str, str], list[Time]] = {}
     for one in whole.waits:
         rap = one.goal[1:].rstrip(")").split(" ")[0]

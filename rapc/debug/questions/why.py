@@ -118,8 +118,8 @@ def why(history: History, args: Arguments) -> Answer:
     if args.takes("end"):
         return why_end(history)
     if args.takes("failed"):
-        return why_failed(history, args.task(history) if args else None)
-    number = args.task(history)
+        return why_failed(history, args.task(history, ended=True) if args else None)
+    number = args.task(history, ended=True)
     cycle = args.count("cycle") if args.takes("in") else None
     choice, doing = reasons(history, number, cycle)
     return say(*of_choice(choice), *of_doing(doing))

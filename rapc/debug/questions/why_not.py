@@ -174,7 +174,7 @@ def why_not(history: History, args: Arguments) -> Answer:
     """
     if args.peek().startswith("("):
         return say(*why_not_query(history, args.word("query")).lines())
-    answer = task_asked(history, args.task(history))
+    answer = task_asked(history, args.task(history, ended=True))
     if args:
         return say(*_one_method(answer, args.word("method")))
     clauses = (f"  {one.clause}{one.at}: {one.in_a_line()}" for one in answer.clauses)
