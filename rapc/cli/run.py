@@ -123,7 +123,8 @@ def run(
     Without -q and --show, the trace goes to standard output. A short report follows.
 
     The report explains the end: the decisions behind the last request if the world has
-    ended the run, and, without -q, what kept the goals that have not ended.
+    ended the run, and, without -q, what kept the goals that have not ended and which
+    background tasks failed.
 
     A foreground task that never ends keeps the run going until the time of --until.
     Without --until, a note on standard error names the task.
@@ -200,7 +201,7 @@ def _explain(known: Iterable[Event], interpreter: Interpreter) -> None:
     answers = {"Before the end:": end_of(told, library)}
     if not settings().quiet:
         goals = goals_of(told, interpreter.now, library, all_=False)
-        answers["Goals that have not ended:"] = goals
+        answers["What kept the goals:"] = goals
     for title, answer in answers.items():
         if answer.table is not None:
             shown = msgspec.structs.replace(answer, lines=(title,), notes=())

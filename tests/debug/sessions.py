@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import rapc
 from rapc.debug.history import History
+from rapc.runtime.task_request import TaskRequest
 from rapc.world import Time
 from rapc.worlds.script import Row
 from rapc.worlds.scripted import ScriptedWorld
@@ -20,7 +21,7 @@ def truck(*tasks: str, seed: int = 7, **more: object) -> History:
 
 
 def scripted(
-    text: str, *tasks: str, rows: tuple[Row, ...] = (), seed: int = 0
+    text: str, *tasks: str | TaskRequest, rows: tuple[Row, ...] = (), seed: int = 0
 ) -> History:
     """Return a session with a library given as text, in a scripted world."""
     library = rapc.loads(text, "small.rap")

@@ -11,8 +11,9 @@ from rapc.debug.history import History
 from rapc.debug.questions.ends import goals
 from rapc.debug.questions.why import why
 from rapc.runtime.events.report import OF_GOALS
+from rapc.runtime.task_request import TaskRequest
 from tests.debug.planted import FAULTS
-from tests.debug.sessions import scripted
+from tests.debug.sessions import row, scripted
 
 _FAULTS = {fault.name: fault for fault in FAULTS}
 
@@ -75,6 +76,27 @@ def test_failed_goal_lists_the_excluded_method(tmp_path: Path) -> None:
     [failed] = [one for one in found if one["kept by"] == "failed: sold-out"]
     assert str(failed["because of"]).endswith("(sold-out kitchen meals), 800 old")
     assert _places([failed]) == ["orders.rap:35"]
+
+
+def test_failed_background_task_is_listed_with_its_cause() -> None:
+    text = """
+    (declare-primitive press () (okay stuck))
+    (declare-primitive rest () (okay))
+    (define-rap (guard) (method (primitive (press))))
+    (define-rap (work) (method (primitive (rest))))
+    """
+    rows = (row("(press)", "stuck"), row("(rest)", takes=5))
+    tasks = (TaskRequest(("guard",), 5, background=True), "(work)")
+    session = scripted(text, *tasks, rows=rows)
+    session.go()
+    guard, work = goals(session).rows
+    assert (guard["task"], guard["result"]) == (1, "failed at 2")
+    assert guard["kept by"] == "failed: stuck"
+    assert guard["where"] == "small.rap:4"
+    assert (work["task"], work["kept by"]) == (2, "")
+    [note] = why(session, "end").notes
+    assert note.startswith("background task [1] (guard) failed at 2: stuck, because ")
+    assert " at small.rap:4" in note
 
 
 def test_end_of_a_run_that_goes_on_is_not_explained() -> None:

@@ -23,6 +23,7 @@ from rapc.debug.history import History
 from rapc.debug.log import ToldEvent
 from rapc.debug.questions.names import predicates
 from rapc.debug.questions.story import Request, Story, formula_of, thresholds
+from rapc.events import Cause
 from rapc.ir.printer import format_formula
 from rapc.runtime.events.report import OF_DECISIONS, OF_GOALS
 from rapc.world import OKAY, Time
@@ -139,29 +140,32 @@ def _of_wake(story: Story, woken: ToldEvent) -> Decision:
 
 
 def obstacles(account: Account, story: Story, family: int) -> list[Obstacle]:
-    """Return what kept a top-level goal: its failure, failed requests, long waits."""
-    return [
-        *_causes(story, family),
-        *_failures(story, family),
-        *_waits(account, story, family),
-    ]
+    """Return what kept a top-level goal: failed requests and long waits."""
+    return [*_failures(story, family), *_waits(account, story, family)]
 
 
 def _causes(story: Story, family: int) -> Iterator[Obstacle]:
     """Yield the first causes of the failure of a goal, or of its excluded methods."""
     failed = story.failed.get(family)
-    cause = None if failed is None else failed.keys["because"]
+    if failed is None:
+        return
+    for one in _first_causes(failed.keys["because"]):
+        said = msgspec.structs.replace(one, place="").line()
+        kept_by = f"failed: {failed.keys['result']}"
+        yield Obstacle(kept_by, 1, None, said, one.place)
+
+
+def _first_causes(cause: Cause | None) -> Iterator[Cause]:
+    """Yield the first causes below a cause, or those of the excluded methods."""
     while cause is not None and cause.because is not None:
         cause = cause.because
-    if failed is None or cause is None:
+    if cause is None:
         return
     for one in cause.methods or (cause,):
         inner = one
         while inner.inside:
             inner = inner.inside[0]
-        said = msgspec.structs.replace(inner, place="").line()
-        kept_by = f"failed: {failed.keys['result']}"
-        yield Obstacle(kept_by, 1, None, said, inner.place)
+        yield inner
 
 
 def _failures(story: Story, family: int) -> Iterator[Obstacle]:
@@ -299,6 +303,7 @@ def end_of(told: Sequence[ToldEvent], program: Program | None) -> Answer:
     rows = decisions(told, program) if reason == "world" else []
     left = [one.goal for one in end.keys["results"] if _is_left(one)]
     notes = [f"{plural(len(left), 'goal')} not reached: see `:goals`"] if left else []
+    notes += [_dead(one) for one in end.keys["results"] if _is_dead(one)]
     head = f"run ended ({said}) at time {readable(end.time)}"
     columns = ("time", "cycle", "task", "what", "because of", "where")
     if not rows:
@@ -310,6 +315,18 @@ def _is_left(result: events.TaskResult) -> bool:
     return not result.background and result.outcome != "succeeded"
 
 
+def _is_dead(result: events.TaskResult) -> bool:
+    return result.background and result.outcome == "failed"
+
+
+def _dead(result: events.TaskResult) -> str:
+    """Return the failure of a background task as a line."""
+    at = "" if result.ended is None else f" at {readable(result.ended)}"
+    said = f"background task [{result.task}] {result.goal} failed{at}: {result.result}"
+    causes = [one.short().line() for one in _first_causes(result.because)]
+    return f"{said}, because of {causes[0]}" if causes else said
+
+
 def goals_of(
     told: Sequence[ToldEvent],
     now: Time,
@@ -318,6 +335,8 @@ def goals_of(
     all_: bool = True,
 ) -> Answer:
     """Return the top-level goals with what kept them.
+
+    A background task is listed if it has failed, with the cause.
 
     Args:
         told: the events of the run, of `OF_GOALS`.
@@ -328,13 +347,17 @@ def goals_of(
     account, story = account_of(told, now), Story(told, program)
     rows: list[tuple[object, ...]] = []
     for family in account.families.values():
-        if family.background or not (all_ or family.ended is None):
+        dead = family.background and family.outcome == "failed"
+        if not dead and (family.background or not (all_ or family.ended is None)):
             continue
         state = f"under way since {readable(family.came)}"
         if family.ended is not None:
             state = f"{family.outcome} at {readable(family.ended)}"
         head: tuple[object, ...] = (family.task, family.goal, state)
-        for one in obstacles(account, story, family.task) or [_NOTHING]:
+        kept = [*_causes(story, family.task)]
+        if not dead:
+            kept += obstacles(account, story, family.task)
+        for one in kept or [_NOTHING]:
             rows.append((*head, *one))
             head = (family.task, None, None)
     columns = ("task", "goal", "result", "kept by", "times", "time", "because of")
@@ -357,7 +380,8 @@ def goals(history: History, args: Arguments) -> Answer:
     A goal is kept by a failure, by failed requests and by waits. For a failed request,
     the requests that other tasks began meanwhile are listed, and the method that claims
     no thing for which the request failed. For a wait, the wait of the task that held
-    the thing is listed, with the line of the condition.
+    the thing is listed, with the line of the condition. Background tasks that failed
+    are listed too, with the cause.
     """
     told = [*history.scan(*OF_GOALS)]
     return goals_of(told, history.now, program_of(history))
