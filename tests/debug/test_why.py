@@ -227,8 +227,31 @@ def test_why_not_lists_the_facts_of_a_query_that_holds() -> None:
     session.act(AssertFact(("p", "ann")))
     asked = why_not_query(session, "(ready ?who)")
     assert asked.holds
-    assert asked.rests_on == (KnownFact("(p ann)", 0),)
+    assert [*map(str, asked.rests_on)] == [
+        "because of (p ann), asserted at 0 in cycle 0 by user"
+    ]
     assert [one.clause for one in asked.opened] == ["query `ready`"]
+
+
+def test_facts_behind_a_query_have_the_lines_of_their_rules() -> None:
+    session = scripted(
+        """
+(declare-primitive look () (okay))
+(declare-memory-proposition seen (?what))
+(define-rap (look-around) (method (primitive (look))))
+(define-memory-rule (look-around) :finish
+  (match-result
+    (succeed (rule (true (mem-add (seen door)))))))
+""",
+        "(look-around)",
+        rows=(row("(look)"),),
+    )
+    session.go()
+    because = (
+        "because of (seen door), asserted at 1 in cycle 2 by rule of [1] for succeed"
+    )
+    [line] = map(str, why_not_query(session, "(seen ?what)").rests_on)
+    assert line == f"{because} at small.rap:7"
 
 
 def test_a_query_is_asked_conjunct_by_conjunct() -> None:

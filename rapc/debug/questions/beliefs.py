@@ -6,7 +6,7 @@ from rapc.base.values import format_list, match_pattern, number
 from rapc.debug.answer import Answer, question, table
 from rapc.debug.arguments import Arguments, read_pattern
 from rapc.debug.history import History
-from rapc.debug.questions.why import origins
+from rapc.debug.questions.sources import origins
 from rapc.errors import ArgumentError
 
 _COLUMNS = ("believed", "since", "by", "truth", "wrong from", "cycle", "to")

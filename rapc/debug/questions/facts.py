@@ -33,9 +33,9 @@ from rapc.debug.questions.sources import (
     alternative_at,
     alternatives,
     changes,
+    origins,
     rule_in_words,
 )
-from rapc.debug.questions.why import origins
 from rapc.errors import ArgumentError
 from rapc.ir import nodes
 from rapc.ir.printer import format_node

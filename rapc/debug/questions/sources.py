@@ -1,16 +1,20 @@
-"""Sources of changes of memory: requests, data, rules, notations and the user."""
+"""Sources of facts: requests, data, rules, notations and the user."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
+import msgspec
+
 from rapc import events
-from rapc.base.values import Fact, format_list
+from rapc.base.values import Fact, format_list, number, readable
 from rapc.compiler.program import Program
 from rapc.debug.history import History
 from rapc.debug.log import ToldEvent, Want
 from rapc.ir import nodes
+from rapc.runtime.memory.access import Evidence
+from rapc.world import Time
 
 FACTS = (events.FactAsserted, events.FactErased)
 
@@ -32,6 +36,32 @@ class Source(NamedTuple):
     rule: ToldEvent | None = None
 
     def __str__(self) -> str:
+        return f"{self.by} at {self.where}" if self.where else self.by
+
+
+class Origin(msgspec.Struct, frozen=True):
+    """A supporting fact and the source of its assertion."""
+
+    fact: Fact
+    #: The time of the last assertion; None if the events do not contain one.
+    time: Time | None
+    cycle: int | None
+    #: The source: a primitive of a task, a datum, a rule, a notation, or the user.
+    by: str
+    #: The file and line of a rule; empty for other sources.
+    where: str = ""
+
+    def __str__(self) -> str:
+        told = f"because of {format_list(self.fact)}"
+        if self.time is not None:
+            told += f", asserted at {readable(self.time)}"
+        if self.cycle is not None:
+            told += f" in cycle {self.cycle}"
+        return f"{told} by {self.source}" if self.by else told
+
+    @property
+    def source(self) -> str:
+        """The source with the file and line of a rule."""
         return f"{self.by} at {self.where}" if self.where else self.by
 
 
@@ -79,6 +109,36 @@ def sources(history: History, told: Iterable[ToldEvent]) -> dict[int, Source]:
     )
     found = changes(history, scanned, lambda one: one.serial in cycles)
     return {one.serial: source for one, source in found}
+
+
+def origins(
+    history: History, found: Evidence, before: tuple[int, int]
+) -> tuple[Origin, ...]:
+    """Return the last assertion of each fact before a cycle and serial number."""
+
+    def want(told: ToldEvent) -> bool:
+        return told.keys["fact"] in found and (told.cycle, told.serial) < before
+
+    last: dict[Fact, ToldEvent] = {}
+    for told in history.log.backwards(events.FactAsserted):
+        if len(last) == len(found):
+            break
+        if want(told):
+            last.setdefault(told.keys["fact"], told)
+    if len(last) < len(found) and not history.log.has(0):
+        for told in history.scan(events.FactAsserted, want=want):
+            last[told.keys["fact"]] = told
+    known = sources(history, last.values())
+    return tuple(_origin(fact, found[fact], last.get(fact), known) for fact in found)
+
+
+def _origin(
+    fact: Fact, since: Time | None, told: ToldEvent | None, known: dict[int, Source]
+) -> Origin:
+    if told is None:
+        return Origin(fact, None if since is None else number(since), None, "")
+    by, where, _ = known[told.serial]
+    return Origin(fact, told.time, told.cycle, by, where)
 
 
 def _source(

@@ -13,7 +13,7 @@ import msgspec
 
 from rapc import events
 from rapc.base.resources import Value
-from rapc.base.values import Fact, format_list, number, readable
+from rapc.base.values import readable
 from rapc.compiler.query.query import Query
 from rapc.compiler.rap_plan import MethodPlan
 from rapc.debug.answer import Answer, bound_to, numbers, question, say
@@ -21,7 +21,7 @@ from rapc.debug.arguments import Arguments
 from rapc.debug.history import History
 from rapc.debug.log import ToldEvent
 from rapc.debug.questions.ends import why_end
-from rapc.debug.questions.sources import Source, sources
+from rapc.debug.questions.sources import Origin, origins
 from rapc.debug.questions.why_not import (
     MethodAnswer,
     in_words,
@@ -35,32 +35,6 @@ from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.memory.access import Evidence
 from rapc.runtime.state.task import Task
 from rapc.world import Time
-
-
-class Origin(msgspec.Struct, frozen=True):
-    """A supporting fact and the source of its assertion."""
-
-    fact: Fact
-    #: The time of the last assertion; None if the events do not contain one.
-    time: Time | None
-    cycle: int | None
-    #: The source: a primitive of a task, a datum, a rule, a notation, or the user.
-    by: str
-    #: The file and line of a rule; empty for other sources.
-    where: str = ""
-
-    def __str__(self) -> str:
-        told = f"because of {format_list(self.fact)}"
-        if self.time is not None:
-            told += f", asserted at {readable(self.time)}"
-        if self.cycle is not None:
-            told += f" in cycle {self.cycle}"
-        return f"{told} by {self.source}" if self.by else told
-
-    @property
-    def source(self) -> str:
-        """The source with the file and line of a rule."""
-        return f"{self.by} at {self.where}" if self.where else self.by
 
 
 class Choice(msgspec.Struct, frozen=True):
@@ -247,39 +221,6 @@ def _supports_of(run: Interpreter, task: Task, query: Query | None) -> Evidence:
         return {}
     found = run.solution(query, task, task.env)
     return run.supporting(query.formula, {**task.env, **found})
-
-
-# --- where facts come from ----------------------------------------------------------
-
-
-def origins(
-    history: History, found: Evidence, before: tuple[int, int]
-) -> tuple[Origin, ...]:
-    """Return the last assertion of each fact before a cycle and serial number."""
-
-    def want(told: ToldEvent) -> bool:
-        return told.keys["fact"] in found and (told.cycle, told.serial) < before
-
-    last: dict[Fact, ToldEvent] = {}
-    for told in history.log.backwards(events.FactAsserted):
-        if len(last) == len(found):
-            break
-        if want(told):
-            last.setdefault(told.keys["fact"], told)
-    if len(last) < len(found) and not history.log.has(0):
-        for told in history.scan(events.FactAsserted, want=want):
-            last[told.keys["fact"]] = told
-    known = sources(history, last.values())
-    return tuple(_origin(fact, found[fact], last.get(fact), known) for fact in found)
-
-
-def _origin(
-    fact: Fact, since: Time | None, told: ToldEvent | None, known: dict[int, Source]
-) -> Origin:
-    if told is None:
-        return Origin(fact, None if since is None else number(since), None, "")
-    by, where, _ = known[told.serial]
-    return Origin(fact, told.time, told.cycle, by, where)
 
 
 # --- failures -----------------------------------------------------------------------

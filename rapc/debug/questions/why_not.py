@@ -21,6 +21,7 @@ from rapc.compiler.rap_plan import MethodPlan
 from rapc.debug.answer import Answer, bound_to, numbers, question, say
 from rapc.debug.arguments import Arguments
 from rapc.debug.history import History
+from rapc.debug.questions.sources import Origin, origins
 from rapc.errors import ArgumentError
 from rapc.events import Goal, KnownFact, TaskSelected
 from rapc.ir import clauses, nodes
@@ -64,7 +65,7 @@ class ClauseAsked(msgspec.Struct, frozen=True):
     #: The file and line of the failing conjunct; empty without a source text.
     place: str = ""
     #: The facts that make a clause of a user true.
-    rests_on: tuple[KnownFact, ...] = ()
+    rests_on: tuple[Origin, ...] = ()
     #: The results inside the deciding conjunct: of the formula of a named query, or
     #: of each branch of an `or`.
     opened: tuple[ClauseAsked, ...] = ()
@@ -98,8 +99,8 @@ class ClauseAsked(msgspec.Struct, frozen=True):
             yield f"  contradicted by {known}"
         for known in self.near:
             yield f"  similar fact: {known}"
-        for known in self.rests_on:
-            yield f"  because of {known}"
+        for origin in self.rests_on:
+            yield f"  {origin}"
         for inner in self.opened:
             yield from (f"  {line}" for line in inner.lines())
 
@@ -360,9 +361,10 @@ def why_not_query(history: History, text: str) -> ClauseAsked:
     if not found.holds:
         return found
     opened = run.library.opened(formula, found.bindings)
+    supports = run.supporting(formula, found.bindings)
     return msgspec.structs.replace(
         found,
-        rests_on=_known(run, run.supporting(formula, found.bindings)),
+        rests_on=origins(history, supports, (history.cycle + 1, 0)),
         opened=tuple(ask(run, words, one, None, env) for words, one, env in opened),
     )
 
