@@ -322,7 +322,7 @@ VAIN_CLAIM = Rule(
     code="RAP192",
     name="vain-claim",
     severity=Severity.WARNING,
-    summary="a method claims another thing than the requests below use",
+    summary="a method claims a different thing than its requests use",
     ignore="where the claim keeps other methods from running",
     source="L 8",
 )
@@ -331,7 +331,7 @@ UNCLAIMED = Rule(
     code="RAP194",
     name="unclaimed-thing",
     severity=Severity.WARNING,
-    summary="a method does not claim a thing, as the other methods of the RAP do",
+    summary="one method of a RAP does not claim a thing that the others claim",
     ignore="where the method may be interrupted between two requests",
     source="L 8",
 )
@@ -353,8 +353,13 @@ def claims_and_uses(run: Pass) -> Iterator[Diagnostic]:
 
 
 def _vain_claims(method: nodes.Method, used: Sequence[Use]) -> Iterator[Diagnostic]:
-    """Yield the claims of things that requests below use with other arguments."""
+    """Yield the claims of things that requests below use with other arguments.
+
+    A method that claims several things of a name may keep one of them still.
+    """
     for claim in method.claims:
+        if any(other.name == claim.name for other in method.claims if other != claim):
+            continue
         count = len(claim.args)
         alike = [
             one.thing
@@ -368,7 +373,8 @@ def _vain_claims(method: nodes.Method, used: Sequence[Use]) -> Iterator[Diagnost
             claim.span,
             f"no request of this method uses `{format_formula(claim)}`",
             labels=(Label(method.body.span, "the steps of the method"),),
-            help=f"the requests use {', '.join(f'`{one}`' for one in written[:3])}",
+            help="claim the thing that the requests use: "
+            f"{', '.join(f'`{one}`' for one in written[:3])}",
         )
 
 
@@ -385,7 +391,8 @@ def _fits(claim: nodes.Thing, used: nodes.Thing) -> bool:
 def _unclaimed(rap: nodes.DefineRap, things: Things) -> Iterator[Diagnostic]:
     """Yield methods that use, but do not claim, what all other users claim.
 
-    Only things with arguments count: methods that are alike but for the thing.
+    Only things with arguments count: methods that are alike but for the thing. A method
+    with a single step has no pause in which another task may take the thing.
     """
     names = {
         claim.name: claim
@@ -404,7 +411,7 @@ def _unclaimed(rap: nodes.DefineRap, things: Things) -> Iterator[Diagnostic]:
             for method in users
             if not any(one.name == name for one in method.claims)
         ]
-        if len(without) == 1 and len(users) > 1:
+        if len(without) == 1 < len(users) and len(steps(without[0])) > 1:
             yield UNCLAIMED.at(
                 without[0].body.span,
                 f"this method uses `{name}`, but does not claim it",
@@ -426,7 +433,10 @@ UNLIKE_USE = Rule(
 
 @check(UNLIKE_USE)
 def unlike_uses(run: Pass) -> Iterator[Diagnostic]:
-    """Find primitives that lack a thing named by an argument of a certain kind."""
+    """Find primitives that lack a thing named by an argument of a certain kind.
+
+    A primitive that uses other things, or reports a datum, may only look.
+    """
     by_kind: dict[str, list[tuple[nodes.DeclarePrimitive, frozenset[str]]]] = {}
     for form in run.library.primitives.values():
         for arg in form.args:
@@ -439,6 +449,8 @@ def unlike_uses(run: Pass) -> Iterator[Diagnostic]:
         if len(lacking) != 1 or len(others) < THRESHOLDS.uses_alike:
             continue
         (form,) = lacking
+        if form.uses or form.tells:
+            continue
         for name in sorted(frozenset.intersection(*others)):
             yield UNLIKE_USE.at(
                 name_span(run.library.files, form),
@@ -477,5 +489,5 @@ def rival_skills(run: Pass) -> Iterator[Diagnostic]:
                             f"`{skill.name}` and `{other.name}` both use "
                             f"`{format_formula(thing)}`",
                             labels=(Label(other.span, "enabled here"),),
-                            help="enable one skill at a time",
+                            help="enable one skill at a time, or change their `:uses`",
                         )

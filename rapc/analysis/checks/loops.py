@@ -18,7 +18,14 @@ from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.facts.effects import EFFECTS, Effect, done_by_method
+from rapc.analysis.facts.effects import (
+    ACTING,
+    EFFECTS,
+    Effect,
+    acts_itself,
+    done_by_method,
+    reached,
+)
 from rapc.analysis.facts.logic import (
     asked_by,
     entails,
@@ -95,7 +102,10 @@ EARLY = Rule(
 
 @check(EARLY, needs_whole="form")
 def early_ends(run: Pass) -> Iterator[Diagnostic]:
-    """Find RAPs that end when any of several unlike methods has succeeded."""
+    """Find RAPs that end when any of several unlike methods has succeeded.
+
+    A loop of requests that may fail repeats after failures, until one method succeeds.
+    """
     for rap in run.library.raps.values():
         if rap.succeed is not None or len(rap.methods) == 1 or not rap.methods:
             continue
@@ -103,27 +113,43 @@ def early_ends(run: Pass) -> Iterator[Diagnostic]:
         contexts = [m.context for m in rap.methods if m.context is not None]
         counted = not own.isdisjoint(variable_names(*contexts))
         waits = [method for method in rap.methods if _only_waits(run, method)]
-        if rap.repeat_while is not None or counted:
+        if (rap.repeat_while is not None or counted) and not _may_fail(run, rap):
             place = (rap.repeat_while or contexts[0]).span
             why = "and repeats only after failures"
+            without = "this limits only repetitions after failures"
         elif waits and len(waits) < len(rap.methods):
             place = waits[0].body.span
             why = "also when the method has only waited"
+            without = "this method only waits"
         else:
             continue
         yield EARLY.at(
             rap.name_span,
             f"`{rap.name}` ends when any of its methods has succeeded, {why}",
-            labels=(Label(place, "this is then without effect"),),
+            labels=(Label(place, without),),
             help="add `succeed` with the state that all methods work towards",
         )
 
 
+def _may_fail(run: Pass, rap: nodes.DefineRap) -> bool:
+    """Return whether a request below a RAP has several results."""
+    requests = [
+        method.body.request.name
+        for below in reached(run.library, [rap.name]).values()
+        for method in below.methods
+        if isinstance(method.body, nodes.Primitive)
+    ]
+    declared = [run.library.primitives.get(name) for name in requests]
+    return any(form is not None and len(form.results) > 1 for form in declared)
+
+
 def _only_waits(run: Pass, method: nodes.Method) -> bool:
-    """Return whether a method changes nothing in memory, as far as is declared."""
+    """Return whether a method waits or acts, but changes nothing that is declared."""
     done, whole = run.result(EFFECTS).of_method(method)
-    is_net = isinstance(method.body, nodes.TaskNet)
-    return is_net and whole and not done and bool(steps(method))
+    if not isinstance(method.body, nodes.TaskNet) or not whole or done:
+        return False
+    acting = run.result(ACTING)
+    return acts_itself(method) or any(s.goal.name in acting for s in steps(method))
 
 
 def _repeats_nothing(rap: nodes.DefineRap, loop: nodes.Formula) -> Diagnostic:

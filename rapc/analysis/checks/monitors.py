@@ -168,7 +168,7 @@ POWERLESS_STEP = Rule(
     code="RAP187",
     name="powerless-step",
     severity=Severity.WARNING,
-    summary="a step that waits has no higher priority than the busy step that it ends",
+    summary="a step that waits lacks a higher priority than the busy step it ends",
     ignore="where the other step has pauses in which the waiting step can end it",
     source="T 4.7.1, 5.4.1",
 )
@@ -250,7 +250,7 @@ def _untimely(called: nodes.DefineRap, step: nodes.Step) -> Diagnostic:
         called.succeed.span,
         f"`{called.name}` does not wait for this: it has no monitor and no method",
         labels=(Label(step.span, "this step is to wait beside another step"),),
-        help="write the awaited state as `monitor-state`, too",
+        help="write the awaited state in `monitor-state`, too",
     )
 
 
@@ -280,13 +280,17 @@ def _in_vain(
         if own[other].priority >= step.priority and _is_busy(library, own[other]):
             yield POWERLESS_STEP.at(
                 step.span,
-                f"step `{step.tag}` waits for a state, and has no higher priority than "
-                f"`{own[other].tag}`, which it ends",
+                f"step `{step.tag}` ends `{own[other].tag}`, but has no higher "
+                "priority",
                 labels=(Label(own[other].span, f"priority {own[other].priority}"),),
-                help="give the waiting step a higher priority",
+                help="give the waiting step a higher priority, so that it is selected "
+                "first",
             )
             return
+    counts = any(isinstance(note, nodes.ResourceChange) for note in step.annotations)
     if others or not ended_by or called.methods or step.goal.outputs:
+        return
+    if counts or called.effects:
         return
     enders = [net.tags[tag] for tag in ended_by]
     after = [to for to in range(len(own)) if net.is_before(at, to)]
@@ -331,7 +335,8 @@ CONTRARY_WAIT = Rule(
 def contrary_waits(run: Pass) -> Iterator[Diagnostic]:
     """Find a RAP that waits for the contrary of what several other RAPs wait for.
 
-    A standing task reacts to a state, and may well react to the contrary.
+    A standing task reacts to a state, and may well react to the contrary. A RAP with
+    other actions than these RAPs may need the contrary.
     """
     waiting: dict[Literal, list[nodes.DefineRap]] = {}
     for rap in run.library.raps.values():
@@ -340,14 +345,24 @@ def contrary_waits(run: Pass) -> Iterator[Diagnostic]:
                 waiting.setdefault(one, []).append(rap)
     for one, raps in waiting.items():
         others = waiting.get(Literal(one.formula, not one.holds), [])
-        if len(raps) == 1 and len(others) >= THRESHOLDS.same_wait:
+        if len(raps) != 1 or len(others) < THRESHOLDS.same_wait:
+            continue
+        shared = _actions(raps[0]) & set[str]().union(*map(_actions, others))
+        if shared:
             yield CONTRARY_WAIT.at(
                 one.span,
                 f"`{raps[0].name}` waits for the contrary of what {len(others)} other "
                 "RAPs wait for",
                 labels=(Label(others[0].span, f"`{others[0].name}` is one of them"),),
-                help="query the same state, if this is meant",
+                help="query the same state, unless this RAP needs the contrary",
             )
+
+
+def _actions(rap: nodes.DefineRap) -> set[str]:
+    """Return the names of the goals and requests of the methods of a RAP."""
+    bodies = [method.body for method in rap.methods]
+    requests = [one.request.name for one in bodies if isinstance(one, nodes.Primitive)]
+    return {*calls_of(rap), *requests}
 
 
 def _endless(task: nodes.GivenTask, cause: Span, work: bool) -> Diagnostic:

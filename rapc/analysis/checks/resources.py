@@ -20,8 +20,9 @@ from typing import Literal
 import msgspec
 
 from rapc.analysis.check import Pass, check
+from rapc.analysis.facts.effects import EFFECTS, may_end
 from rapc.analysis.facts.index import INDEX, Form, Index
-from rapc.analysis.facts.logic import Always, is_never, literals, number_of
+from rapc.analysis.facts.logic import Always, asked_by, is_never, literals, number_of
 from rapc.analysis.facts.names import renaming
 from rapc.analysis.facts.resources import FirstValues, Flow, flows, overall_use
 from rapc.base.diagnostics import (
@@ -36,8 +37,9 @@ from rapc.base.diagnostics import (
 )
 from rapc.base.names import nearest
 from rapc.ir import nodes
-from rapc.ir.walk import given_names, variable_names, ways
+from rapc.ir.walk import given_names, steps, variable_names, ways
 from rapc.language.heads import CALLS
+from rapc.library.library import Library
 
 WRONG_KIND = Rule(
     code="RAP064",
@@ -381,16 +383,19 @@ def idle_resource(run: Pass) -> Iterator[Diagnostic]:
         return
     every = flows(index)
     always = Always(run.signatures)
+    ended = _ended_by_others(run.library)
     for rap in run.library.raps.values():
+        limited = rap.name in ended or _is_limited(run, rap)
         for resource in rap.resources:
             own = every[id(rap), resource.variable.name]
             uses = overall_use(own, every, run.library)
-            yield from _judge(resource, uses, rap, always)
+            yield from _judge(resource, uses, rap, None if limited else always)
 
 
 def _judge(
-    resource: nodes.Resource, uses: Flow, rap: nodes.DefineRap, always: Always
+    resource: nodes.Resource, uses: Flow, rap: nodes.DefineRap, always: Always | None
 ) -> Iterator[Diagnostic]:
+    """Yield the findings about a resource; `always` is None if rounds are limited."""
     name = resource.variable.name
     if uses.escapes:
         return
@@ -398,7 +403,7 @@ def _judge(
         if not uses.changes:
             message = f"nothing uses the {resource.kind} `{name}`"
             yield _idle(resource, uses, message)
-        elif _is_unlimited(resource, uses, rap, always):
+        elif always is not None and _is_unlimited(resource, uses, rap, always):
             yield _unlimited(resource, uses, rap)
         else:
             yield _unread(resource, uses)
@@ -446,6 +451,32 @@ def _unread(resource: nodes.Resource, uses: Flow) -> Diagnostic:
         else f"nothing queries the value of `{resource.variable.name}`",
         labels=tuple([Label(c.span, "changed here") for c in uses.changes[:2]]),
         about=(Subject(resource.variable.span, resource.variable.name),),
+    )
+
+
+def _ended_by_others(library: Library) -> set[str]:
+    """Return the RAPs that another step or a signal may end."""
+    return {
+        step.goal.name
+        for rap in library.raps.values()
+        for method in rap.methods
+        for step in steps(method)
+        for note in step.annotations
+        if may_end(note) and not isinstance(note, nodes.Window)
+    }
+
+
+def _is_limited(run: Pass, rap: nodes.DefineRap) -> bool:
+    """Return whether constraints, or contexts of changing facts, limit the rounds."""
+    if rap.constraints is not None:
+        return True
+    changed = {effect.name for effect in run.result(EFFECTS).known(rap.name)}
+    if rap.succeed is not None:
+        changed -= asked_by(run.library, rap.succeed)
+    return bool(rap.methods) and all(
+        method.context is not None
+        and not changed.isdisjoint(asked_by(run.library, method.context))
+        for method in rap.methods
     )
 
 

@@ -11,7 +11,7 @@ from itertools import pairwise, permutations
 
 from rapc.analysis.check import Pass, check
 from rapc.analysis.facts.effects import does_nothing, may_end
-from rapc.analysis.facts.index import INDEX, Index
+from rapc.analysis.facts.index import INDEX, Index, Occurrence
 from rapc.analysis.facts.logic import (
     Always,
     Literal,
@@ -24,7 +24,7 @@ from rapc.analysis.facts.logic import (
     turned,
 )
 from rapc.analysis.facts.resources import FirstValues
-from rapc.analysis.facts.usage import USAGE
+from rapc.analysis.facts.usage import USAGE, Place
 from rapc.base.diagnostics import (
     Diagnostic,
     Label,
@@ -276,7 +276,11 @@ def _always_met(
     asked, bound = rap.preconditions, set(given)
     if asked is None or isinstance(asked, nodes.Truth) or first.fails(asked):
         return
-    own = {resource.variable.name for resource in rap.resources}
+    own = {
+        resource.variable.name
+        for resource in rap.resources
+        if resource.initial is None or number_of(resource.initial) is not None
+    }
     for literal in literals(asked):
         names = set(variable_names(literal.formula))
         tested = isinstance(literal.formula, nodes.Compare | nodes.SetTest)
@@ -288,7 +292,7 @@ def _always_met(
         bound |= names
     yield NEEDLESS_NEED.at(
         asked.span,
-        f"each new task of `{rap.name}` meets this precondition",
+        f"each new task of `{rap.name}` meets this precondition, so it has no effect",
         help="write a limit of the rounds in `repeat-while`, or query the state that "
         "the methods require",
     )
@@ -396,14 +400,14 @@ def _idle(
             joined = isinstance(whole, nodes.And)
             if isinstance(part, nodes.Truth):
                 if part.value:
-                    yield _idle_part(part if joined else whole, "holds always")
+                    yield _idle_part(part if joined else whole, "always holds")
                 elif not joined:
                     yield _idle_part(part, "never holds")
                 continue
             if joined and type(part) is nodes.Proposition and always.holds(part, given):
                 own = set(variable_names(part)) - given
                 if all(len(names[name]) == 1 for name in own):
-                    yield _idle_part(part, "holds always")
+                    yield _idle_part(part, "always holds")
 
 
 def _implied(whole: nodes.And) -> Iterator[Diagnostic]:
@@ -432,7 +436,7 @@ NEGATIVE = Rule(
     code="RAP195",
     name="negative-number",
     severity=Severity.WARNING,
-    summary="a comparison requires a negative number where 0 is the least",
+    summary="a comparison requires a negative number, but no known number is negative",
     ignore="where the world sends negative numbers",
     source="T 4.1",
 )
@@ -440,7 +444,11 @@ NEGATIVE = Rule(
 
 @check(NEGATIVE)
 def negative_numbers(run: Pass) -> Iterator[Diagnostic]:
-    """Find comparisons with a number below 0, at a place with 0 and no such number."""
+    """Find comparisons with a number below 0, at a place with 0 and no such number.
+
+    Only numbers of facts count. A form that also compares with `>` tells the signs
+    apart.
+    """
     usage = run.result(USAGE)
     for use in run.result(INDEX).of(nodes.Compare):
         test = turned(use.node)
@@ -453,16 +461,32 @@ def negative_numbers(run: Pass) -> Iterator[Diagnostic]:
             number
             for place in places
             for one in usage.at(place)
-            if one.const is not use.node.left and one.const is not use.node.right
+            if one.count
             if (number := number_of(one.const)) is not None
         ]
-        if 0 in others and min(others) == 0:
+        if 0 in others and min(others) == 0 and not _tests_sign(run, use, places):
             yield NEGATIVE.at(
                 use.node.span,
-                f"`{format_formula(use.node)}` requires a negative number, and 0 is "
-                "the least here",
-                help="turn the comparison round",
+                f"`{format_formula(use.node)}` requires a negative number, but the "
+                "lowest known number is 0",
+                help="write `>`, if positive numbers are meant",
             )
+
+
+def _tests_sign(
+    run: Pass, use: Occurrence[nodes.Compare], places: Collection[Place]
+) -> bool:
+    """Return whether the form around a comparison also tests for numbers above 0."""
+    usage = run.result(USAGE)
+    for other in run.result(INDEX).of(nodes.Compare):
+        test = turned(other.node)
+        if other.owner is not use.owner or test.op not in (">", ">="):
+            continue
+        if isinstance(test.left, nodes.Var) and number_of(test.right) == 0:
+            there = usage.of(other.owner, test.left.name)
+            if not set(there).isdisjoint(places):
+                return True
+    return False
 
 
 UNCOMPARED = Rule(

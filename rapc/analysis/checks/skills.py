@@ -176,5 +176,6 @@ def repeated_waits(run: Pass) -> Iterator[Diagnostic]:
                     wait.span,
                     f"this primitive waits for `{wait.signal}` twice",
                     labels=(Label(other.span, "the first wait"),),
-                    help="wait for another event, or remove a wait",
+                    help="name a different event, or remove this wait: the first wait "
+                    "decides",
                 )

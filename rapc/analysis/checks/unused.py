@@ -102,15 +102,19 @@ def _unreached(run: Pass, index: Index) -> Iterator[Diagnostic]:
     )
     rule = FORGOTTEN if forgotten else UNREACHED_RAP
     for rap in roots if forgotten else unreached:
+        why = ", the only RAP for a fact that others require" if forgotten else ""
         yield rule.at(
             rap.name_span,
-            f"no submitted task leads to `{rap.name}`",
+            f"no submitted task leads to `{rap.name}`{why}",
             help="submit the RAP as a task, call the RAP in a step, or remove the RAP",
         )
 
 
 def _is_missed(run: Pass, rap: nodes.DefineRap, reached: Container[str]) -> bool:
-    """Return whether only a RAP brings about what the reached RAPs query."""
+    """Return whether only a RAP brings about what the reached RAPs require.
+
+    A context beside other methods is a choice, and requires nothing.
+    """
     library, effects = run.library, run.result(EFFECTS)
     others = [one for one in library.raps.values() if one.name in reached]
     known = [effect for one in others for effect in effects.known(one.name)]
@@ -122,6 +126,7 @@ def _is_missed(run: Pass, rap: nodes.DefineRap, reached: Container[str]) -> bool
         name
         for one in others
         for formula in formulas(one)
+        if formula.clause.word != "context" or len(one.methods) == 1
         for name in asked_by(library, formula.formula)
     }
     goals = [one for one in literals(rap.succeed) if fact_name(one)]

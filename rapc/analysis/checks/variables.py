@@ -34,7 +34,8 @@ from rapc.base.diagnostics import (
 from rapc.base.names import Close, Suggestions, nearest
 from rapc.base.source import SourceFile, Span
 from rapc.ir import clauses, nodes
-from rapc.ir.walk import formulas, given_names, steps, subformulas
+from rapc.ir.printer import format_formula
+from rapc.ir.walk import formulas, given_names, steps, subformulas, substitute
 from rapc.library.library import Library
 
 UNBOUND_VARIABLE = Rule(
@@ -501,7 +502,10 @@ def _used_once(run: Pass, rap: nodes.DefineRap, named: _Named) -> Iterator[Diagn
     """Find variables used once, in a fact without an input of the same kind.
 
     A variable in `repeat-while` may only stand for a fact that must change [L 4.48].
+    Where `succeed` queries the fact with the input, a variable is a different value.
     """
+    goal = rap.succeed
+    goals = [format_formula(one) for one in subformulas(goal)] if goal else []
     own = given_names(rap)
     used = [one for one in rap.inputs if len(named[one.name]) > 1]
     for whole in formulas(rap):
@@ -518,7 +522,9 @@ def _used_once(run: Pass, rap: nodes.DefineRap, named: _Named) -> Iterator[Diagn
                     f.args[at] for f in facts if f.name == fact.name and f.args[at:]
                 }
                 one = _expected(run, rap, term, [i for i in used if i not in there])
-                if one is not None and one not in fact.args:
+                if one is None or one in fact.args:
+                    continue
+                if format_formula(substitute(fact, {term.name: one})) not in goals:
                     yield _stray(term, one, f"`{fact.name}` does not use this input")
 
 
