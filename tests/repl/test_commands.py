@@ -201,6 +201,26 @@ def test_why_failed_takes_the_name_of_a_rap_without_live_tasks() -> None:
     assert told == said(shell, ":why failed 1")
 
 
+def test_empty_lists_after_the_end_name_the_last_cycle() -> None:
+    session = scripted(
+        "(declare-primitive look () (okay)) (declare-memory-proposition wet (?place))"
+        "(define-rap (go) (method (primitive (look))))"
+        "(define-rap (guard) (monitor-state (wet attic)) (method (primitive (look))))",
+        "(go)",
+        "(guard) :background true",
+        rows=(row("(look)"),),
+    )
+    shell = Shell(session, commands())
+    shell.answer(":run")
+    note = f"run over; see `:goto {session.cycle}`"
+    assert said(shell, ":agenda") == f"no tasks under way: {note}\n"
+    assert said(shell, ":monitors") == f"no monitors: {note}\n"
+    shell.answer(f":goto {session.cycle}")
+    assert "(guard)" in said(shell, ":agenda")
+    assert "(guard)" in said(shell, ":monitors")
+    assert said(truck_shell(), ":monitors") == "no monitors\n"
+
+
 def test_ended_task_is_still_shown() -> None:
     shell = truck_shell()
     shell.answer(":run")

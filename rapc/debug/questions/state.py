@@ -14,6 +14,7 @@ from rapc.debug.questions.names import (
     in_words,
     predicates,
 )
+from rapc.debug.questions.tasks import none_now
 from rapc.errors import ArgumentError, TextError
 from rapc.events import TaskCreated
 from rapc.library.library import Library, Named
@@ -116,7 +117,7 @@ def monitors(history: History, args: Arguments) -> Answer:
             told = (task.number, entry.goal, entry.state, formula, where, timer)
             rows.append((*told, entry.deadline))
     columns = ("task", "goal", "state", "waits for", "where", "next test", "deadline")
-    return table(columns, rows, none="no monitors")
+    return table(columns, rows, none=none_now(history, "monitors"))
 
 
 @question()

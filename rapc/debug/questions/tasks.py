@@ -28,7 +28,13 @@ def agenda(history: History, args: Arguments) -> Answer:
         for one in history.run.agenda()
     ]
     columns = ("task", "goal", "state", "priority", "deadline", "slack", "waits for")
-    return table(columns, rows, none="no tasks under way")
+    return table(columns, rows, none=none_now(history, "tasks under way"))
+
+
+def none_now(history: History, what: str) -> str:
+    """Return a line for an empty list; after the end, with the last cycle."""
+    end = f": run over; see `:goto {history.cycle}`" if history.over else ""
+    return f"no {what}{end}"
 
 
 # --- families -----------------------------------------------------------------------
@@ -51,7 +57,7 @@ def tree(history: History, args: Arguments) -> Answer:
         told = "  " * depth + f"[{number}] {one['goal']}"
         rows.append((told, one["state"], one["method"], one["result"], cause))
     columns = ("task", "state", "method", "last result", "because of")
-    return table(columns, rows, none="no tasks under way")
+    return table(columns, rows, none=none_now(history, "tasks under way"))
 
 
 def _live(run: Interpreter) -> Mapping[int, _Member]:
