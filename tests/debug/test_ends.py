@@ -8,7 +8,7 @@ from pathlib import Path
 import rapc
 from rapc.debug.account import Account
 from rapc.debug.history import History
-from rapc.debug.questions.ends import goals
+from rapc.debug.questions.ends import goals, goals_of
 from rapc.debug.questions.why import why
 from rapc.runtime.events.report import OF_GOALS
 from rapc.runtime.task_request import TaskRequest
@@ -93,10 +93,11 @@ def test_failed_background_task_is_listed_with_its_cause() -> None:
     assert (guard["task"], guard["result"]) == (1, "failed at 2")
     assert guard["kept by"] == "failed: stuck"
     assert guard["where"] == "small.rap:4"
-    assert (work["task"], work["kept by"]) == (2, "")
+    assert (work["task"], work["result"]) == (2, "succeeded at 7")
     [note] = why(session, "end").notes
     assert note.startswith("background task [1] (guard) failed at 2: stuck, because ")
     assert " at small.rap:4" in note
+    assert goals_of([*session.scan(*OF_GOALS)], 7, None, all_=False).rows == [guard]
 
 
 def test_end_of_a_run_that_goes_on_is_not_explained() -> None:

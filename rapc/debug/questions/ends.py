@@ -307,7 +307,7 @@ def end_of(told: Sequence[ToldEvent], program: Program | None) -> Answer:
     head = f"run ended ({said}) at time {readable(end.time)}"
     columns = ("time", "cycle", "task", "what", "because of", "where")
     if not rows:
-        return Answer((head, *notes))
+        return Answer((head,), None, tuple(notes))
     return table(columns, rows, head, notes=notes)
 
 
