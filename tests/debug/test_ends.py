@@ -23,7 +23,13 @@ def _faulty(folder: Path, name: str) -> History:
     fault = _FAULTS[name]
     fault.plant(folder)
     loaded = rapc.load(folder)
-    session = History.open(loaded, fault.library, agenda=fault.agenda, seed=fault.seed)
+    session = History.open(
+        loaded,
+        fault.library,
+        agenda=fault.agenda,
+        seed=fault.seed,
+        options=dict(fault.options),
+    )
     session.goto_time(2000)
     return session
 
@@ -46,6 +52,19 @@ def test_end_by_the_world_names_the_wake_that_came_too_late(tmp_path: Path) -> N
     assert wake["because of"] == "(battery 14) (< ?level 18)"
     assert _places([wake]) == ["charging.rap:8"]
     assert answer.notes == ("2 goals not reached: see `:goals`",)
+
+
+def test_end_names_the_task_that_held_the_thing(tmp_path: Path) -> None:
+    answer = why(_faulty(tmp_path, "way-home-forgotten"), "end")
+    waited, wake, choice, constraints = answer.rows[-4:]
+    assert (waited["time"], waited["task"]) == (145, "[2] (stay-charged)")
+    assert waited["what"] == "waited 28 for wheels of [1] (answer-calls)"
+    assert (wake["time"], wake["what"]) == (117, "woken by (low)")
+    assert (choice["task"], choice["time"]) == ("[1] (answer-calls)", 97)
+    assert choice["what"] == "chose method go"
+    assert constraints["what"] == "under constraints (can-reach ?ward 10)"
+    assert constraints["because of"] == "(> ?level (+ (way ?here ?room) ?spare))"
+    assert _places([choice, constraints]) == ["calls.rap:21", "moving.rap:37"]
 
 
 def test_goal_lists_failed_requests_with_the_missing_claim(tmp_path: Path) -> None:

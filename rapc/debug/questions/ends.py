@@ -77,8 +77,40 @@ def decisions(told: Iterable[ToldEvent], program: Program | None) -> list[Decisi
         woken = story.woken.get(task)
         if woken is not None and (chosen is None or woken.serial < chosen.serial):
             found.append(_of_wake(story, woken))
+            found += _of_hold(story, woken, last.begun.serial)
             break
-    return found
+    return sorted(found, key=lambda one: -one.time)
+
+
+def _of_hold(story: Story, woken: ToldEvent, before: int) -> Iterator[Decision]:
+    """Yield the longest wait for a thing after a wake, and the choice of the holder.
+
+    The constraints of the chosen method are a row of their own.
+    """
+    task = woken.keys["task"]
+    waits = [
+        (start, stop)
+        for start, stop in story.held.get(task, ())
+        if woken.serial < start.serial < before and stop.time > start.time
+    ]
+    if not waits:
+        return
+    start, stop = max(waits, key=lambda wait: wait[1].time - wait[0].time)
+    holder, thing = start.keys["holder"], start.keys["on"]
+    waited = readable(number(stop.time - start.time))
+    said = f"waited {waited} for {thing} of {story.named(holder)}"
+    yield Decision(stop.time, stop.cycle, story.named(task), said)
+    chosen = story.choice(holder, start.serial)
+    if chosen is None:
+        return
+    yield _of_choice(story, chosen)
+    method = story.method(chosen)
+    if method is not None and method.constraints is not None:
+        because, where = story.test(method.constraints)
+        said = f"under constraints {format_formula(method.constraints)}"
+        where = where or story.row(method.constraints)
+        at = chosen.time, chosen.cycle, story.named(holder)
+        yield Decision(*at, said, because, where)
 
 
 def _last_request(story: Story) -> Request | None:

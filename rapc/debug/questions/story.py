@@ -38,19 +38,27 @@ class Story:
         self.chosen: dict[int, list[ToldEvent]] = {}
         #: The last wake of each task that no thing has caused.
         self.woken: dict[int, ToldEvent] = {}
+        #: The waits of each task for things, with the events of their ends.
+        self.held: dict[int, list[tuple[ToldEvent, ToldEvent]]] = {}
         self.failed: dict[int, ToldEvent] = {}
         self.requests: list[Request] = []
         self.asserted: list[ToldEvent] = []
         self.end: ToldEvent | None = None
         open_: dict[tuple[int, Fact], int] = {}
+        blocked: dict[int, ToldEvent] = {}
         for one in told:
             keys = one.keys
             if one.kind is events.TaskCreated:
                 self.created[keys["task"]] = one
             elif one.kind is events.MethodChosen:
                 self.chosen.setdefault(keys["task"], []).append(one)
+            elif one.kind is events.TaskBlocked:
+                blocked[keys["task"]] = one
             elif one.kind is events.TaskWoken and keys.get("holder") is None:
                 self.woken[keys["task"]] = one
+            elif one.kind is events.TaskWoken and keys["task"] in blocked:
+                wait = blocked.pop(keys["task"]), one
+                self.held.setdefault(keys["task"], []).append(wait)
             elif one.kind is events.FactAsserted:
                 self.asserted.append(one)
             elif one.kind in (events.PrimitiveRequested, events.SkillEnabled):
@@ -132,7 +140,14 @@ class Story:
             ]
             return next(iter(found), ("", ""))
         formula = formula_of(on)
-        if formula is None or self.program is None:
+        return ("", "") if formula is None else self.test(formula)
+
+    def test(self, formula: nodes.Formula) -> tuple[str, str]:
+        """Return the first test of a formula, or else its first query; with its line.
+
+        See `thresholds`; without a library or a test, there are no texts.
+        """
+        if self.program is None:
             return "", ""
         tests = thresholds(self.program, formula)
         found = [(format_formula(one), self.row(one)) for one in tests]

@@ -25,7 +25,7 @@ _COUNTED: Mapping[type[events.Event], str] = {
 
 
 OF_DECISIONS: tuple[type[events.Event], ...] = (
-    *(events.TaskCreated, events.MethodChosen, events.TaskWoken),
+    *(events.TaskCreated, events.MethodChosen, events.TaskBlocked, events.TaskWoken),
     *(events.PrimitiveRequested, events.PrimitiveEnded, events.PrimitiveCancelled),
     *(events.SkillEnabled, events.RunEnded),
 )
@@ -33,7 +33,7 @@ OF_DECISIONS: tuple[type[events.Event], ...] = (
 
 OF_GOALS: tuple[type[events.Event], ...] = (
     *OF_DECISIONS,
-    *(events.RunStarted, events.TaskSelected, events.TaskBlocked),
+    *(events.RunStarted, events.TaskSelected),
     *(events.TaskSucceeded, events.TaskFailed, events.TaskRemoved),
     *(events.MethodEnded, events.MethodSuspended, events.RequestRefused),
     *(events.SkillDisabled, events.SignalReceived),
