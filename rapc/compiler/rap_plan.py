@@ -33,7 +33,7 @@ def things_of(compiler: Compiler, method: nodes.Method) -> tuple[ThingPlan, ...]
     """Return the things of `method`: used by its request, then claimed."""
     found = [
         (thing, True)
-        for asked in _requests(method)
+        for asked in requests_of(method)
         for thing in _used_by(compiler, asked)
     ]
     found += [(thing, False) for thing in method.claims]
@@ -60,7 +60,7 @@ def _used_by(compiler: Compiler, asked: nodes.Pattern) -> Iterator[nodes.Thing]:
         yield substitute(thing, given)
 
 
-def _requests(method: nodes.Method) -> tuple[nodes.Pattern, ...]:
+def requests_of(method: nodes.Method) -> tuple[nodes.Pattern, ...]:
     """Return the requests of a method to the world: a request, or skills."""
     if isinstance(method.body, nodes.Primitive):
         return (method.body.request,)

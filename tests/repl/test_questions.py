@@ -167,6 +167,20 @@ def test_8_timeline_of_skills_and_signals() -> None:
     assert found[-1][4] == "(:move-thru-doorway -1.565 0.3)"
 
 
+def test_8_skills_and_their_signals_have_task_and_line() -> None:
+    library = rapc.load("stdlib/hallway")
+    session = History.open(library, "hallway", agenda="errand")
+    shell = Shell(session, commands())
+    shell.answer(":to at 14.5")
+    found = rows(shell, ":skills")
+    assert [one[4] for one in found if one[1] == 1] == ["stdlib/hallway/travel.rap:55"]
+    *_, change = rows(shell, ":history (orientation robot)")
+    assert str(change[4]).startswith("rule for (:position ")
+    assert str(change[4]).endswith(") of (:report-position) [1]")
+    use, *_ = rows(shell, ":who (orientation robot)")
+    assert use[3] == change[4]
+
+
 def test_8_times_are_told_without_the_dust_of_subtraction() -> None:
     shell = truck_shell("(rock-order red 1) :deadline 100")
     shell.answer(":run")

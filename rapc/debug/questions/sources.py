@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 import msgspec
@@ -20,7 +20,7 @@ FACTS = (events.FactAsserted, events.FactErased)
 
 CAUSES = (
     *(events.PrimitiveEnded, events.DataReceived),
-    *(events.TaskSelected, events.RuleRun),
+    *(events.TaskSelected, events.RuleRun, events.SignalReceived),
 )
 """The kinds of events that show the sources of changes."""
 
@@ -81,12 +81,18 @@ def changes(history: History, told: Iterable[ToldEvent], want: Want) -> list[Cha
     open_since = 0
     chooser: int | None = None
     rule: ToldEvent | None = None
+    signal: ToldEvent | None = None
+    signals: dict[int, ToldEvent] = {}
     program = history.library.program if history.is_run else None
     for one in told:
         if one.kind is events.TaskSelected:
             chooser, open_since = one.keys["task"], len(found)
         elif one.kind is events.RuleRun:
             rule = one
+            if signal is not None and signal.keys["what"] == one.keys["what"]:
+                signals[one.serial] = signal
+        elif one.kind is events.SignalReceived:
+            signal = one
         elif one.kind in CAUSES:
             by = Source(_ended(one))
             for at in range(open_since, len(found)):
@@ -95,7 +101,62 @@ def changes(history: History, told: Iterable[ToldEvent], want: Want) -> list[Cha
             open_since = len(found)
         elif want(one):
             found.append((one, _source(program, one, chooser, rule)))
-    return found
+    return _with_senders(history, program, found, signals)
+
+
+def _with_senders(
+    history: History,
+    program: Program | None,
+    found: list[Change],
+    signals: Mapping[int, ToldEvent],
+) -> list[Change]:
+    """Add to the rules of no task the skill and the task of their signal.
+
+    The skill is omitted if the log has dropped the event of its start.
+
+    Args:
+        history: the run.
+        program: the library; None if it is unknown.
+        found: the changes.
+        signals: the signal of each rule, by the serial of the rule.
+    """
+    known = {
+        one.rule.serial: signals[one.rule.serial]
+        for _, one in found
+        if one.rule is not None
+        and one.rule.keys["task"] is None
+        and one.rule.serial in signals
+        and signals[one.rule.serial].keys["task"] is not None
+    }
+    if not known:
+        return found
+    enabled = list(history.log.backwards(events.SkillEnabled))
+    senders: dict[int, str] = {}
+    for serial, signal in known.items():
+        task, name = signal.keys["task"], signal.keys["what"][0]
+        skill = next(
+            (
+                f"{format_list(one.keys['what'])} "
+                for one in enabled
+                if one.serial < signal.serial
+                and one.keys["task"] == task
+                and _sends(program, one.keys["what"][0], name)
+            ),
+            "",
+        )
+        senders[serial] = f" of {skill}[{task}]"
+    return [
+        (told, one._replace(by=one.by + senders.get(one.rule.serial, "")))
+        if one.rule is not None
+        else (told, one)
+        for told, one in found
+    ]
+
+
+def _sends(program: Program | None, skill: str, event: str) -> bool:
+    """Return whether a skill declares an event."""
+    declared = None if program is None else program.library.skills.get(skill)
+    return declared is not None and event in (declared.events or ())
 
 
 def sources(history: History, told: Iterable[ToldEvent]) -> dict[int, Source]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from rapc.base.values import Atom, format_atom, format_list, number, readable
+from rapc.compiler.rap_plan import requests_of
 from rapc.debug.answer import Answer, question, table
 from rapc.debug.arguments import Arguments
 from rapc.debug.history import History
@@ -164,17 +165,20 @@ def stack(history: History, args: Arguments) -> Answer:
 
 @question()
 def skills(history: History, args: Arguments) -> Answer:
-    """List the active skills."""
+    """List the active skills, with the line of their clause."""
+    row = history.library.program.compiler.row
     rows = [
         (
             one.ticket,
             None if one.task is None else one.task.number,
             " ".join(map(format_list, one.skills)),
             "off" if one.run is None else "on",
+            "" if one.run is None else row(requests_of(one.run.plan.node)[0].span),
         )
         for one in history.run.skills()
     ]
-    return table(("ticket", "task", "skills", ""), rows, none="no active skills")
+    columns = ("ticket", "task", "skills", "", "where")
+    return table(columns, rows, none="no active skills")
 
 
 @question()
