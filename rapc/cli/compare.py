@@ -23,7 +23,7 @@ from rapc.cli.run_options import (
 from rapc.compiler.program import Program
 from rapc.debug.bug import SUFFIX
 from rapc.debug.questions.differences import (
-    LONGER,
+    MOST_DURATIONS,
     Comparison,
     Side,
     compared,
@@ -159,7 +159,7 @@ def _beside_a_recording(
             f"`--world {begun.world_class}`"
         )
     if begun.until is None:
-        begun = msgspec.structs.replace(begun, until=recorded.now * LONGER)
+        begun = msgspec.structs.replace(begun, until=recorded.now * MOST_DURATIONS)
     named = world_name or begun.world
     run = _run(load_checked(library), begun, named, names[1])
     one, other = (recorded, run) if is_before else (run, recorded)

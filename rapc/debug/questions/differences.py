@@ -24,7 +24,7 @@ from rapc.debug.log import EventLog, ToldEvent
 from rapc.debug.questions import why
 from rapc.debug.questions.story import Story
 from rapc.debug.questions.times import sensors_of
-from rapc.debug.questions.why_not import in_words
+from rapc.debug.questions.why_not import method_in_words
 from rapc.debug.recording import Playback, Recording
 from rapc.debug.reload import differing
 from rapc.errors import ArgumentError, Error, StateError
@@ -59,28 +59,32 @@ def diff(history: History, args: Arguments) -> Answer:
     history.check_is_run()
     first = args.count("cycle")
     second = args.count("cycle", history.cycle)
-    one, other = _at(history, first), _at(history, second)
-    rows = [("+", "fact", format_list(f)) for f in other.facts if f not in one.facts]
-    rows += [("-", "fact", format_list(f)) for f in one.facts if f not in other.facts]
-    for sign, these, those in (("+", other, one), ("-", one, other)):
-        left = [n for n in these.tasks if n not in those.tasks]
-        rows += [(sign, "task", f"[{n}] {these.tasks[n][0]}") for n in left]
-    for number, (goal, after) in other.tasks.items():
-        before = one.tasks.get(number, (goal, after))[1]
-        if before != after:
-            rows.append(("~", "task", f"[{number}] {goal}: {before}, now {after}"))
+    before, after = _snapshot(history, first), _snapshot(history, second)
+    sides = (("+", after, before), ("-", before, after))
+    rows = []
+    for sign, one, other in sides:
+        facts = [fact for fact in one.facts if fact not in other.facts]
+        rows += [(sign, "fact", format_list(fact)) for fact in facts]
+    for sign, one, other in sides:
+        tasks = [n for n in one.tasks if n not in other.tasks]
+        rows += [(sign, "task", f"[{n}] {one.tasks[n][0]}") for n in tasks]
+    for number, (goal, state) in after.tasks.items():
+        old = before.tasks.get(number, (goal, state))[1]
+        if old != state:
+            rows.append(("~", "task", f"[{number}] {goal}: {old}, now {state}"))
     head = f"cycle {first} to cycle {second}"
     return table(("", "of", "what"), rows, head, none="no difference")
 
 
 class _Snapshot(msgspec.Struct):
-    """Facts in memory, and the goal, state and method of each task."""
+    """The facts and the tasks at the end of a cycle."""
 
     facts: dict[Fact, None]
+    #: The goal of each task, and its state with its method.
     tasks: dict[int, tuple[str, str]]
 
 
-def _at(history: History, cycle: int) -> _Snapshot:
+def _snapshot(history: History, cycle: int) -> _Snapshot:
     with history.at(cycle) as run:
         methods = {
             task.number: "" if task.run is None else f" {task.run.plan.name}"
@@ -105,7 +109,7 @@ class Side(msgspec.Struct):
     over: bool
     spec: RunSpec
     sensors: Collection[str] = ()
-    #: A history of the run that can explain its past decisions, if there is one.
+    #: The history that explains past decisions; None if it cannot go back.
     history: History | None = None
     #: The library, if it is known.
     program: Program | None = None
@@ -138,9 +142,9 @@ def _other(history: History, args: Arguments) -> Side:
     if word == "branch":
         found = _branch(history, args.word("name of a branch"))
     elif word == "seed":
-        found = _again(history, seed=args.count("seed"))
+        found = _begun_again(history, seed=args.count("seed"))
     elif word == "library":
-        found = _again(history, library=args.word("path of a library"))
+        found = _begun_again(history, library=args.word("path of a library"))
     elif word.endswith(SUFFIX):
         raise ArgumentError(f"cannot compare with `{word}` here; use `rapc compare`")
     else:
@@ -161,11 +165,11 @@ def _branch(history: History, name: str) -> Side:
     return Side(name, told, now, over, spec, sensors, None, program)
 
 
-LONGER = 10
-"""The time limit of a run that does not end, in durations of this run."""
+MOST_DURATIONS = 10
+"""The time limit of a run begun for a comparison, in durations of the first run."""
 
 
-def _again(history: History, seed: int | None = None, library: str = "") -> Side:
+def _begun_again(history: History, seed: int | None = None, library: str = "") -> Side:
     """Return a run that begins as this run did, with another seed or library.
 
     Raises:
@@ -186,7 +190,7 @@ def _again(history: History, seed: int | None = None, library: str = "") -> Side
     if not history.over:
         until = history.now
     elif until is None:
-        until = history.now * LONGER
+        until = history.now * MOST_DURATIONS
     return finished(run, until, f"seed {seed}" if seed is not None else library)
 
 
@@ -202,19 +206,28 @@ def finished(run: Interpreter, until: Time | None, name: str) -> Side:
 
 # --- the first difference -----------------------------------------------------------
 
+_MOST_REASONS = 8
+"""The highest number of lines about the reasons of a decision."""
+
+_FOLDER = re.compile(r"[^\s()]*[/\\](?=[^/\\\s]+\.rap:[0-9])")
+"""The folder in the position of a definition."""
+
 _DECISIONS = (events.TaskSelected, events.MethodChosen)
 """The events of decisions."""
 
-_GROUNDS = (
+_COMPARED = (
     *(events.TaskCreated, events.TaskBlocked, events.TaskWoken),
     *(events.TaskFailed, events.TaskSucceeded, events.MethodEnded),
     *(events.PrimitiveEnded, events.DataReceived, events.SignalReceived),
     *(events.FactAsserted, events.FactErased, *_DECISIONS),
 )
-"""The events that can be the reason of a different decision."""
+"""The decisions, and the events that can be the reason for a different decision."""
 
 _NOT_COMPARED = ("n", "by", "because")
-"""The keys that may differ although the runs do not."""
+"""The keys that may differ between events of equal runs."""
+
+_Pair = tuple[ToldEvent | None, ToldEvent | None]
+"""An event of each side at the same position; None after the last event of a side."""
 
 
 class Difference(msgspec.Struct, frozen=True):
@@ -223,19 +236,19 @@ class Difference(msgspec.Struct, frozen=True):
     here: ToldEvent | None
     there: ToldEvent | None
     #: The first different event before the decision, if there is one.
-    before: tuple[ToldEvent | None, ToldEvent | None] | None = None
+    before: _Pair | None = None
 
 
 def first_difference(here: Side, there: Side) -> Difference | None:
     """Return the first different decision of two runs; None without a difference.
 
-    Names of variables are not compared. The end of a side that could go on is no
-    difference.
+    Names of variables are not compared. The last event of a side that is not over is
+    not a difference.
     """
-    found = _first_of(_DECISIONS, here, there)
+    found = _first_different(_DECISIONS, here, there)
     if found is None:
         return None
-    before = _first_of(_GROUNDS, here, there)
+    before = _first_different(_COMPARED, here, there)
     times = [one.time for one in found if one is not None]
     if before is None or before == found:
         return Difference(*found)
@@ -243,20 +256,15 @@ def first_difference(here: Side, there: Side) -> Difference | None:
     return Difference(*found, before if earlier else None)
 
 
-_Two = tuple[ToldEvent | None, ToldEvent | None]
-
-
-def _first_of(
+def _first_different(
     kinds: Collection[type[events.Event]], here: Side, there: Side
-) -> _Two | None:
+) -> _Pair | None:
     sides = [[one for one in side.told if one.kind in kinds] for side in (here, there)]
     for one, other in zip_longest(*sides):
-        two: _Two = (one, other)
-        for told, side in zip(two, (here, there), strict=True):
-            if told is None and not side.over:
-                return None
-        if not _same(*two):
-            return two
+        if (one is None and not here.over) or (other is None and not there.over):
+            return None
+        if not _same(one, other):
+            return one, other
     return None
 
 
@@ -265,10 +273,10 @@ def _same(one: ToldEvent | None, other: ToldEvent | None) -> bool:
         return False
     if one.time == other.time and one.keys == other.keys:
         return True
-    return _compared(one) == _compared(other)
+    return _compared_keys(one) == _compared_keys(other)
 
 
-def _compared(told: ToldEvent) -> Mapping[str, Any]:
+def _compared_keys(told: ToldEvent) -> Mapping[str, Any]:
     """Return the keys of an event that must agree in two equal runs."""
     found = record(told.event())
     for key in _NOT_COMPARED:
@@ -280,7 +288,6 @@ def _compared(told: ToldEvent) -> Mapping[str, Any]:
 
 def _lines(found: Difference, here: Side, there: Side) -> Iterator[str]:
     """Yield the first difference as text, with the reasons on both sides."""
-    sides = ((here, found.here), (there, found.there))
     cycle = next(one.cycle for one in (found.here, found.there) if one is not None)
     yield f"first different decision, in cycle {cycle}:"
     stories = [Story(side.told, _library(side)) for side in (here, there)]
@@ -307,7 +314,7 @@ def _lines(found: Difference, here: Side, there: Side) -> Iterator[str]:
                 yield from (f"      {line}" for line in behind)
     if found.before is not None:
         yield "first different event before:"
-        for (side, _), story, told in zip(sides, stories, found.before, strict=True):
+        for side, story, told in zip((here, there), stories, found.before, strict=True):
             yield f"  {side.name}: {_event(told)}"
             places = [] if told is None else [*_behind(story, told)]
             yield from (f"    {line}" for line in places if line not in shown)
@@ -357,25 +364,21 @@ def _event(told: ToldEvent | None) -> str:
     return f"{line or told.kind.__struct_config__.tag} {at}"
 
 
-_MOST_REASONS = 8
-"""The highest number of lines about the reasons of a decision."""
-
-
-_FOLDER = re.compile(r"[^\s()]*[/\\](?=[^/\\\s]+\.rap:[0-9])")
-"""The folder in the position of a definition."""
-
-
 def _reasons(
     side: Side, story: Story, told: ToldEvent | None, beside: ToldEvent | None
 ) -> list[str]:
     """Return the reasons of a decision: from the events, and from a replay.
 
-    Of the methods of a task, only those that one of the two sides chose are explained,
-    unless both chose the same method.
+    If the sides chose different methods, the two methods are explained.
+
+    Args:
+        side: the run of the decision.
+        told: the decision.
+        beside: the decision of the other run.
     """
     if told is None:
         return []
-    found = [*_behind(story, told), *_grounds(side, story, told)]
+    found = [*_behind(story, told), *_why_eligible(side, story, told)]
     if side.history is None:
         return found
     try:
@@ -387,17 +390,22 @@ def _reasons(
     chosen = {one.keys.get("method") for one in (told, beside) if one is not None}
     for method in doing.methods if len(chosen) > 1 else ():
         if method.name in chosen:
-            found.append(f"method {method.name}: {in_words(method)}")
+            found.append(f"method {method.name}: {method_in_words(method)}")
     return found + [str(origin) for origin in doing.rests_on]
 
 
-def _grounds(side: Side, story: Story, told: ToldEvent) -> Iterator[str]:
-    """Yield the last event that made a task eligible, from the events of a run."""
+def _why_eligible(side: Side, story: Story, told: ToldEvent) -> Iterator[str]:
+    """Yield the last event that made a selected task eligible.
+
+    For a task that was woken, the request or datum of that time is added.
+    """
     if told.kind is not events.TaskSelected:
         return
     number = told.keys["task"]
     woken = None
-    for one in _before(side, told):
+    for one in reversed(side.told):
+        if one.serial >= told.serial:
+            continue
         if woken is not None:
             if one.time != woken.time:
                 return
@@ -422,13 +430,6 @@ def _grounds(side: Side, story: Story, told: ToldEvent) -> Iterator[str]:
             return
 
 
-def _before(side: Side, told: ToldEvent) -> Iterator[ToldEvent]:
-    """Yield the events before an event of a run, latest first."""
-    for one in reversed(side.told):
-        if one.serial < told.serial:
-            yield one
-
-
 _STATES: Mapping[type[events.Event], str] = {
     events.TaskBlocked: "blocked until {on}",
     events.TaskWoken: "woken by {on}",
@@ -444,7 +445,13 @@ _STATES: Mapping[type[events.Event], str] = {
 
 
 def _state_at(side: Side, story: Story, told: ToldEvent) -> Iterator[str]:
-    """Yield the state of the task of another run's event, at the time of the event."""
+    """Yield the state of a task at the time of an event, and the position of its wait.
+
+    Args:
+        side: the run with the state.
+        story: the events of that run.
+        told: an event of the task in the other run.
+    """
     number, at = told.keys["task"], readable(told.time)
     state, last = "has not been created", None
     for one in side.told:
@@ -494,8 +501,7 @@ def changed_definitions(here: Side, there: Side) -> list[str]:
     return found
 
 
-def times_of(side: Side) -> costs.Times:
-    """Return the sums of the time of a side."""
+def _times(side: Side) -> costs.Times:
     return costs.times_of(account_of(side.told, side.now, side.sensors))
 
 
@@ -525,7 +531,7 @@ def compared(
         of: the name of the pair of the two runs.
         threshold: see `costs.verdict`.
     """
-    pairs = pairs or [(times_of(here), times_of(there))]
+    pairs = pairs or [(_times(here), _times(there))]
     names, lines = (here.name, there.name), ["no difference in decisions"]
     found = first_difference(here, there)
     if found is not None:

@@ -26,7 +26,12 @@ from rapc.debug.answer import Answer, in_pairs, question, table
 from rapc.debug.arguments import Arguments, read_pattern
 from rapc.debug.history import History
 from rapc.debug.log import ToldEvent, Want
-from rapc.debug.questions.names import definitions, in_words, names_of, predicates
+from rapc.debug.questions.names import (
+    definition_in_words,
+    definitions,
+    names_of,
+    predicates,
+)
 from rapc.debug.questions.sources import (
     CAUSES,
     FACTS,
@@ -330,7 +335,7 @@ def _places(history: History, uses: Sequence[Use], name: str) -> Iterator[_Row]:
     index = Index(program.library)
     for use in uses:
         for one in index.uses_of(use, name):
-            form = in_words(one.owner)
+            form = definition_in_words(one.owner)
             yield use, form, None, "", program.compiler.row(one.span)
 
 
@@ -390,7 +395,8 @@ def _behind(history: History, rule: ToldEvent) -> Evidence:
 
 def _of_definition(history: History, form: Named) -> Iterator[_Row]:
     program, name = history.library.program, names_of(form)[0]
-    yield "defined", in_words(form), None, "", program.compiler.row(form.span)
+    where = program.compiler.row(form.span)
+    yield "defined", definition_in_words(form), None, "", where
     if isinstance(form, nodes.DefineQuery):
         yield from _monitoring_query(history, name)
         yield from _places(history, ("test",), name)

@@ -38,7 +38,7 @@ def definition_names(library: Library) -> Iterator[tuple[str, str]]:
     """Yield the names of all definitions, each with its definition in words."""
     for form in _all(library):
         for name in names_of(form):
-            yield name, in_words(form)
+            yield name, definition_in_words(form)
 
 
 def names_of(form: Named) -> tuple[str, ...]:
@@ -54,7 +54,7 @@ def names_of(form: Named) -> tuple[str, ...]:
     return (str(getattr(form, "name", "")),)
 
 
-def in_words(form: Named) -> str:
+def definition_in_words(form: Named) -> str:
     """Return the kind and the name of a definition: query `low`."""
     kind = KINDS.get(type(form))
     if kind is not None:

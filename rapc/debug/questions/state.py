@@ -10,9 +10,9 @@ from rapc.debug.answer import Answer, question, table
 from rapc.debug.arguments import Arguments
 from rapc.debug.history import History
 from rapc.debug.questions.names import (
+    definition_in_words,
     definition_names,
     definitions,
-    in_words,
     predicates,
 )
 from rapc.debug.questions.tasks import none_now
@@ -72,7 +72,7 @@ def _beliefs_of(history: History, name: str) -> Answer:
     if known is None or known.formula is None:
         if name not in dict(definition_names(program.library)):
             raise ArgumentError(str(signatures.unknown("test", name)))
-        said = in_words(definitions(program, name)[0])
+        said = definition_in_words(definitions(program, name)[0])
         raise ArgumentError(f"{said} is not in memory", f"use `:source {name}`")
     rows: list[tuple[str, Time | None, Time | None]] = []
     notes: list[str] = []
@@ -236,7 +236,8 @@ def _text_of(library: Library, form: Named) -> Iterator[str]:
     """Yield the file of a definition and its numbered lines."""
     file = library.files.get(form.span.file)
     if file is None or not file.text:
-        raise TextError(f"the source text of {in_words(form)} is not available")
+        definition = definition_in_words(form)
+        raise TextError(f"the source text of {definition} is not available")
     first, last = file.row(form.span.start), file.row(form.span.end)
     width = len(str(last))
     yield file.name

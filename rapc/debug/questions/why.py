@@ -24,8 +24,8 @@ from rapc.debug.questions.ends import why_end
 from rapc.debug.questions.sources import Origin, origins
 from rapc.debug.questions.why_not import (
     MethodAnswer,
-    in_words,
     last_cycle,
+    method_in_words,
     methods,
 )
 from rapc.errors import ArgumentError
@@ -120,7 +120,7 @@ def of_doing(doing: Doing) -> Iterator[str]:
         else:
             for method in doing.methods:
                 mark = "*" if method.name == doing.said else " "
-                yield f" {mark} {method.name}: {in_words(method)}"
+                yield f" {mark} {method.name}: {method_in_words(method)}"
     elif doing.outcome == "succeeded":
         yield f"It succeeded{bound_to(doing.bindings)}:"
     elif doing.outcome == "failed":

@@ -180,7 +180,8 @@ def why_not(history: History, args: Arguments) -> Answer:
         return say(*_one_method(answer, args.word("method")))
     clauses = (f"  {one.clause}{one.at}: {one.in_a_line()}" for one in answer.clauses)
     methods = (
-        f"  method {one.name}{one.context.at if one.context else ''}: {in_words(one)}"
+        f"  method {one.name}{one.context.at if one.context else ''}: "
+        f"{method_in_words(one)}"
         for one in answer.methods
     )
     return say(*answer.stands, *clauses, *methods)
@@ -202,17 +203,17 @@ def _one_method(answer: TaskAnswer, name: str) -> Iterator[str]:
         said = did_you_mean(name, names, f"it has {', '.join(names) or 'none'}")
         raise ArgumentError(f"[{answer.task}] has no method `{name}`; {said}")
     if method.context is None:
-        yield f"method {name}: {in_words(method)}"
+        yield f"method {name}: {method_in_words(method)}"
         return
     yield from method.context.lines()
-    rest = in_words(method).partition("; ")[2]
+    rest = method_in_words(method).partition("; ")[2]
     if rest:
         yield f"  {rest}"
     if method.otherwise:
         yield "  excluded by `otherwise`: a preceding method holds"
 
 
-def in_words(method: MethodAnswer) -> str:
+def method_in_words(method: MethodAnswer) -> str:
     """Return as text whether a method could be chosen, with its past results."""
     if method.otherwise:
         told = "excluded by `otherwise`: a preceding method holds"
