@@ -33,9 +33,11 @@ class _Contents(msgspec.Struct, frozen=True):
 
     #: The name and the text of each file of the library.
     sources: tuple[tuple[str, str], ...]
-    #: The faults of the world, and whether it may have forced results.
+    #: The faults of the world.
     faults: tuple[InjectedFault, ...]
+    #: Whether the world may have results that the user has forced (`ForcedWorld`).
     forced: bool
+    #: The state of the run and its world; see `Interpreter.save`.
     run: bytes
 
 
@@ -79,7 +81,10 @@ class SavedState:
         self._record: RunRecord = decode_run(self._contents.run)
 
     def options_of(self, world: type[World]) -> dict[str, Atom | bool]:
-        """Return the options of the world, which must be `world`.
+        """Return the options of the world of the state.
+
+        Args:
+            world: the class of the world that is expected.
 
         Raises:
             StateError: if the state belongs to another world.
@@ -115,18 +120,16 @@ class SavedState:
             StateError: if the state is damaged, or does not belong to the world.
             PortError: if the world breaks.
         """
-        settings = self._record.settings
-        digest, before = self._record.library, library
-        if library.digest != digest:
-            before = self._library()
-        spec = RunSpec(seed=self.seed, settings=settings.named())
+        is_same = library.digest == self._record.library
+        saved = library if is_same else self._library()
+        spec = RunSpec(seed=self.seed, settings=self._record.settings.named())
         world = self._with_faults(world)
-        run = Interpreter.prepared(before, world, spec, functions=functions)
+        run = Interpreter.prepared(saved, world, spec, functions=functions)
         run.restore(self._contents.run)
-        return run if before is library else TakeUp(library, ()).do(run)
+        return run if is_same else TakeUp(library, ()).do(run)
 
     def _with_faults(self, world: World) -> World:
-        """Return the world with the faults and forced results of the state."""
+        """Return a world inside the wrappers that the world of the state had."""
         faults = self._contents.faults
         for fault in faults:
             wrong = problem(fault, Signatures.offered(world.kit.offer))
