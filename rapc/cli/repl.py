@@ -20,7 +20,7 @@ from rapc.cli.run_options import (
     until_option,
 )
 from rapc.compiler.program import Program
-from rapc.debug.bug import SUFFIX, end_of, read_bug, versions
+from rapc.debug.bug import SUFFIX, present_moment, read_bug, versions
 from rapc.debug.history import Done, History
 from rapc.debug.log import EventLog
 from rapc.debug.recorded import Replay
@@ -182,13 +182,15 @@ def _reported(path: Path, world_name: str | None) -> Shell:
         same = "other code of rapc or of the world"
         other = here if str(here) != str(bug.versions) else same
         _tell(f"warning: the report was written by {bug.versions}; this is {other}")
-    stop = session.reach(bug.end.moment)
-    if stop.kind == "asked" and bug.end.reason:
+    stop = session.reach(bug.written_at.moment)
+    if stop.kind == "asked" and bug.written_at.reason:
         session.step()
-    found = end_of(session)
-    if found != bug.end:
-        _tell(f"warning: the run differs from the report: {found}, not {bug.end}")
-    return Shell(session, commands(), (), str(bug.end))
+    found = present_moment(session)
+    if found != bug.written_at:
+        _tell(
+            f"warning: the run differs from the report: {found}, not {bug.written_at}"
+        )
+    return Shell(session, commands(), (), str(bug.written_at))
 
 
 def _is_scripted(begun: RunSpec) -> bool:

@@ -43,7 +43,7 @@ class Versions(msgspec.Struct, frozen=True):
 
     rapc: str
     python: str
-    #: A digest of the code of rapc and of the package of the world.
+    #: The digest of the code of rapc and of the package of the world.
     code: str
 
     def __str__(self) -> str:
@@ -70,11 +70,12 @@ class _Act(_Line, tag="act", frozen=True):
     cycle: Count
     arrivals: Count
     time: Number
+    #: The act as a JSON object (`rapc.debug.act_lines`).
     act: Any
 
 
-class End(_Line, tag="end", frozen=True):
-    """The moment of a run at which its report was written."""
+class ReportMoment(_Line, tag="end", frozen=True):
+    """The moment at which a report was written: the last line of the file."""
 
     cycle: Count
     arrivals: Count
@@ -87,13 +88,13 @@ class End(_Line, tag="end", frozen=True):
 
     @property
     def moment(self) -> Moment:
-        """The moment."""
+        """The moment in the form of a history."""
         return Moment(self.cycle, self.arrivals, self.acts)
 
     def __str__(self) -> str:
-        said = f"cycle {self.cycle}, time {readable(number(self.time))}"
-        said += f", {self.events} events"
-        return f"{said}, run ended ({self.reason})" if self.reason else said
+        text = f"cycle {self.cycle}, time {readable(number(self.time))}"
+        text += f", {self.events} events"
+        return f"{text}, run ended ({self.reason})" if self.reason else text
 
 
 class _Format(msgspec.Struct, frozen=True):
@@ -110,7 +111,7 @@ class Bug(msgspec.Struct, frozen=True):
     spec: RunSpec
     library: Program
     acts: tuple[Done, ...]
-    end: End
+    written_at: ReportMoment
 
 
 def versions(history: History) -> Versions:
@@ -145,18 +146,18 @@ def _lines(history: History) -> Iterator[_Line]:
     for done in history.branch.acts[: history.moment.acts]:
         act = act_lines.written(done.act)
         yield _Act(done.cycle, done.arrivals, done.time, act)
-    yield end_of(history)
+    yield present_moment(history)
 
 
 def _digest(text: str) -> str:
     return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()
 
 
-def end_of(history: History) -> End:
+def present_moment(history: History) -> ReportMoment:
     """Return the present moment of a run, as in a report."""
     at = history.moment
-    where = (at.cycle, at.arrivals, at.acts, history.now, history.serial)
-    return End(*where, history.reason)
+    position = (at.cycle, at.arrivals, at.acts, history.now, history.serial)
+    return ReportMoment(*position, history.reason)
 
 
 # --- reading --------------------------------------------------------------------
@@ -174,13 +175,13 @@ def read_bug(path: Path) -> Bug:
     except OSError as error:
         raise LoadError(f"cannot read `{path}`: {reason(error)}") from error
     texts = data.removesuffix(b"\n").split(b"\n")
-    _look_at_format(path, texts[:1])
+    _check_format(path, texts[:1])
     lines = [_decoded(path, row, text) for row, text in enumerate(texts, 1)]
     head, *rest = lines
     count = sum(isinstance(one, _File) for one in rest)
     files, rows = rest[:count], rest[count:-1]
     end = rest[-1] if rest else None
-    if not isinstance(end, End):
+    if not isinstance(end, ReportMoment):
         raise LoadError(f"`{path}` is cut off: it has no line `end`")
     if not isinstance(head, _Head) or any(not isinstance(one, _Act) for one in rows):
         _refuse(path, "its lines are out of order")
@@ -189,8 +190,8 @@ def read_bug(path: Path) -> Bug:
     return Bug(head.versions, head.spec, library, acts, end)
 
 
-def _look_at_format(path: Path, first: Sequence[bytes]) -> None:
-    """Check the format of a report before its other lines."""
+def _check_format(path: Path, first: Sequence[bytes]) -> None:
+    """Raise LoadError for another kind of file or another version of the format."""
     try:
         found = msgspec.json.decode(first[0] if first else b"", type=_Format)
     except UNREADABLE:
@@ -205,7 +206,7 @@ def _look_at_format(path: Path, first: Sequence[bytes]) -> None:
 
 
 def _decoded(path: Path, row: int, text: bytes) -> Any:
-    kinds = Union[_Head, _File, _Act, End]  # noqa: UP007
+    kinds = Union[_Head, _File, _Act, ReportMoment]  # noqa: UP007
     try:
         line = msgspec.json.decode(text, type=kinds)
         if isinstance(line, _Act):
@@ -217,8 +218,10 @@ def _decoded(path: Path, row: int, text: bytes) -> Any:
     return line
 
 
-def _acts(path: Path, rows: Sequence[_Act], first: int, end: End) -> tuple[Done, ...]:
-    """Return the acts in the order of the file, which is that of the run."""
+def _acts(
+    path: Path, rows: Sequence[_Act], first: int, end: ReportMoment
+) -> tuple[Done, ...]:
+    """Return the acts of the lines `rows`; the first of them is line `first`."""
     found: list[Done] = []
     for row, line in enumerate(rows, first):
         try:
@@ -226,8 +229,8 @@ def _acts(path: Path, rows: Sequence[_Act], first: int, end: End) -> tuple[Done,
         except (Error, ValueError) as error:
             _refuse(path, f"line {row}: {error}")
         found.append(Done(line.cycle, line.arrivals, number(line.time), act))
-    places = [(one.cycle, one.arrivals) for one in found]
-    if places != sorted(places) or places[-1:] > [(end.cycle, end.arrivals)]:
+    moments = [(one.cycle, one.arrivals) for one in found]
+    if moments != sorted(moments) or moments[-1:] > [(end.cycle, end.arrivals)]:
         _refuse(path, "its acts are out of order")
     if len(found) != end.acts:
         _refuse(path, f"it has {len(found)} acts, not {end.acts}")
@@ -245,8 +248,8 @@ def _library(path: Path, files: Sequence[_File], spec: RunSpec) -> Program:
     try:
         library = act_lines.read_library(act_lines.Library(spec.library, named))
     except CheckError as error:
-        said = error.report.findings[0].diagnostic.message
-        raise LoadError(f"the library in `{path}` has errors: {said}") from error
+        message = error.report.findings[0].diagnostic.message
+        raise LoadError(f"the library in `{path}` has errors: {message}") from error
     if library.digest != spec.digest:
         _refuse(path, "the digest of its library is different")
     return library

@@ -88,10 +88,10 @@ def _repeated(path: Path, world: Callable[[], World] | None = None) -> History:
     run.listen(log)
     run.start(found.spec.until)
     session = History(run, log, found.acts)
-    stop = session.reach(found.end.moment)
-    if stop.kind == "asked" and found.end.reason:
+    stop = session.reach(found.written_at.moment)
+    if stop.kind == "asked" and found.written_at.reason:
         session.step()
-    assert bug.end_of(session) == found.end
+    assert bug.present_moment(session) == found.written_at
     return session
 
 
@@ -161,7 +161,7 @@ def test_only_acts_of_the_present_branch_and_past_are_reported(tmp_path: Path) -
     write_bug(session, tmp_path / "run.bug")
     found = read_bug(tmp_path / "run.bug")
     assert [str(one.act) for one in found.acts] == ["asserted (call ward-3)"]
-    assert found.end.cycle == 15
+    assert found.written_at.cycle == 15
 
 
 def test_a_run_of_a_machine_is_not_reported(tmp_path: Path) -> None:
