@@ -10,11 +10,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
-from rapc.analysis.facts.logic import through
 from rapc.base.graph import Edge, Graph, Vertex
 from rapc.ir import nodes
 from rapc.ir.printer import format_node
-from rapc.ir.walk import formulas, steps, subformulas
+from rapc.ir.walk import formulas, steps, subformulas, through_queries
 from rapc.library.library import Library
 
 if TYPE_CHECKING:
@@ -400,7 +399,7 @@ def _all_relations(graph: networkx.MultiDiGraph[str]) -> set[str]:
 
 def facts_of(library: Library, formula: nodes.Formula) -> Iterator[str]:
     """Yield the facts that a formula queries, also through named queries."""
-    parts = through(library, formula)
+    parts = through_queries(formula, library.queries)
     asked = [part.name for part in parts if isinstance(part, nodes.Proposition)]
     for name in dict.fromkeys(asked):
         if name in library.propositions or name in library.properties:

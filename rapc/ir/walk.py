@@ -76,6 +76,23 @@ def subformulas(formula: nodes.Formula) -> Iterator[nodes.Formula]:
             stack.extend(reversed(part) if type(part) is tuple else (part,))
 
 
+def through_queries(
+    formula: nodes.Formula, queries: Mapping[str, nodes.DefineQuery]
+) -> Iterator[nodes.Formula]:
+    """Yield the parts of a formula, and the parts of the queries that it names.
+
+    A query that is named in another query is included; each query is walked once.
+    """
+    stack, seen = [formula], set[str]()
+    while stack:
+        for part in subformulas(stack.pop()):
+            yield part
+            name = part.name if isinstance(part, nodes.Proposition) else ""
+            if name in queries and name not in seen:
+                seen.add(name)
+                stack.append(queries[name].formula)
+
+
 def terms(formula: nodes.Formula) -> Iterator[nodes.Term]:
     """Yield the terms of a formula and all formulas in it, outermost terms only."""
     for here in subformulas(formula):

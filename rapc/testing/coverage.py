@@ -419,21 +419,12 @@ def asked_with(library: Library) -> Mapping[Asker, frozenset[str]]:
             method = "" if at.method is None else traced_name(at.method)
             clause = "context" if at.clause.word == "context" else ""
             named = found.setdefault((rap.name, method, clause), set())
-            named.update(_within(library, at.formula))
+            named.update(
+                part.name
+                for part in walk.through_queries(at.formula, library.queries)
+                if isinstance(part, nodes.Proposition) and part.name in library.queries
+            )
     return {asker: frozenset(named) for asker, named in found.items() if named}
-
-
-def _within(library: Library, formula: nodes.Formula) -> Iterable[str]:
-    """Return the queries that a formula names, directly or through queries."""
-    seen: dict[str, None] = {}
-    stack = [formula]
-    while stack:
-        for part in walk.subformulas(stack.pop()):
-            if isinstance(part, nodes.Proposition) and part.name in library.queries:
-                if part.name not in seen:
-                    stack.append(library.queries[part.name].formula)
-                seen[part.name] = None
-    return seen
 
 
 # --- results --------------------------------------------------------------------------

@@ -31,7 +31,6 @@ from rapc.analysis.facts.logic import (
     entails,
     is_known,
     is_never,
-    through,
 )
 from rapc.analysis.facts.statistics import LIMITS
 from rapc.base.diagnostics import (
@@ -53,6 +52,7 @@ from rapc.ir.walk import (
     steps,
     subformulas,
     substitute,
+    through_queries,
     variable_names,
     ways,
 )
@@ -231,7 +231,7 @@ def _asks_sets(run: Pass, formula: nodes.Formula) -> bool:
     """Return whether a formula queries only facts and sets."""
     return all(
         isinstance(one, nodes.SetTest) or is_known(run.library, one)
-        for one in through(run.library, formula)
+        for one in through_queries(formula, run.library.queries)
         if not isinstance(one, nodes.And | nodes.Or | nodes.Not)
     )
 

@@ -35,7 +35,6 @@ from rapc.analysis.facts.logic import (
     is_never,
     literals,
     number_of,
-    through,
 )
 from rapc.analysis.facts.statistics import LIMITS, THRESHOLDS
 from rapc.analysis.facts.task_nets import Net, sure_nets
@@ -59,6 +58,7 @@ from rapc.ir.walk import (
     input_terms,
     steps,
     substitute,
+    through_queries,
     variable_names,
     ways,
 )
@@ -608,7 +608,7 @@ def _shared_facts(
 
 
 def _facts(library: Library, monitor: nodes.Formula) -> Iterator[nodes.Proposition]:
-    for one in through(library, monitor):
+    for one in through_queries(monitor, library.queries):
         if isinstance(one, nodes.Proposition) and one.name not in library.queries:
             yield one
 
@@ -689,7 +689,7 @@ def _believed(run: Pass) -> Iterator[nodes.Believe]:
     for rap in run.library.raps.values():
         for whole in formulas(rap):
             if whole.clause.is_condition:
-                for part in through(run.library, whole.formula):
+                for part in through_queries(whole.formula, run.library.queries):
                     if isinstance(part, nodes.Believe):
                         yield part
 

@@ -36,7 +36,7 @@ from rapc.base.values import Atom, Number, holds_between
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
 from rapc.ir.schema import operands
-from rapc.ir.walk import subformulas, substitute, variable_names
+from rapc.ir.walk import substitute, through_queries, variable_names
 from rapc.library.library import Library
 from rapc.library.signature import Signature
 from rapc.library.signatures import Signatures
@@ -711,7 +711,7 @@ def is_known(library: Library, formula: nodes.Formula) -> bool:
     return all(
         isinstance(one, _PLAIN)
         and not (isinstance(one, nodes.Proposition) and one.name in library.functions)
-        for one in through(library, formula)
+        for one in through_queries(formula, library.queries)
     )
 
 
@@ -724,22 +724,9 @@ def asked_by(library: Library, formula: nodes.Formula) -> set[str]:
     """Return the names of the facts that a formula queries, also through queries."""
     return {
         one.name
-        for one in through(library, formula)
+        for one in through_queries(formula, library.queries)
         if isinstance(one, nodes.Proposition)
     }
-
-
-def through(library: Library, formula: nodes.Formula) -> Iterator[nodes.Formula]:
-    """Yield the parts of a formula, and the parts of the queries in the formula."""
-    waiting, seen = [formula], set[str]()
-    while waiting:
-        for one in subformulas(waiting.pop()):
-            yield one
-            name = one.name if isinstance(one, nodes.Proposition) else ""
-            query = library.queries.get(name)
-            if query is not None and name not in seen:
-                seen.add(name)
-                waiting.append(query.formula)
 
 
 class Always:

@@ -155,7 +155,7 @@ def _of_wake(story: Story, woken: ToldEvent) -> Decision:
     formula = formula_of(on)
     because, where = "", ""
     if formula is not None and story.program is not None:
-        names = predicates(story.program.signatures, formula)
+        names = predicates(story.program.library, formula)
         facts: dict[object, str] = {}
         for one in story.asserted:
             fact = one.keys["fact"]

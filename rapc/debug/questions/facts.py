@@ -145,7 +145,7 @@ def _of_forms(history: History, forms: Sequence[Named], none: str) -> Answer:
     found: list[_Change] = []
     for form in forms:
         if isinstance(form, nodes.DefineQuery):
-            names = predicates(program.signatures, form.formula)
+            names = predicates(program.library, form.formula)
 
             def reads(told: ToldEvent, names: Container[object] = names) -> bool:
                 return told.keys["fact"][0] in names
@@ -416,13 +416,11 @@ def _of_definition(history: History, form: Named) -> Iterator[_Row]:
 
 def _monitoring_query(history: History, name: str) -> Iterator[_Row]:
     """Yield the tasks with a monitor that uses a named query."""
-    program = history.library.program
+    library = history.library.program.library
     entries = {entry.task: entry for entry in history.run.agenda()}
     for task in history.run.tasks():
         monitor = task.plan.clauses.get("monitor-state")
-        if monitor is not None and name in predicates(
-            program.signatures, monitor.formula
-        ):
+        if monitor is not None and name in predicates(library, monitor.formula):
             yield _monitoring(entries[task.number])
 
 

@@ -9,9 +9,8 @@ from rapc.base.source import SourceFile
 from rapc.compiler.program import Program
 from rapc.errors import ArgumentError
 from rapc.ir import nodes
-from rapc.ir.walk import subformulas
+from rapc.ir.walk import through_queries
 from rapc.library.library import KINDS, Library, Named
-from rapc.library.signatures import Signatures
 
 
 def definitions(program: Program, text: str) -> list[Named]:
@@ -68,18 +67,10 @@ def definition_in_words(form: Named) -> str:
     return type(form).__name__
 
 
-def predicates(signatures: Signatures, formula: nodes.Formula) -> dict[str, None]:
+def predicates(library: Library, formula: nodes.Formula) -> dict[str, None]:
     """Return the names of the predicates of a formula, also inside named queries."""
-    found: dict[str, None] = {}
-    stack = [formula]
-    while stack:
-        for part in subformulas(stack.pop()):
-            if isinstance(part, nodes.Proposition) and part.name not in found:
-                found[part.name] = None
-                inner = signatures.predicates[part.name].formula
-                if inner is not None:
-                    stack.append(inner)
-    return found
+    parts = through_queries(formula, library.queries)
+    return {part.name: None for part in parts if isinstance(part, nodes.Proposition)}
 
 
 def _all(library: Library) -> Iterator[Named]:

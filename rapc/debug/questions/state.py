@@ -76,7 +76,7 @@ def _beliefs_of(history: History, name: str) -> Answer:
         raise ArgumentError(f"{said} is not in memory", f"use `:source {name}`")
     rows: list[tuple[str, Time | None, Time | None]] = []
     notes: list[str] = []
-    for read in predicates(signatures, known.formula):
+    for read in predicates(program.library, known.formula):
         facts = memory.facts(read) if read in signatures.relations else {}
         if len(facts) > _MOST_LISTED:
             notes.append(f"{len(facts)} facts of `{read}`: use `:memory {read}`")

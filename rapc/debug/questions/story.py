@@ -14,7 +14,7 @@ from rapc.errors import TextError
 from rapc.events import Goal
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
-from rapc.ir.walk import subformulas
+from rapc.ir.walk import through_queries
 from rapc.parser.parse import parse_formula
 
 
@@ -152,7 +152,7 @@ class Story:
         tests = thresholds(self.program, formula)
         found = [(format_formula(one), self.row(one)) for one in tests]
         queries = self.program.library.queries
-        names = predicates(self.program.signatures, formula)
+        names = predicates(self.program.library, formula)
         named = [one for one in names if one in queries]
         found += [(f"query `{one}`", self.row(queries[one])) for one in named]
         return next((one for one in found if one[1]), ("", ""))
@@ -168,15 +168,9 @@ def formula_of(text: str) -> nodes.Formula | None:
 
 def thresholds(program: Program, formula: nodes.Formula) -> list[nodes.Formula]:
     """Return the comparisons and the limits of age in a formula and its queries."""
-    found: list[nodes.Formula] = []
-    stack, seen = [formula], set()
-    while stack:
-        for part in subformulas(stack.pop()):
-            is_limit = isinstance(part, nodes.Believe) and type(part.age) is nodes.Const
-            if isinstance(part, nodes.Compare) or is_limit:
-                found.append(part)
-            elif isinstance(part, nodes.Proposition) and part.name not in seen:
-                seen.add(part.name)
-                query = program.library.queries.get(part.name)
-                stack += [] if query is None else [query.formula]
-    return found
+    return [
+        part
+        for part in through_queries(formula, program.library.queries)
+        if isinstance(part, nodes.Compare)
+        or (isinstance(part, nodes.Believe) and type(part.age) is nodes.Const)
+    ]
