@@ -195,12 +195,11 @@ class Breakpoints:
         return self._methods().get(method, [])
 
     def _methods(self) -> Mapping[str, list[str]]:
-        """Return the RAPs of each method, by the name or number of the method."""
+        """Return the RAPs of each method, by the name of the method in traces."""
         found: dict[str, list[str]] = {}
         for rap in self._history.library.program.library.raps.values():
-            for number, method in enumerate(rap.methods, 1):
-                name = f"#{number}" if method.name is None else str(method.name)
-                found.setdefault(name, []).append(rap.name)
+            for method in rap.methods:
+                found.setdefault(method.traced_name, []).append(rap.name)
         return found
 
     def _see_rap(self, name: str) -> None:

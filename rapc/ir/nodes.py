@@ -385,6 +385,11 @@ class Method(Node, frozen=True, eq=False):
     #: The skills that are switched on while the method is under way.
     skills: tuple[Skill, ...] = ()
 
+    @property
+    def traced_name(self) -> str:
+        """The name in traces: the name of the method, or `#` and its position."""
+        return f"#{self.position}" if self.name is None else str(self.name)
+
 
 class DefineMethod(Node, frozen=True, eq=False):
     """`(define-method rap [name] clause...)`: a method of a RAP of the library.

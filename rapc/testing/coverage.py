@@ -173,11 +173,11 @@ class Coverage:
             self._library = library
             self._asked_with = asked_with(library)
             self._added = {
-                (rap.name, traced_name(method)): _key(form, _row(library, form))
+                (rap.name, method.traced_name): _key(form, _row(library, form))
                 for form, rap, method in _added(library)
             }
             self._of_skills = frozenset(
-                (rap.name, traced_name(method))
+                (rap.name, method.traced_name)
                 for rap in library.raps.values()
                 for method in rap.methods
                 if isinstance(method.body, nodes.Skills)
@@ -368,7 +368,7 @@ def _method_record(library: Library, method: nodes.Method) -> MethodCoverage:
         waits.setdefault(wait.signal, WaitCoverage(wait.signal, _row(library, wait)))
     asked = None if method.context is None else 0
     return MethodCoverage(
-        traced_name(method),
+        method.traced_name,
         _row(library, method),
         context_true=asked,
         context_false=asked,
@@ -402,11 +402,6 @@ def _row(library: Library, node: nodes.Node) -> int:
     return 0 if source is None else source.position(node.span.start).row
 
 
-def traced_name(method: nodes.Method) -> str:
-    """Return the name of a method as a trace writes it."""
-    return f"#{method.position}" if method.name is None else str(method.name)
-
-
 def asked_with(library: Library) -> Mapping[Asker, frozenset[str]]:
     """Return the queries that are evaluated with a clause, by the clause's owner.
 
@@ -416,7 +411,7 @@ def asked_with(library: Library) -> Mapping[Asker, frozenset[str]]:
     found: dict[Asker, set[str]] = {}
     for rap in library.raps.values():
         for at in walk.formulas(rap):
-            method = "" if at.method is None else traced_name(at.method)
+            method = "" if at.method is None else at.method.traced_name
             clause = "context" if at.clause.word == "context" else ""
             named = found.setdefault((rap.name, method, clause), set())
             named.update(

@@ -22,7 +22,6 @@ from rapc.errors import Error, StateError, WorldError, in_a_line
 from rapc.ir import nodes
 from rapc.library.library import Library
 from rapc.library.signatures import Signatures
-from rapc.testing.coverage import traced_name
 from rapc.testing.patterns import atom, flat
 from rapc.world import Kit, Refused, Reply, Time, World, Wrapper
 from rapc.worlds import registry
@@ -208,7 +207,8 @@ def problems(
             found.append(Unmet(expected.span, (message,)))
         if isinstance(expected, nodes.MethodChosen) and expected.rap not in solved:
             rap = library.raps.get(expected.rap)
-            if rap is not None and expected.method not in map(traced_name, rap.methods):
+            names = () if rap is None else [one.traced_name for one in rap.methods]
+            if rap is not None and expected.method not in names:
                 message = f"`{rap.name}` has no method called `{expected.method}`"
                 found.append(Unmet(expected.span, (message,)))
     return found

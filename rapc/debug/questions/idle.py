@@ -144,9 +144,9 @@ _ENDS = (
 def _claimed(history: History, library: Library, thing: Fact) -> Iterator[_Interval]:
     """Yield the intervals in which a method under way claimed a thing."""
     claims = {
-        (rap.name, str(method.name or f"#{number}")): (rap, claim)
+        (rap.name, method.traced_name): (rap, claim)
         for rap in library.raps.values()
-        for number, method in enumerate(rap.methods, 1)
+        for method in rap.methods
         for claim in method.claims
         if claim.name == thing[0]
     }
