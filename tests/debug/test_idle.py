@@ -8,6 +8,7 @@ import rapc
 from rapc.base.values import Fact
 from rapc.debug.history import History
 from rapc.debug.questions.idle import idle, idle_times
+from rapc.debug.questions.times import account
 from rapc.errors import ArgumentError
 from rapc.world import Time
 from rapc.worlds.script import At, Row
@@ -92,7 +93,7 @@ def test_claimed_thing_is_idle_at_no_moment(
     history.goto_time(until)
     history.goto(history.cycle)
     for thing in things:
-        idle = idle_times(history, thing)
+        idle = idle_times(history, account(history), thing)
         held = _held_by_claims(history, thing)
         assert held
         for start, stop in held:

@@ -39,23 +39,21 @@ def idle(history: History, args: Arguments) -> Answer:
     library = history.library.program.library
     thing = _thing(library, args.word("thing"))
     whole = account(history)
-    found = _idle_times(history, whole, thing)
+    found = idle_times(history, whole, thing)
     longest = sorted(found, key=lambda one: one[0] - one[1])[:_MOST]
-    waits = [one for one in whole.waits if _could_use(one)]
-    leading = _leading(library, str(thing[0]))
-    waits = [one for one in waits if first_word(one.goal) in leading]
+    users = _raps_leading_to(library, str(thing[0]))
+    waits = [
+        one
+        for one in whole.waits
+        if first_word(one.goal) in users and (one.by is not None or one.kind == "turn")
+    ]
     rows = [row for interval in sorted(longest) for row in _rows(interval, waits)]
     total, now = sum(stop - start for start, stop in found), history.now
     share = f", {100 * total / now:.0f} %" if now else ""
-    said = format_atom(thing[0]) if len(thing) == 1 else format_list(thing)
+    text = format_atom(thing[0]) if len(thing) == 1 else format_list(thing)
     shown = f"{readable(number(round(total, 2)))} of {readable(now)}{share}"
     columns = ("from", "to", "task", "goal", "waited", "for", "of")
-    return table(columns, rows, none="never idle", notes=[f"{said} idle: {shown}"])
-
-
-def _could_use(wait: Wait) -> bool:
-    """Return whether a task waited for another task, or for its selection."""
-    return wait.by is not None or wait.kind == "turn"
+    return table(columns, rows, none="never idle", notes=[f"{text} idle: {shown}"])
 
 
 def _rows(interval: _Interval, waits: Sequence[Wait]) -> Iterator[tuple[object, ...]]:
@@ -75,7 +73,7 @@ def _rows(interval: _Interval, waits: Sequence[Wait]) -> Iterator[tuple[object, 
 
 
 def _thing(library: Library, text: str) -> Fact:
-    """Return the thing that a text names.
+    """Return the thing of an argument: `wheels` or `(arm arm1)`.
 
     Raises:
         ArgumentError: if the library neither claims nor uses such a thing.
@@ -92,6 +90,7 @@ def _thing(library: Library, text: str) -> Fact:
 
 
 def _things(library: Library) -> Iterator[nodes.Thing]:
+    """Yield the things that a library claims or uses, with repetitions."""
     for primitive in library.primitives.values():
         yield from primitive.uses
     for skill in library.skills.values():
@@ -106,23 +105,24 @@ def bare_things(library: Library) -> set[str]:
     return {one.name for one in _things(library) if not one.args}
 
 
-def idle_times(history: History, thing: Fact) -> list[_Interval]:
+def idle_times(history: History, whole: Account, thing: Fact) -> list[_Interval]:
     """Return the intervals in which no method held a thing and no request used it.
+
+    Args:
+        history: the run.
+        whole: the account of the run up to the present time.
+        thing: the thing.
 
     Raises:
         StateError: if the log has dropped events and the run cannot go back.
     """
-    return _idle_times(history, account(history), thing)
-
-
-def _idle_times(history: History, whole: Account, thing: Fact) -> list[_Interval]:
     library = history.library.program.library
     used = [
         (spell.start, spell.stop)
         for spell in whole.spells
         if any(thing in _used_by(library, part) for part in spell.parts)
     ]
-    used += _claimed(history, library, thing)
+    used += _claim_times(history, library, thing)
     found: list[_Interval] = []
     reached: Time = 0
     for start, stop in sorted(used):
@@ -134,14 +134,16 @@ def _idle_times(history: History, whole: Account, thing: Fact) -> list[_Interval
     return found
 
 
-_ENDS = (
+_METHOD_ENDS = (
     *(events.MethodEnded, events.MethodSuspended),
     *(events.TaskSucceeded, events.TaskFailed, events.TaskRemoved),
 )
 """The events that end the method of a task."""
 
 
-def _claimed(history: History, library: Library, thing: Fact) -> Iterator[_Interval]:
+def _claim_times(
+    history: History, library: Library, thing: Fact
+) -> Iterator[_Interval]:
     """Yield the intervals in which a method under way claimed a thing."""
     claims = {
         (rap.name, method.traced_name): (rap, claim)
@@ -154,7 +156,7 @@ def _claimed(history: History, library: Library, thing: Fact) -> Iterator[_Inter
         return
     goals: dict[int, Goal] = {}
     since: dict[int, Time] = {}
-    kinds = (events.TaskSelected, events.MethodChosen, *_ENDS)
+    kinds = (events.TaskSelected, events.MethodChosen, *_METHOD_ENDS)
     for told in history.scan(*kinds):
         task = told.keys["task"]
         if told.kind is events.TaskSelected:
@@ -184,7 +186,10 @@ def _used_by(library: Library, request: Fact) -> list[Fact]:
 
 
 def _filled_in(thing: nodes.Thing, bound: Mapping[str, Any]) -> Fact:
-    """Return a thing with the values of its variables; computed terms are left out."""
+    """Return a thing with the values of its variables.
+
+    Computed terms and variables without a value are left out.
+    """
     values = [
         term.value if isinstance(term, nodes.Const) else bound.get(term.name)
         for term in thing.args
@@ -196,9 +201,11 @@ def _filled_in(thing: nodes.Thing, bound: Mapping[str, Any]) -> Fact:
 # --- the tasks ----------------------------------------------------------------------
 
 
-def _leading(library: Library, name: str) -> Collection[str]:
-    """Return the RAPs that lead to a use of a thing with a name."""
-    found = {rap.name for rap in library.raps.values() if _uses(library, rap, name)}
+def _raps_leading_to(library: Library, name: str) -> Collection[str]:
+    """Return the RAPs whose methods, or descendants, claim or use a thing of a name."""
+    found = {
+        rap.name for rap in library.raps.values() if _uses_itself(library, rap, name)
+    }
     before = -1
     while len(found) > before:
         before = len(found)
@@ -209,7 +216,7 @@ def _leading(library: Library, name: str) -> Collection[str]:
     return found
 
 
-def _uses(library: Library, rap: nodes.DefineRap, name: str) -> bool:
+def _uses_itself(library: Library, rap: nodes.DefineRap, name: str) -> bool:
     """Return whether a method of a RAP itself claims or uses a thing."""
     for method in rap.methods:
         requests: list[str] = [one.name for one in method.skills]
