@@ -538,6 +538,11 @@ def first_word(text: str) -> str:
     return text[1:].rstrip(")").split(" ")[0]
 
 
+def idle_in_words(kind: str, what: str) -> str:
+    """Return the `kind` and `what` of an idle piece as text: `waiting for ...`."""
+    return f"{kind} {'for ' if kind == WAITING else ''}{what}"
+
+
 def account_of(
     told: Iterable[ToldEvent], now: Time, sensors: Collection[str] = ()
 ) -> Account:

@@ -13,7 +13,14 @@ from statistics import fmean, stdev
 import msgspec
 
 from rapc.base.values import readable
-from rapc.debug.account import KINDS, SUSPENDED, WAITING, Account, Piece
+from rapc.debug.account import (
+    KINDS,
+    SUSPENDED,
+    WAITING,
+    Account,
+    Piece,
+    idle_in_words,
+)
 from rapc.debug.answer import Answer, Cell, table
 
 _MOST_ROWS = 6
@@ -162,8 +169,7 @@ def _of_kind(kind: str) -> Callable[[Times], _Figures]:
 def _in_family(one: Times) -> _Figures:
     """Return the waits and suspensions within each family."""
     kept = [s for s in one.within if s[1] in (WAITING, SUSPENDED)]
-    words = {WAITING: "waiting for", SUSPENDED: "suspended"}
-    return _total(kept, lambda s: f"{s[0]}: {words[s[1]]} {s[2]}")
+    return _total(kept, lambda s: f"{s[0]}: {idle_in_words(s[1], s[2])}")
 
 
 _SECTIONS: Mapping[str, Callable[[Times], _Figures]] = {

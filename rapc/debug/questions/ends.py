@@ -16,7 +16,14 @@ from rapc import events
 from rapc.base.names import plural
 from rapc.base.values import format_list, number, readable
 from rapc.compiler.program import Program
-from rapc.debug.account import SUSPENDED, WAITING, Account, Piece, account_of
+from rapc.debug.account import (
+    SUSPENDED,
+    WAITING,
+    Account,
+    Piece,
+    account_of,
+    idle_in_words,
+)
 from rapc.debug.answer import Answer, in_pairs, question, say, table
 from rapc.debug.arguments import Arguments
 from rapc.debug.history import History
@@ -269,8 +276,9 @@ def _waits(account: Account, story: Story, family: int) -> Iterator[Obstacle]:
     listed = sorted(groups.items(), key=lambda item: -_length(item[1]))
     for (kind, what), pieces in listed[:_MOST_WAITS]:
         said, where = _meanwhile(account, story, pieces)
-        kept_by = f"{kind} {'for ' if kind == WAITING else ''}{what}"
-        yield Obstacle(kept_by, len(pieces), _length(pieces), said, where)
+        yield Obstacle(
+            idle_in_words(kind, what), len(pieces), _length(pieces), said, where
+        )
 
 
 def _length(pieces: Iterable[Piece]) -> Time:

@@ -18,6 +18,7 @@ from rapc.debug.account import (
     Piece,
     Spell,
     account_of,
+    idle_in_words,
     times,
 )
 from rapc.debug.answer import Answer, question, table
@@ -156,7 +157,7 @@ def timeline(history: History, args: Arguments) -> Answer:
 def _user(piece: Piece) -> str:
     """Return the family or the wait that a piece of the time counts for."""
     if piece.kind in (WAITING, SUSPENDED):
-        return f"{piece.kind} {'for ' if piece.kind == WAITING else ''}{piece.what}"
+        return idle_in_words(piece.kind, piece.what)
     return f"family [{piece.family}]"
 
 
