@@ -22,6 +22,7 @@ from rapc.debug.bug import SUFFIX
 from rapc.debug.history import History
 from rapc.debug.log import EventLog, ToldEvent
 from rapc.debug.questions import why
+from rapc.debug.questions.names import program_of
 from rapc.debug.questions.story import Story
 from rapc.debug.questions.times import sensors_of
 from rapc.debug.questions.why_not import method_in_words
@@ -118,7 +119,7 @@ class Side(msgspec.Struct):
 def this_run(history: History, name: str = "here") -> Side:
     """Return a run up to its present moment."""
     told = list(history.scan())
-    program = history.library.program if history.is_run else None
+    program = program_of(history)
     explains = history if history.is_run and not history.no_way_back else None
     now, spec, sensors = history.now, history.spec, sensors_of(history)
     return Side(name, told, now, history.over, spec, sensors, explains, program)
@@ -373,6 +374,7 @@ def _reasons(
 
     Args:
         side: the run of the decision.
+        story: the events of that run.
         told: the decision.
         beside: the decision of the other run.
     """

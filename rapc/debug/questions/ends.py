@@ -28,7 +28,7 @@ from rapc.debug.answer import Answer, in_pairs, question, say, table
 from rapc.debug.arguments import Arguments
 from rapc.debug.history import History
 from rapc.debug.log import ToldEvent
-from rapc.debug.questions.names import predicates
+from rapc.debug.questions.names import predicates, program_of
 from rapc.debug.questions.story import Request, Story, formula_of, thresholds
 from rapc.events import Cause
 from rapc.ir.printer import format_formula
@@ -52,7 +52,7 @@ class Decision(NamedTuple):
 
 
 class Obstacle(NamedTuple):
-    """What kept a goal: failed requests, or waits."""
+    """A reason for which a goal is not reached, or was reached late."""
 
     kept_by: str
     times: int
@@ -60,6 +60,10 @@ class Obstacle(NamedTuple):
     #: The cause of a failure; or the requests or the wait of other tasks meanwhile.
     because: str
     where: str
+
+
+_NOTHING = Obstacle("", 0, None, "", "")
+"""The obstacle in the row of a goal without obstacles."""
 
 
 # --- the decisions behind the end -----------------------------------------------------
@@ -242,7 +246,11 @@ def _beside(story: Story, failed: Request, family: int) -> list[Request]:
 def _unclaimed(
     story: Story, failed: Request, others: Sequence[Request]
 ) -> tuple[str, str] | None:
-    """Return the method that does not claim a thing which others used meanwhile."""
+    """Return the method that should have claimed a thing which others used meanwhile.
+
+    This is the method with the step of the failed request. None if a method above the
+    request claims the thing, or the request uses the thing.
+    """
     program = story.program
     if program is None or not others:
         return None
@@ -273,15 +281,15 @@ def _waits(account: Account, story: Story, family: int) -> Iterator[Obstacle]:
     for one in account.of_family[family]:
         if one.kind in (WAITING, SUSPENDED):
             groups.setdefault((one.kind, one.what), []).append(one)
-    listed = sorted(groups.items(), key=lambda item: -_length(item[1]))
+    listed = sorted(groups.items(), key=lambda item: -_duration(item[1]))
     for (kind, what), pieces in listed[:_MOST_WAITS]:
         said, where = _meanwhile(account, story, pieces)
         yield Obstacle(
-            idle_in_words(kind, what), len(pieces), _length(pieces), said, where
+            idle_in_words(kind, what), len(pieces), _duration(pieces), said, where
         )
 
 
-def _length(pieces: Iterable[Piece]) -> Time:
+def _duration(pieces: Iterable[Piece]) -> Time:
     return number(sum(one.stop - one.start for one in pieces))
 
 
@@ -307,8 +315,8 @@ def _meanwhile(
                 spent.setdefault(piece.on, []).append(both)
     if not spent:
         return "", next(filter(None, (_place(story, one) for one in pieces)), "")
-    on, waits = max(spent.items(), key=lambda item: _length(item[1]))
-    time, where = _length(waits), _place(story, waits[0])
+    on, waits = max(spent.items(), key=lambda item: _duration(item[1]))
+    time, where = _duration(waits), _place(story, waits[0])
     return f"it waited for {on}, {readable(time)}", where
 
 
@@ -341,7 +349,11 @@ def end_of(told: Sequence[ToldEvent], program: Program | None) -> Answer:
     reason, because = end.keys["reason"], end.keys["because"]
     said = f"{reason}: {because}" if because else reason
     rows = decisions(told, program) if reason == "world" else []
-    left = [one.goal for one in end.keys["results"] if _is_left(one)]
+    left = [
+        one.goal
+        for one in end.keys["results"]
+        if not one.background and one.outcome != "succeeded"
+    ]
     notes = [f"{plural(len(left), 'goal')} not reached: see `:goals`"] if left else []
     notes += [_dead(one) for one in end.keys["results"] if _is_dead(one)]
     head = f"run ended ({said}) at time {readable(end.time)}"
@@ -349,10 +361,6 @@ def end_of(told: Sequence[ToldEvent], program: Program | None) -> Answer:
     if not rows:
         return Answer((head,), None, tuple(notes))
     return table(columns, rows, head, notes=notes)
-
-
-def _is_left(result: events.TaskResult) -> bool:
-    return not result.background and result.outcome != "succeeded"
 
 
 def _is_dead(result: events.TaskResult) -> bool:
@@ -404,9 +412,6 @@ def goals_of(
     return table((*columns, "where"), rows, none="no goals")
 
 
-_NOTHING = Obstacle("", 0, None, "", "")
-
-
 def why_end(history: History) -> Answer:
     """Return the reason of the end of a run with the decisions behind it."""
     told = [*history.scan(*OF_DECISIONS, events.FactAsserted)]
@@ -425,8 +430,3 @@ def goals(history: History, args: Arguments) -> Answer:
     """
     told = [*history.scan(*OF_GOALS)]
     return goals_of(told, history.now, program_of(history))
-
-
-def program_of(history: History) -> Program | None:
-    """Return the library of a run; None for a read-only recording."""
-    return history.library.program if history.is_run else None

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from rapc.base.names import hint
 from rapc.base.source import SourceFile
 from rapc.compiler.program import Program
+from rapc.debug.history import History
 from rapc.errors import ArgumentError
 from rapc.ir import nodes
 from rapc.ir.walk import through_queries
@@ -14,7 +15,7 @@ from rapc.library.library import KINDS, Library, Named
 
 
 def definitions(program: Program, text: str) -> list[Named]:
-    """Return the definitions that a text names: a name, a use in a list, FILE:LINE.
+    """Return the definitions for NAME, (NAME ...) or FILE:LINE.
 
     A rule has the name of its signal or of its RAP. A line stands for the definition
     around it.
@@ -54,7 +55,7 @@ def names_of(form: Named) -> tuple[str, ...]:
 
 
 def definition_in_words(form: Named) -> str:
-    """Return the kind and the name of a definition: query `low`."""
+    """Return the kind and the name of a definition as text: "query `low`"."""
     kind = KINDS.get(type(form))
     if kind is not None:
         return f"{kind[2]} `{names_of(form)[0]}`"
@@ -71,6 +72,11 @@ def predicates(library: Library, formula: nodes.Formula) -> dict[str, None]:
     """Return the names of the predicates of a formula, also inside named queries."""
     parts = through_queries(formula, library.queries)
     return {part.name: None for part in parts if isinstance(part, nodes.Proposition)}
+
+
+def program_of(history: History) -> Program | None:
+    """Return the library of a run; None for a playback."""
+    return history.library.program if history.is_run else None
 
 
 def _all(library: Library) -> Iterator[Named]:
@@ -90,7 +96,7 @@ def _of_name(library: Library, name: str) -> Iterator[Named]:
 
 
 def _unnamed(library: Library) -> tuple[Named, ...]:
-    """Return the definitions that have their names from others."""
+    """Return the definitions without a name of their own; see `names_of`."""
     return (*library.methods, *library.memory_rules, *library.event_rules)
 
 
