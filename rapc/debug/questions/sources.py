@@ -12,6 +12,7 @@ from rapc.base.values import Fact, format_list, number, readable
 from rapc.compiler.program import Program
 from rapc.debug.history import History
 from rapc.debug.log import ToldEvent, Want
+from rapc.debug.questions.names import program_of
 from rapc.ir import nodes
 from rapc.runtime.memory.access import Evidence
 from rapc.world import Time
@@ -23,6 +24,10 @@ CAUSES = (
     *(events.TaskSelected, events.RuleRun, events.SignalReceived),
 )
 """The kinds of events that show the sources of changes."""
+
+
+_HANDLER = "handler"
+"""The source of a change by a handler, until the event of its request or datum."""
 
 
 class Source(NamedTuple):
@@ -78,12 +83,13 @@ def changes(history: History, told: Iterable[ToldEvent], want: Want) -> list[Cha
         want: selects the changes.
     """
     found: list[Change] = []
+    #: The index of the first change whose handler may still be unknown.
     open_since = 0
     chooser: int | None = None
     rule: ToldEvent | None = None
     signal: ToldEvent | None = None
     signals: dict[int, ToldEvent] = {}
-    program = history.library.program if history.is_run else None
+    program = program_of(history)
     for one in told:
         if one.kind is events.TaskSelected:
             chooser, open_since = one.keys["task"], len(found)
@@ -94,10 +100,12 @@ def changes(history: History, told: Iterable[ToldEvent], want: Want) -> list[Cha
         elif one.kind is events.SignalReceived:
             signal = one
         elif one.kind in CAUSES:
-            by = Source(_ended(one))
+            # The changes of a handler precede the event of its request or datum.
+            by = Source(_cause(one))
             for at in range(open_since, len(found)):
-                if found[at][1].by == "handler":
-                    found[at] = found[at][0], by
+                change, source = found[at]
+                if source.by == _HANDLER:
+                    found[at] = change, by
             open_since = len(found)
         elif want(one):
             found.append((one, _source(program, one, chooser, rule)))
@@ -208,8 +216,8 @@ def _source(
     chooser: int | None,
     rule: ToldEvent | None,
 ) -> Source:
-    """Return the source of a change; `handler` if its end follows later."""
-    by = change.keys.get("by", "handler")
+    """Return the source of a change; `_HANDLER` if its cause follows later."""
+    by = change.keys.get("by", _HANDLER)
     if by == "notation" and chooser is not None:
         return Source(f"notation [{chooser}]")
     if by != "rule" or rule is None:
@@ -223,12 +231,12 @@ def _source(
 def rule_in_words(rule: ToldEvent) -> str:
     """Return a run of a rule as text: its task, and its signal or result."""
     what, task = rule.keys["what"], rule.keys["task"]
-    said = what if isinstance(what, str) else format_list(what)
-    return f"rule for {said}" if task is None else f"rule of [{task}] for {said}"
+    text = what if isinstance(what, str) else format_list(what)
+    return f"rule for {text}" if task is None else f"rule of [{task}] for {text}"
 
 
-def _ended(told: ToldEvent) -> str:
-    """Return an ended request with its task, or a datum, as text."""
+def _cause(told: ToldEvent) -> str:
+    """Return as text a request that has ended, with its task, or a datum."""
     if told.kind is events.DataReceived:
         return f"datum {format_list(told.keys['data'])}"
     task = told.keys["task"]
@@ -260,9 +268,10 @@ def _action_at(program: Program, row: str, change: ToldEvent) -> str:
     """Return the file and line of the action of a rule that made a change."""
     alternative = alternative_at(program, row)
     fact: Fact = change.keys["fact"]
-    op = "mem-add" if change.kind is events.FactAsserted else "mem-del"
+    # The assertion of a property erases the old value of the property.
+    is_erased = change.kind is events.FactErased
     actions = () if alternative is None else alternative.actions
     for action in actions:
-        if action.pattern.name == fact[0] and op in (action.op, "mem-del"):
+        if action.pattern.name == fact[0] and (is_erased or action.op == "mem-add"):
             return program.compiler.row(action.span)
     return ""
