@@ -66,7 +66,10 @@ def _unknown(n: int) -> str:
 def _chain(n: int) -> str:
     steps = " ".join(f"(t{i} (r) (for t{i + 1}))" for i in range(n))
     net = f"(task-net {steps} (t{n} (r)))"
-    return f"(define-rap (r) (succeed t))(define-rap (a) (method {net}))"
+    declared = (
+        "(declare-primitive go () (okay))(define-rap (r) (method (primitive (go))))"
+    )
+    return f"{declared}(define-rap (a) (method {net}))"
 
 
 def _calls(n: int) -> str:
