@@ -209,11 +209,15 @@ def waiting_steps(run: Pass) -> Iterator[Diagnostic]:
     for _, method, net in sure_nets(run):
         own = steps(method)
         ends = {at: _ended_by(step) for at, step in enumerate(own)}
+        ended: dict[str, list[int]] = {}
+        for at, tags in ends.items():
+            for tag in tags:
+                ended.setdefault(tag, []).append(at)
         for at, step in enumerate(own):
             called = run.library.raps.get(step.goal.name)
             if called is None:
                 continue
-            others = [o for o, tags in ends.items() if step.tag in tags and o != at]
+            others = [o for o in ended.get(step.tag, ()) if o != at]
             if (others or ends[at]) and _only_tests(called) and called.name not in told:
                 told.add(called.name)
                 yield _untimely(called, step)
