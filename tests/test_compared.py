@@ -32,7 +32,7 @@ def test_change_leaves_a_library_without_errors(change: Change, tmp_path: Path) 
 @pytest.mark.slow
 def test_comparison_of_courier_libraries_names_faults_alone() -> None:
     listed = [one for one in EVERY if one.setting == "courier"]
-    found = outcomes(listed, CHANGES.setting["courier"], 12)
+    found = outcomes(listed, CHANGES.setting["courier"], 30)
     for one in found:
         if one.change.families:
             assert not one.counts or (one.names_family and one.names_file)

@@ -457,7 +457,9 @@ class Account:
             known.parts.append(event.what)
 
     def _disable(self, number: int) -> None:
-        known = self._activations[number]
+        known = self._activations.get(number)
+        if known is None:  # in a damaged recording
+            return
         known.on -= 1
         if not known.on:
             self._finish(known)
