@@ -333,8 +333,6 @@ def _with(files: Mapping[str, SourceFile], typed: str) -> list[SourceFile]:
     found: list[SourceFile] = []
     replaced: Counter[tuple[str, str]] = Counter()
     for file in files.values():
-        if file.name == TYPED:
-            continue
         text = file.text
         for form in parse(file).forms:
             name = _named(form)
@@ -343,7 +341,8 @@ def _with(files: Mapping[str, SourceFile], typed: str) -> list[SourceFile]:
                 start, end = form.span.start, form.span.end
                 blank = "".join(c if c == "\n" else " " for c in text[start:end])
                 text = text[:start] + blank + text[end:]
-        found.append(file if text == file.text else SourceFile(file.name, text))
+        if file.name != TYPED:
+            found.append(file if text == file.text else SourceFile(file.name, text))
     for key, count in replaced.items():
         if key[0] in _RULES and count > names[key]:
             raise RefusedError(
@@ -358,9 +357,13 @@ def _with(files: Mapping[str, SourceFile], typed: str) -> list[SourceFile]:
 _RULES = (nodes.MemoryRule.__name__, nodes.EventRule.__name__)
 
 
-def names_of(text: str) -> frozenset[tuple[str, str]]:
-    """Return the kind and name of each definition in a text."""
-    return frozenset(map(_named, parse(SourceFile(TYPED, text)).forms))
+def definitions(text: str) -> dict[tuple[str, str], str]:
+    """Return the definitions in a text, each by kind and name; see `_named`."""
+    found: dict[tuple[str, str], list[str]] = {}
+    for form in parse(SourceFile(TYPED, text)).forms:
+        said = text[form.span.start : form.span.end]
+        found.setdefault(_named(form), []).append(said)
+    return {named: "\n".join(forms) for named, forms in found.items()}
 
 
 def _named(form: nodes.TopForm) -> tuple[str, str]:

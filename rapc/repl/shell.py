@@ -22,7 +22,7 @@ from rapc.debug.arguments import is_balanced, split
 from rapc.debug.breakpoints import Breakpoints
 from rapc.debug.history import Branch, History
 from rapc.debug.log import ToldEvent
-from rapc.debug.reload import TYPED, Renewed, changed, names_of, typed_in
+from rapc.debug.reload import TYPED, Renewed, changed, definitions, typed_in
 from rapc.errors import Error, RefusedError, TextError
 from rapc.events import PrimitiveEnded, PrimitiveRequested
 from rapc.host import CheckError
@@ -68,7 +68,7 @@ class Shell:
         self._names: tuple[str, ...] = ()
         self._left: list[dict[str, Value]] = []
         #: The typed texts, by the kinds and names of their definitions.
-        self.typed: dict[frozenset[tuple[str, str]], str] = {}
+        self.typed: dict[tuple[str, str], str] = {}
         #: The events shown after a step: `all`, `requests` or `none`.
         self.shows = "all"
         #: Whether the user has left the shell.
@@ -199,13 +199,12 @@ class Shell:
 
     def _define(self, text: str) -> Answer:
         """Check a definition, then add it to the library or replace the old text."""
-        names = names_of(text)
-        kept = {old: said for old, said in self.typed.items() if old.isdisjoint(names)}
-        typed = {**kept, names: text}
+        new = definitions(text)
+        kept = {named: said for named, said in self.typed.items() if named not in new}
         program = self.history.run.library
-        renewed = typed_in(program.library, "\n\n".join(typed.values()), program.name)
-        answer = self.renew(renewed, TYPED)
-        self.typed = typed
+        typed = "\n\n".join((*kept.values(), text))
+        answer = self.renew(typed_in(program.library, typed, program.name), TYPED)
+        self.typed = {**kept, **new}
         return answer
 
     def renew(self, renewed: Renewed, file: str = "") -> Answer:

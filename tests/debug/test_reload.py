@@ -274,6 +274,16 @@ def test_definitions_are_typed_checked_and_used() -> None:
     assert "a parenthesis or string is not closed" in said(shell, "(define-rap (x")
 
 
+def test_definition_typed_again_keeps_those_typed_with_it() -> None:
+    shell = truck_shell()
+    fast = "(define-rap (go-fast) (method (primitive (truck-speed fast))))"
+    slow = "(define-rap (go-slow) (method (primitive (truck-speed slow))))"
+    said(shell, f"{fast} {slow}")
+    assert "reloaded" in said(shell, fast.replace("speed fast", "speed medium"))
+    assert "truck-speed slow" in said(shell, ":source go-slow")
+    assert "truck-speed medium" in said(shell, ":source go-fast")
+
+
 def test_typed_methods_are_added_and_replaced() -> None:
     session = _session()
     _typed(session, "(define-method utter song (primitive (say la)))")
@@ -399,3 +409,17 @@ def test_source_shows_added_methods() -> None:
     rows = said(shell, ":source rock-order")
     assert "(define-rap (rock-order" in rows
     assert "<typed>\n1 (define-method rock-order doze" in rows
+
+
+def test_one_of_two_typed_rules_of_a_pattern_is_not_replaced_alone() -> None:
+    session = _session()
+    rule = (
+        "(define-memory-rule (utter ?word) :finish"
+        " (match-result (succeed (rule (true (mem-add ({} ?word)))))))"
+    )
+    declared = " ".join(
+        f"(declare-memory-proposition {name} (?word))" for name in ("one", "two", "six")
+    )
+    _typed(session, f"{declared} {rule.format('one')} {rule.format('two')}")
+    with pytest.raises(RefusedError, match="2 rules have this pattern"):
+        _typed(session, rule.format("six"))
