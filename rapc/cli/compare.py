@@ -16,6 +16,7 @@ from rapc.cli.repl import RECORDED, shell_of
 from rapc.cli.run_options import (
     end_time,
     prepared,
+    processes_option,
     read_spec,
     run_options,
     until_option,
@@ -42,7 +43,6 @@ Examples:
   rapc compare old/ new/ --world courier --agenda shift --until 3000 --seeds 30
 """
 
-_MOST_PROCESSES = 1000
 
 _TIME_LIMIT = 120
 """The time limit of a run of many, in seconds."""
@@ -63,12 +63,7 @@ _THRESHOLD = 5
     metavar="N",
     help="Compare N runs of each library, from --seed on.",
 )
-@click.option(
-    "--jobs",
-    type=WholeNumber(_MOST_PROCESSES),
-    metavar="N",
-    help="Number of processes [default: number of cores].",
-)
+@processes_option
 @click.option(
     "--threshold",
     type=Amount(min=0),
@@ -84,7 +79,7 @@ def compare(
     world_name: str | None,
     until: float | None,
     seeds: int | None,
-    jobs: int | None,
+    processes: int | None,
     threshold: float,
     as_json: bool,
     **more: Any,
@@ -109,7 +104,7 @@ def compare(
             "cannot change the start of a recorded run",
             "use only --world, --threshold and --json",
         )
-    if jobs is not None and seeds is None:
+    if processes is not None and seeds is None:
         fail("--jobs requires --seeds")
     if len(recorded) == 2:
         one = _recorded(before, world_name, "before")
@@ -128,7 +123,7 @@ def compare(
             one, other = _run_both(libraries, spec, world_name)
             found = compared(one, other, threshold=threshold)
         else:
-            found = _of_seeds(libraries, spec, world_name, seeds, jobs, threshold)
+            found = _of_seeds(libraries, spec, world_name, seeds, processes, threshold)
     _print(found, as_json)
     raise SystemExit(1 if found.worse else 0)
 
@@ -192,7 +187,7 @@ def _of_seeds(  # the options of the command
     spec: RunSpec,
     world_name: str,
     seeds: int,
-    jobs: int | None,
+    processes: int | None,
     threshold: float,
 ) -> Comparison:
     """Compare two libraries over seeds, and the decisions of the first that differs."""
@@ -209,7 +204,9 @@ def _of_seeds(  # the options of the command
     with bar(
         "runs", 2 * seeds, sys.stderr, shown=shown, color=given.colored()
     ) as advance:
-        found, faults = run_pairs(libraries, spec, wanted, jobs, _TIME_LIMIT, advance)
+        found, faults = run_pairs(
+            libraries, spec, wanted, processes, _TIME_LIMIT, advance
+        )
     if faults:
         fail("run without a result", *faults)
     differ = (seed for seed, (one, other) in found.items() if one != other)

@@ -17,9 +17,10 @@ from rapc.cli.common import (
     print_line,
     refuse_output,
     width_of,
-    write_output,
 )
 from rapc.cli.options import WholeNumber, command, fail, say, settings
+from rapc.cli.run_options import processes_option
+from rapc.cli.test import print_coverage
 from rapc.console.experiments import output
 from rapc.console.experiments.tables import show
 from rapc.debug import costs
@@ -32,7 +33,6 @@ from rapc.experiments.run import Job, Result, run_job
 from rapc.experiments.session import Batch
 from rapc.experiments.store import Store, StoreError, sole_user
 from rapc.experiments.summary import PartSummary
-from rapc.testing import coverage as covering
 from rapc.testing.covered import CoverageSum, run_covered
 
 EXAMPLES = """\b
@@ -44,7 +44,6 @@ Examples:
   rapc experiment my-experiment.toml --cluster tcp://10.0.0.5:8786
 """
 
-_MOST_PROCESSES = 1000
 
 _MOST_FAULTS = 10
 """The highest number of printed runs without a result."""
@@ -65,13 +64,7 @@ _MOST_FAULTS = 10
     metavar="N",
     help="Runs for each point, from seed 0 [default: from the file].",
 )
-@click.option(
-    "--jobs",
-    "processes",
-    type=WholeNumber(_MOST_PROCESSES),
-    metavar="N",
-    help="Number of processes [default: number of cores].",
-)
+@processes_option
 @click.option(
     "--out",
     type=click.Path(file_okay=False),
@@ -135,7 +128,7 @@ def experiment(
     for before, after, pairs in compared:
         _print_changes(before, after, [*pairs.values()])
     if gathered is not None:
-        _cover(gathered, coverage)
+        print_coverage(gathered.files(), coverage)
     _write(session, summaries, folder)
     if not settings().quiet:
         click.echo(f"results, tables and plots: `{visible(str(folder))}`")
@@ -154,16 +147,6 @@ def _refuse_with_coverage(
         if not coverage.endswith(".json"):
             raise click.UsageError("--coverage: the file name must end with .json")
         refuse_output("--coverage", coverage, COVERAGE)
-
-
-def _cover(gathered: CoverageSum, file: str | None) -> None:
-    """Print the coverage of all runs; also write it to a file."""
-    files = gathered.files()
-    for line in covering.table(files):
-        print_line("text", line)
-    click.echo()
-    if file:
-        write_output(file, covering.as_json(files))
 
 
 def _session(

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 import click
 
 from rapc.base.values import number
-from rapc.cli.options import fail
+from rapc.cli.options import WholeNumber, fail
 from rapc.compiler.program import Program
 from rapc.errors import FactError, RefusedError, SettingError, TextError
 from rapc.library.library import Library
@@ -81,6 +81,18 @@ until_option = click.option(
     "--until", type=float, metavar="TIME", help="Stop the run at TIME."
 )
 """The option for the time limit of a run."""
+
+
+_MOST_PROCESSES = 1000
+
+processes_option = click.option(
+    "--jobs",
+    "processes",
+    type=WholeNumber(_MOST_PROCESSES),
+    metavar="N",
+    help="Number of processes [default: number of cores].",
+)
+"""The option for the number of processes of many runs."""
 
 
 def end_time(until: float | None) -> Time | None:

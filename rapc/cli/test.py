@@ -25,7 +25,7 @@ from rapc.console.lines import wrapped
 from rapc.console.testing import explain
 from rapc.testing import coverage as covering
 from rapc.testing import discover
-from rapc.testing.coverage import Coverage
+from rapc.testing.coverage import Coverage, FileCoverage
 from rapc.testing.faults import read_fault
 from rapc.testing.run import Case, Outcome
 from rapc.testing.session import TestSession, exit_status, summary
@@ -150,7 +150,7 @@ def test(
     _explain(outcomes)
     status = exit_status(outcomes)
     if gathered is not None:
-        _cover(gathered, coverage)
+        print_coverage(gathered.files(), coverage)
         if least is not None and _falls_short(gathered, least):
             status = max(status, 1)
     if junit is not None:
@@ -164,8 +164,8 @@ def _files(case: Case) -> Iterable[str]:
     return (case.test.span.file, *case.library.library.files)
 
 
-def _cover(gathered: Coverage, file: str | None) -> None:
-    files = gathered.files()
+def print_coverage(files: Sequence[FileCoverage], file: str | None) -> None:
+    """Print the coverage of tests or runs; also write it to a file."""
     for line in covering.table(files):
         _say("text", line)
     click.echo()
