@@ -197,3 +197,11 @@ def test_discrepancies_equal_a_comparison_in_each_cycle(name: str) -> None:
         session.goto(back)
     assert len(each.all) > 3
     assert session.branch.discrepancies.all == each.all
+
+
+def test_fact_may_be_given_by_its_name() -> None:
+    history = courier()
+    history.goto(5)
+    put_wrong(history)
+    history.step()
+    assert rows(history, "docked") == rows(history, "(docked)") != []

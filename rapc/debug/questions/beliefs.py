@@ -6,7 +6,7 @@ from rapc.base.values import format_list, match_pattern, number
 from rapc.debug.answer import Answer, question, table
 from rapc.debug.arguments import Arguments, read_pattern
 from rapc.debug.history import History
-from rapc.debug.questions.sources import origins
+from rapc.debug.sources import origins
 from rapc.errors import ArgumentError
 
 _COLUMNS = ("believed", "since", "by", "truth", "wrong from", "cycle", "to")
@@ -22,8 +22,10 @@ def belief(history: History, args: Arguments) -> Answer:
     the belief became wrong, and the time at which it was true or erased.
     """
     history.check_knows_truth()
-    pattern = read_pattern(args.word("fact")) if args else None
-    if pattern is not None:
+    pattern = None
+    if args:
+        said = args.word("fact")
+        pattern = read_pattern(said if said.startswith("(") else f"({said})")
         signatures = history.library.program.signatures
         if str(pattern[0]) not in signatures.relations:
             raise ArgumentError(str(signatures.unknown("test", str(pattern[0]))))

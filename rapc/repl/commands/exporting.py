@@ -101,7 +101,7 @@ def _exported(export: _Export, *, wanted: bool) -> Answer:
         if wanted:
             written.want(*export.right_beliefs(written))
         return export.write(written, wanted=wanted)
-    raise StateError(f"cannot export this run: {'; '.join(reasons)}")
+    raise StateError(f"cannot export this run: {'; '.join(dict.fromkeys(reasons))}")
 
 
 class _Export:
