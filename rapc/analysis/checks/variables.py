@@ -536,9 +536,9 @@ def _expected(
 
 
 def _alike(run: Pass, rap: nodes.DefineRap, name: str, one: nodes.Var) -> bool:
-    """Return whether a variable and an input are of one kind, or elsewhere one.
+    """Return whether a variable and an input have the same kind.
 
-    Without kinds, a name that other forms use at the same place is meant.
+    Without kinds: whether other forms use one name at both places.
     """
     usage = run.result(USAGE)
     places, others = (list(usage.of(rap, which)) for which in (name, one.name))

@@ -1,4 +1,4 @@
-"""Facts behind a formula: those that make it true, and those that oppose it.
+"""Facts behind a formula: facts that make the formula true, and opposing facts.
 
 Not here: the part of a query without a solution (`rapc.runtime.tasks.causes`).
 """

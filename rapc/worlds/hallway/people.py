@@ -1,4 +1,4 @@
-"""People who walk about, and walk into the robot only if they are careless."""
+"""People who walk about; careless people walk into the robot."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ metres: more than the way of the robot in a tick.
 """
 
 SHOVE = 0.3
-"""The time for which a person who runs into the robot pushes it, in seconds."""
+"""The duration of the push by a person who walks into the robot, in seconds."""
 
 STEP_ASIDE = 0.7
 """The distance from a doorway's middle at which a person starts through, in metres."""
