@@ -12,7 +12,7 @@ from rapc.base.values import Fact, format_list, number, readable
 from rapc.compiler.program import Program
 from rapc.debug.history import History
 from rapc.debug.log import ToldEvent, Want
-from rapc.debug.questions.names import program_of
+from rapc.debug.names import program_of
 from rapc.ir import nodes
 from rapc.runtime.memory.access import Evidence
 from rapc.world import Time

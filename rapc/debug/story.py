@@ -9,7 +9,7 @@ from rapc import events
 from rapc.base.values import Fact
 from rapc.compiler.program import Program
 from rapc.debug.log import ToldEvent
-from rapc.debug.questions.names import predicates
+from rapc.debug.names import predicates
 from rapc.errors import TextError
 from rapc.events import Goal
 from rapc.ir import nodes
@@ -124,7 +124,7 @@ class Story:
         return chosen, next(steps, None)
 
     def wait(self, on: str, task: int) -> tuple[str, str]:
-        """Return what a task waits for, with its line; no texts if it is unknown.
+        """Return the awaited state of a task, with the line; no texts if unknown.
 
         This is the annotation of a step that waits for a signal, or the first test of
         a monitor (see `thresholds`), or else the first named query.

@@ -17,8 +17,8 @@ import msgspec
 from rapc.base.values import format_atom
 from rapc.debug.arguments import split
 from rapc.debug.breakpoints import KINDS
+from rapc.debug.names import definition_names
 from rapc.debug.questions.idle import bare_things
-from rapc.debug.questions.names import definition_names
 from rapc.events import kinds
 from rapc.language.complete import fits
 from rapc.library.library import Library

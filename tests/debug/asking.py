@@ -24,6 +24,7 @@ from rapc.debug import acts, find, recorded
 from rapc.debug.acts import AssertFact, EraseFacts, FailTask
 from rapc.debug.history import History
 from rapc.debug.log import ToldEvent
+from rapc.debug.names import definition_names
 from rapc.debug.questions import (
     beliefs,
     commitments,
@@ -38,7 +39,6 @@ from rapc.debug.questions import (
     why,
     why_not,
 )
-from rapc.debug.questions.names import definition_names
 from rapc.errors import Error
 from rapc.events import Event
 from rapc.ir.nodes import Proposition

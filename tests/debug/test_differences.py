@@ -14,7 +14,7 @@ from rapc.debug.acts import EraseFacts
 from rapc.debug.answer import Answer
 from rapc.debug.history import History
 from rapc.debug.questions.differences import diff
-from rapc.debug.questions.story import Story
+from rapc.debug.story import Story
 from rapc.errors import ArgumentError
 from tests.debug.sessions import row, scripted, truck
 

@@ -21,13 +21,13 @@ from rapc.debug.arguments import Arguments
 from rapc.debug.bug import SUFFIX
 from rapc.debug.history import History
 from rapc.debug.log import EventLog, ToldEvent
+from rapc.debug.names import program_of
 from rapc.debug.questions import why
-from rapc.debug.questions.names import program_of
-from rapc.debug.questions.story import Story
 from rapc.debug.questions.times import sensors_of
 from rapc.debug.questions.why_not import method_in_words
 from rapc.debug.recording import Playback, Recording
 from rapc.debug.reload import differing
+from rapc.debug.story import Story
 from rapc.errors import ArgumentError, Error, StateError
 from rapc.host import load
 from rapc.runtime.events.trace import record
@@ -196,7 +196,7 @@ def _begun_again(history: History, seed: int | None = None, library: str = "") -
 
 
 def finished(run: Interpreter, until: Time | None, name: str) -> Side:
-    """Begin a run, let it run to its end or to a time, and return it."""
+    """Run to the end or to a time, and return the run as one side."""
     log = EventLog()
     run.listen(log)
     run.start(until)

@@ -28,8 +28,8 @@ from rapc.debug.answer import Answer, in_pairs, question, say, table
 from rapc.debug.arguments import Arguments
 from rapc.debug.history import History
 from rapc.debug.log import ToldEvent
-from rapc.debug.questions.names import predicates, program_of
-from rapc.debug.questions.story import Request, Story, formula_of, thresholds
+from rapc.debug.names import predicates, program_of
+from rapc.debug.story import Request, Story, formula_of, thresholds
 from rapc.events import Cause
 from rapc.ir.printer import format_formula
 from rapc.runtime.events.report import OF_DECISIONS, OF_GOALS

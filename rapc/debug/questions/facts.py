@@ -26,13 +26,13 @@ from rapc.debug.answer import Answer, in_pairs, question, table
 from rapc.debug.arguments import Arguments, read_pattern
 from rapc.debug.history import History
 from rapc.debug.log import ToldEvent, Want
-from rapc.debug.questions.names import (
+from rapc.debug.names import (
     definition_in_words,
     definitions,
     names_of,
     predicates,
 )
-from rapc.debug.questions.sources import (
+from rapc.debug.sources import (
     CAUSES,
     FACTS,
     alternative_at,

@@ -9,7 +9,7 @@ from rapc.compiler.rap_plan import requests_of
 from rapc.debug.answer import Answer, question, table
 from rapc.debug.arguments import Arguments
 from rapc.debug.history import History
-from rapc.debug.questions.names import (
+from rapc.debug.names import (
     definition_in_words,
     definition_names,
     definitions,

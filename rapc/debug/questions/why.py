@@ -21,13 +21,13 @@ from rapc.debug.arguments import Arguments
 from rapc.debug.history import History
 from rapc.debug.log import ToldEvent
 from rapc.debug.questions.ends import why_end
-from rapc.debug.questions.sources import Origin, origins
 from rapc.debug.questions.why_not import (
     MethodAnswer,
     last_cycle,
     method_in_words,
     methods,
 )
+from rapc.debug.sources import Origin, origins
 from rapc.errors import ArgumentError
 from rapc.events import Cause, Event
 from rapc.runtime.events.report import cause_lines

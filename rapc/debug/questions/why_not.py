@@ -21,7 +21,7 @@ from rapc.compiler.rap_plan import MethodPlan
 from rapc.debug.answer import Answer, bound_to, numbers, question, say
 from rapc.debug.arguments import Arguments
 from rapc.debug.history import History
-from rapc.debug.questions.sources import Origin, origins
+from rapc.debug.sources import Origin, origins
 from rapc.errors import ArgumentError
 from rapc.events import Goal, KnownFact, TaskSelected
 from rapc.ir import clauses, nodes
