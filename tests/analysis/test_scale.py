@@ -122,6 +122,18 @@ def _chain(count: int, body: str, last: str) -> str:
     return f"{WORLD}{''.join(rows)}(define-rap (r{count:04} ?s) {last})\n"
 
 
+def _nested(count: int) -> str:
+    called = ["x", *(f"y{n}" for n in range(4))]
+    nets = [
+        f"(define-rap (y{n}) (method (task-net "
+        + " ".join(f"(t{at} ({called[n]}))" for at in range(count))
+        + ")))"
+        for n in range(4)
+    ]
+    plain = "(define-rap (x) (method (primitive (a))))"
+    return "\n".join((WORLD, plain, *nets))
+
+
 def _protected(count: int) -> str:
     steps = "\n".join(f"(t{n} (x) ((p) for t{n + 1}))" for n in range(count))
     body = f"(method (task-net {steps} (t{count} (x))))"
@@ -158,6 +170,7 @@ TEXTS: dict[str, Callable[[int], str]] = {
         n, "(resources (set ?m))", "(method (context (member ?s x)) (primitive (a)))"
     ),
     "protections in a row": _protected,
+    "nets in nets": _nested,
     "results of many methods": _results,
 }
 

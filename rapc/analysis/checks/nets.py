@@ -451,6 +451,8 @@ def _in_terms_of_caller(
 class _Refusal:
     """A search for the clause that keeps a goal from being reached.
 
+    One search looks into each RAP once: its work is in proportion to the RAPs below.
+
     Args:
         run: the pass.
         bound: the variables with values in the method of the step.
@@ -459,12 +461,16 @@ class _Refusal:
     def __init__(self, run: Pass, bound: set[str]) -> None:
         self._run = run
         self._bound = bound
+        self._seen: set[str] = set()
 
     def of(self, goal: nodes.Goal, facts: _Facts, depth: int = 0) -> _Refused | None:
         """Return why a goal fails where some facts hold; None if it may succeed."""
         called = self._run.library.raps.get(goal.name)
         if called is None or depth > LIMITS.constraint_depth:
             return None
+        if called.name in self._seen:
+            return None
+        self._seen.add(called.name)
         terms = input_terms(called, goal)
         for wanted in (called.preconditions, called.constraints):
             if wanted is not None:
@@ -497,7 +503,8 @@ class _Refusal:
             return refused
         (method,) = called.methods
         net = sure_net(self._run, method)
-        if net is None or method.constraints is not None:
+        is_long = len(steps(method)) > LIMITS.steps_below
+        if net is None or is_long or method.constraints is not None:
             return None
         given = given_names(called)
         inner = Beginnings(self._run, called, method, net, (), given)
@@ -704,7 +711,7 @@ def _missing_order(
     sure: Container[str],
 ) -> tuple[int, Literal] | None:
     """Return a step that brings about what another step requires, and the fact."""
-    for needed in _needed(run, step.goal):
+    for needed in _needed(run, step.goal, set()):
         name = fact_name(needed)
         there = brought.get(name, ())
         if name in sure or (needed.holds and _is_any(run, needed)):
@@ -745,14 +752,18 @@ def _is_one(run: Pass, needed: Literal, brought: Literal) -> bool:
     return bool(follows([needed], [brought], free, run.signatures.relations))
 
 
-def _needed(run: Pass, goal: nodes.Goal, depth: int = 0) -> list[Literal]:
+def _needed(
+    run: Pass, goal: nodes.Goal, seen: set[str], depth: int = 0
+) -> list[Literal]:
     """Return the facts that a goal requires at its start, also in its first steps.
 
-    Variables that the goal does not give have names with a mark of their own.
+    Variables that the goal does not give have names with a mark of their own. The RAPs
+    in `seen` are left out; the function adds each RAP that it looks into.
     """
     rap = run.library.raps.get(goal.name)
-    if rap is None:
+    if rap is None or rap.name in seen:
         return []
+    seen.add(rap.name)
     asked = [one for f in (rap.preconditions, rap.constraints) for one in literals(f)]
     if rap.methods and all(method.context is not None for method in rap.methods):
         every = [list(literals(method.context)) for method in rap.methods]
@@ -760,10 +771,11 @@ def _needed(run: Pass, goal: nodes.Goal, depth: int = 0) -> list[Literal]:
     method = _sure_method(rap)
     if method is not None and depth < LIMITS.need_depth:
         known = {fact_name(one) for one in _known(rap, method)}
-        net = sure_net(run, method)
-        for at, step in enumerate(steps(method) if net is not None else ()):
+        net, inside = sure_net(run, method), steps(method)
+        is_read = net is not None and len(inside) <= LIMITS.steps_below
+        for at, step in enumerate(inside if is_read else ()):
             if net is not None and not net.edges[at]:
-                inner = _needed(run, step.goal, depth + 1)
+                inner = _needed(run, step.goal, seen, depth + 1)
                 asked += [one for one in inner if fact_name(one) not in known]
     given = input_terms(rap, goal)
     names = variable_names(*(one.formula for one in asked))

@@ -81,6 +81,8 @@ class Limits(msgspec.Struct, frozen=True):
     steps_of_fact: int = 20
     #: Levels of calls through which a constraint is followed.
     constraint_depth: int = 5
+    #: Steps of a net that a search from a calling step looks into.
+    steps_below: int = 30
     #: Levels of first steps whose needs are needs of a goal.
     need_depth: int = 3
     #: Goals below the steps of one method.
