@@ -25,6 +25,7 @@ from rapc.base.messages import (
     OKAY,
     Datum,
     Finished,
+    Lost,
     Message,
     Refused,
     Reply,
@@ -62,6 +63,7 @@ __all__ = (
     "HandlerMemory",
     "Handlers",
     "Kit",
+    "Lost",
     "Mark",
     "Measured",
     "Message",
@@ -74,6 +76,7 @@ __all__ = (
     "Refused",
     "Reply",
     "ResultHandler",
+    "Resumable",
     "Savable",
     "Signal",
     "SimpleWorld",
@@ -422,6 +425,43 @@ class Savable(Protocol):
 
 
 @runtime_checkable
+class Resumable(Protocol):
+    """A world that goes on when the process of the interpreter dies.
+
+    A second process can continue the run, and the world still does each request once:
+    the ticket is the key of a request. The world keeps each message until the
+    interpreter acknowledges the message, and the answer to the last call of `perform`
+    or `activate`. Its clock goes on, and is never set back.
+    """
+
+    def resume(
+        self, tickets: Sequence[int], received: int
+    ) -> Mapping[int, Reply | Refused | None]:
+        """Continue the run with a new process of the interpreter.
+
+        The world cancels and forgets requests and activations with other tickets.
+
+        Args:
+            tickets: the requests and activations that the interpreter may have sent and
+                whose end it has not received.
+            received: the number of messages that the interpreter has received since the
+                start of the run. `messages` then returns each later message again.
+
+        Returns:
+            an item for each of the tickets that the world knows: its answer if
+            `perform` or `activate` answered the request at once and finally; None if
+            the request or activation is under way, or its `Finished` is still to be
+            received.
+
+        Raises:
+            ValueError: if the world no longer has all later messages.
+        """
+
+    def acknowledge(self, received: int) -> None:
+        """Let the world forget the first `received` messages of the run."""
+
+
+@runtime_checkable
 class Adjustable(Protocol):
     """A simulator with options that can change during a run.
 
@@ -446,6 +486,7 @@ OPTIONAL: tuple[type, ...] = (
     Measured,
     Truth,
     Savable,
+    Resumable,
     Adjustable,
 )
 """The optional protocols of worlds."""

@@ -64,4 +64,16 @@ class Finished(msgspec.Struct, frozen=True, tag=True):
     reply: Reply
 
 
-Message = Datum | Signal | Finished
+class Lost(msgspec.Struct, frozen=True, tag=True):
+    """The end of a request or activation whose outcome nobody knows.
+
+    The method ends like that of a refused request, with the result `interference`; no
+    handler is called.
+    """
+
+    ticket: int
+    #: The reason, a text for people.
+    reason: str = ""
+
+
+Message = Datum | Signal | Finished | Lost

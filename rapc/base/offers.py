@@ -7,6 +7,9 @@ from collections.abc import Mapping
 
 import msgspec
 
+AFTER_CRASH = ("repeat", "fail", "ask")
+"""The ways to treat a request that was under way when the interpreter died."""
+
 
 class Offer(msgspec.Struct, frozen=True):
     """The requests that a world accepts and the messages that it sends, by name."""
@@ -26,6 +29,10 @@ class Offer(msgspec.Struct, frozen=True):
     #: The names of the arguments of a primitive, datum, skill or signal, for its
     #: declaration (`rapc worlds NAME --declare`): `{"drive": ("room",)}`.
     arguments: Mapping[str, tuple[str, ...]] = {}
+    #: The treatment of a primitive's request that was under way when the interpreter
+    #: died, if a resumed run cannot find out its outcome: `repeat`, `fail` or `ask`. By
+    #: default, sensors repeat and other primitives fail.
+    after_crash: Mapping[str, str] = {}
 
     def counts(self, name: str) -> set[int]:
         """Return the possible numbers of arguments of a name; empty if unknown."""
@@ -51,6 +58,7 @@ class Offer(msgspec.Struct, frozen=True):
         for names in (self.sensors, self.not_atomic):
             if isinstance(names, str):
                 raise TypeError(f"expected a tuple of names in an Offer, not {names!a}")
+        self._check_after_crash()
         for name, called in self.arguments.items():
             if isinstance(called, str) or not all(map(_is_name, called)):
                 wanted = "a tuple of names for the arguments"
@@ -61,6 +69,17 @@ class Offer(msgspec.Struct, frozen=True):
                 given = ", ".join(called) or "()"
                 raise TypeError(
                     f"unknown name `{name}` with arguments {given} in an Offer"
+                )
+
+    def _check_after_crash(self) -> None:
+        for name, treatment in self.after_crash.items():
+            if name not in self.primitives:
+                raise TypeError(f"unknown primitive `{name}` in an Offer")
+            if treatment not in AFTER_CRASH:
+                wanted = ", ".join(AFTER_CRASH)
+                raise TypeError(
+                    f"expected one of {wanted} for `{name}` in an Offer, not "
+                    f"{treatment!a}"
                 )
 
 

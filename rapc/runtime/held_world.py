@@ -12,7 +12,7 @@ is a fault of rapc.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
@@ -40,6 +40,7 @@ from rapc.world import (
     NOT_KNOWN,
     Datum,
     Finished,
+    Lost,
     Message,
     Picture,
     Refused,
@@ -76,10 +77,12 @@ _WANTED = {
     "ended": "a text or `None`",
     "perform": f"{_A_REPLY}, `None` or `Refused`",
     "activate": "`None` or a `Refused` that has tickets",
+    "resume": "a mapping from tickets to `None`, `Reply` or `Refused`",
     "facts": "a list of facts",
     "a first fact": _A_FACT,
     "messages": "a list of messages",
-    "a message": f"a `Datum` or `Signal` that holds {_A_FACT}, or a `Finished`",
+    "a message": f"a `Datum` or `Signal` that holds {_A_FACT}, "
+    "or a `Finished` or `Lost`",
     "the end of a request": _A_REPLY,
 }
 """The expected values in messages, by the name of the value or else of the method."""
@@ -287,6 +290,20 @@ class HeldWorld(Wrapper):
             raise self.wrong_type("messages", "the end of a request", ended.reply)
         self._check_content("messages", asked[ticket][1], ended.reply)
 
+    def check_lost(self, lost: Lost, known: Container[int]) -> None:
+        """Check that the lost ticket is under way.
+
+        Args:
+            lost: the message.
+            known: the tickets of requests and activations under way.
+
+        Raises:
+            PortError: if not.
+        """
+        if type(lost.ticket) is not int or lost.ticket not in known:
+            said = f"lost a request that is not under way: {lost.ticket!r}"
+            raise self.breach("messages", said)
+
     def messages(self) -> Sequence[Message]:
         """Return the messages of the world. Raises PortError as `listed`."""
         return self.listed(self.receive())
@@ -305,7 +322,7 @@ class HeldWorld(Wrapper):
         """Check a datum or a signal, just before its handling.
 
         The preceding messages of the same pass have been handled by then. Ends of
-        requests are for `check_end`.
+        requests are for `check_end` and `check_lost`.
 
         Raises:
             PortError: if its arguments do not match the offer and the declaration.
@@ -457,6 +474,28 @@ class HeldWorld(Wrapper):
         """Restore a saved state. Raises `OF_THE_BYTES`, or PortError."""
         with self._laid("restore", *OF_THE_BYTES):
             self.behind.restore(state)
+
+    def _resume(
+        self, tickets: Sequence[int], received: int
+    ) -> dict[int, Reply | Refused | None]:
+        """Continue the run; return the known tickets with their answers.
+
+        Raises:
+            ValueError: if the world no longer has all messages.
+            PortError: if the world breaks, or returns anything else.
+        """
+        with self._laid("resume", ValueError):
+            told = self.behind.resume(tickets, received)
+            if not isinstance(told, Mapping):
+                raise self.wrong_type("resume", "the state of the requests", told)
+            found = dict(told)
+        for answer in found.values():
+            if not (answer is None or is_reply(answer) or is_refusal(answer)):
+                raise self.wrong_type("resume", "the state of a request", answer)
+        return found
+
+    def _acknowledge(self, received: int) -> None:
+        self.behind.acknowledge(received)
 
     def _adjustable(self) -> dict[str, Atom | bool]:
         """Return the options that can be changed. Raises PortError for another type."""

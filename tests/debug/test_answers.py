@@ -230,7 +230,7 @@ def test_a_machine_that_failed_is_not_asked_again(
     assert world.asked == asked
 
 
-_OBSERVED = {"picture", "figures", "adjustable"}
+_OBSERVED = {"picture", "figures", "adjustable", "resume", "acknowledge"}
 """The methods of worlds that the interpreter never calls in a run."""
 
 

@@ -7,7 +7,7 @@ from typing import Any
 from rapc import events
 from rapc.base.values import Atom, Fact, format_list
 from rapc.ir import nodes
-from rapc.world import OKAY, Datum, Finished, Refused, Reply
+from rapc.world import OKAY, Datum, Finished, Refused, Reply, Signal
 from rapc.worlds.scripted import AT
 from tests.reference.endings import method_badly, method_well
 from tests.reference.kinds import (
@@ -133,6 +133,6 @@ def take_in(run: Run) -> None:
             hold_data(run, (message.content,))
             handle(run, message.content)
             run.tell(events.DataReceived, data=format_list(message.content))
-        elif not isinstance(message, Finished):
+        elif isinstance(message, Signal):
             hold_signal(run, message.content)
             hear(run, message.content, message.tickets)

@@ -26,6 +26,8 @@ CALLS: dict[str, tuple[Any, ...]] = {
     "usual_time": (("look", "one"),),
     "restore": (b"",),
     "adjust": ("size", 1),
+    "resume": ((), 0),
+    "acknowledge": (0,),
 }
 """What the methods of the port are called with; the others with nothing."""
 
@@ -87,7 +89,9 @@ def test_exception_of_each_method_is_a_fault_of_the_world(name: str) -> None:
         call(HeldWorld(_world(answer)))
 
 
-RETURN_NOTHING = {"cancel", "advance", "deactivate", "restore", "adjust"}
+RETURN_NOTHING = {
+    *("cancel", "advance", "deactivate", "restore", "adjust", "acknowledge"),
+}
 
 
 @pytest.mark.parametrize("name", [m for m in METHODS if m not in RETURN_NOTHING])

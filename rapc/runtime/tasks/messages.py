@@ -9,25 +9,29 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from rapc.events import DataReceived
+from rapc.language.results import INTERFERENCE
 from rapc.runtime.run import Run
 from rapc.runtime.state.activations import Activation
+from rapc.runtime.tasks import causes
 from rapc.runtime.tasks.finish import end_method
-from rapc.runtime.tasks.primitives import take_reply
+from rapc.runtime.tasks.primitives import take_reply, tell_refusal
 from rapc.runtime.tasks.signals import signal
-from rapc.world import Datum, Finished, Message, Signal
+from rapc.world import Datum, Finished, Lost, Message, Refused, Signal
 
 
 def take_in(run: Run, messages: Iterable[Message]) -> None:
-    """Take in `messages` of the world: ends of primitives first, then the rest.
+    """Take in `messages` of the world: ends of requests first, then the rest.
 
     Raises:
-        PortError: as `finish` and `HeldWorld.check_message`.
+        PortError: as `finish`, `lose` and `HeldWorld.check_message`.
     """
     others: list[Message] = []
     gone = tuple(run.state.activations.off)
     for message in messages:
         if isinstance(message, Finished):
             finish(run, message)
+        elif isinstance(message, Lost):
+            lose(run, message)
         else:
             others.append(message)
     for message in others:
@@ -58,3 +62,27 @@ def finish(run: Run, ended: Finished) -> None:
     result = take_reply(run, task, asked, reply)
     if result is not None and task is not None and task.run is not None:
         end_method(run, task.run, result)
+
+
+def lose(run: Run, lost: Lost) -> None:
+    """End the method of a request or an activation with an unknown outcome.
+
+    Raises:
+        PortError: for a ticket that is not under way.
+    """
+    pending, on = run.state.pending, run.state.activations.on
+    run.port.check_lost(lost, {*pending, *on})
+    if lost.ticket in on:
+        method_run = on[lost.ticket].run
+        asked = on[lost.ticket].skills
+    else:
+        task, request = pending.pop(lost.ticket)
+        method_run = None if task is None else task.run
+        asked = (request,)
+    if method_run is None:
+        return
+    sensed = run.beliefs.items.sensed
+    named = [(one, sensed(one) or one) for one in asked]
+    tell_refusal(run, method_run.task, named, Refused(reason=lost.reason))
+    because = causes.of_refusal(run, method_run, lost.reason)
+    end_method(run, method_run, INTERFERENCE, because)

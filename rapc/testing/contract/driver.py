@@ -24,6 +24,7 @@ from rapc.world import (
     NOT_KNOWN,
     Finished,
     Handlers,
+    Lost,
     Message,
     Refused,
     Signal,
@@ -157,7 +158,7 @@ class Driver:
                 name = str(under_way[message.ticket][1][0])
                 self.seen.add((name, message.reply.result))
                 self._note(message.reply.data)
-            else:
+            elif not isinstance(message, Lost):
                 self._note([message.content])
         self._tell(*messages)
         return len(messages)
