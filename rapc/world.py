@@ -23,6 +23,7 @@ from rapc.base.handlers import DatumHandler, HandlerMemory, Handlers, ResultHand
 from rapc.base.messages import (
     NOT_KNOWN,
     OKAY,
+    Change,
     Datum,
     Finished,
     Lost,
@@ -53,6 +54,7 @@ __all__ = (
     "Area",
     "Atom",
     "Callables",
+    "Change",
     "Datum",
     "DatumHandler",
     "Door",

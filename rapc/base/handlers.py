@@ -112,8 +112,9 @@ DatumHandler = Callable[[HandlerMemory, Fact], None]
 class Handlers(msgspec.Struct, frozen=True):
     """The handlers of a world package, by primitive and by datum name.
 
-    A primitive without a handler changes nothing; a datum without a handler is an
-    error of the world package.
+    A result or datum without a handler has its declared effects (`:on`), if the
+    declaration names all facts. Otherwise the result changes nothing, and the datum is
+    an error of the world package.
     """
 
     results: Mapping[str, ResultHandler] = {}

@@ -6,6 +6,7 @@ Authors of worlds import the names from `rapc.world`.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Final
 
 import msgspec
@@ -22,10 +23,32 @@ NOT_KNOWN: Final[Time] = math.inf
 """The result of `World.next_time` if the time of the next message is not known."""
 
 
+Change = Fact
+"""A change of memory as data, items by sensor name: `("assert", "lit", "lamp-1")`.
+
+The first part is the name of a method of `HandlerMemory`, by `CHANGES`; the other parts
+are its arguments."""
+
+CHANGES: Mapping[str, tuple[int, int | None]] = {
+    "assert": (1, None),
+    "erase": (1, None),
+    "introduce": (3, 3),
+    "move": (2, 2),
+    "lose": (1, 1),
+    "fix-cardinality": (1, 1),
+    "expire": (0, 0),
+    "arrive": (1, 1),
+}
+"""The changes of memory, each with its lowest and highest number of arguments."""
+
+
 class Datum(msgspec.Struct, frozen=True, tag=True):
     """One notification of the sensors: `(name arg...)`, items by sensor name."""
 
     content: Fact
+    #: The changes of memory by the datum. They apply after its handler, or in place of
+    #: its declared effects; None: there are no others.
+    memory: tuple[Change, ...] | None = None
 
 
 class Signal(msgspec.Struct, frozen=True, tag=True):
@@ -42,6 +65,8 @@ class Reply(msgspec.Struct, frozen=True):
 
     result: str
     data: tuple[Fact, ...] = ()
+    #: The changes of memory by the result, before those of the data: see `Datum`.
+    memory: tuple[Change, ...] | None = None
 
 
 class Refused(msgspec.Struct, frozen=True):

@@ -21,6 +21,7 @@ from typing import NoReturn, TypeGuard
 import msgspec
 
 from rapc.base.code_places import code_of, frames, place_of, place_of_error, said_by
+from rapc.base.messages import CHANGES, Change
 from rapc.base.names import hint, nearest
 from rapc.base.values import (
     Atom,
@@ -32,6 +33,7 @@ from rapc.base.values import (
 from rapc.compiler.program import Program
 from rapc.errors import FactError, PortError
 from rapc.language.atoms import is_atom
+from rapc.library.effects import complete_data
 from rapc.library.kinds import said_of
 from rapc.library.signature import Signature
 from rapc.library.signatures import Signatures, Use, kind_tests
@@ -84,6 +86,7 @@ _WANTED = {
     "a message": f"a `Datum` or `Signal` that holds {_A_FACT}, "
     "or a `Finished` or `Lost`",
     "the end of a request": _A_REPLY,
+    "the changes": "a tuple of changes of memory",
 }
 """The expected values in messages, by the name of the value or else of the method."""
 
@@ -120,6 +123,10 @@ class HeldWorld(Wrapper):
         #: The declarations of the library; for undeclared names, the offer.
         self._data = {**offered.data, **signatures.data}
         self._events = {**offered.events, **signatures.events}
+        #: The data that need no changes of memory with them.
+        self._handled = {*world.kit.handlers.data}
+        if program is not None:
+            self._handled |= complete_data(program.library, signatures)
         #: The tests of their arguments with declared kinds, by name.
         told = {**self._data, **self._events}
         self._of_kinds = kind_tests(signatures.kinds, told)
@@ -328,7 +335,9 @@ class HeldWorld(Wrapper):
             PortError: if its arguments do not match the offer and the declaration.
         """
         if isinstance(message, Datum) and is_fact(message.content):
-            self._check_datum(message.content, "messages")
+            if not are_changes(message.memory):
+                raise self.wrong_type("messages", "the changes", message.memory)
+            self._check_datum(message.content, "messages", message.memory)
         elif isinstance(message, Signal) and is_signal(message):
             self._check_fact("event", message.content, "messages")
         elif not isinstance(message, Finished):
@@ -372,9 +381,11 @@ class HeldWorld(Wrapper):
                 told = f"sent {format_list(content)} with {format_list(asked)}"
                 raise self.breach(call, f"{told}, which `:tells` does not declare")
 
-    def _check_datum(self, content: Fact, call: str) -> None:
-        """Check that a datum has a handler and declared arguments."""
-        if content[0] not in self.kit.handlers.data:
+    def _check_datum(
+        self, content: Fact, call: str, memory: Sequence[Change] | None = None
+    ) -> None:
+        """Check that a datum has a handler or changes, and declared arguments."""
+        if memory is None and content[0] not in self._handled:
             raise self.breach(call, f"has no handler for its datum {content[0]}")
         self._check_fact("datum", content, call)
 
@@ -611,7 +622,7 @@ def _is_of_world(frame: FrameType) -> bool:
     return isinstance(first, World)
 
 
-def is_fact(value: object) -> bool:
+def is_fact(value: object) -> TypeGuard[Fact]:
     """Return whether `value` is a fact: a tuple of atoms that starts with a name."""
     if type(value) is not tuple or not value or type(value[0]) is not str:
         return False
@@ -622,7 +633,27 @@ def is_reply(value: object) -> TypeGuard[Reply]:
     """Return whether `value` is a reply with a result and data that are facts."""
     if type(value) is not Reply or type(value.result) is not str:
         return False
+    if not are_changes(value.memory):
+        return False
     return isinstance(value.data, tuple | list) and all(map(is_fact, value.data))
+
+
+def are_changes(value: object) -> bool:
+    """Return whether `value` has valid changes of memory, or is None."""
+    if value is None:
+        return True
+    return isinstance(value, tuple | list) and all(map(_is_change, value))
+
+
+def _is_change(value: object) -> bool:
+    if not is_fact(value) or value[0] not in CHANGES:
+        return False
+    least, most = CHANGES[str(value[0])]
+    if value[0] in ("arrive", "fix-cardinality"):
+        return len(value) == 2
+    names = value[1:3] if value[0] == "introduce" else value[1:2]
+    whole = least < len(value) and (most is None or len(value) <= most + 1)
+    return whole and all(type(name) is str for name in names)
 
 
 def is_refusal(value: object) -> TypeGuard[Refused]:

@@ -46,6 +46,7 @@ from rapc.runtime.arguments import (
     need_world,
 )
 from rapc.runtime.authors import code_of_authors
+from rapc.runtime.changes import add_declared, changing
 from rapc.runtime.events.recorder import Listener, Recording
 from rapc.runtime.held_world import HeldWorld
 from rapc.runtime.host_query import HandlerQuestions, HostQuery
@@ -888,6 +889,8 @@ def _wire(run: Run) -> None:
     """Connect handlers with memory, and check them if the settings are strict."""
     run.recognizer.renamed = partial(rename, run)
     run.access.answers = HandlerQuestions(run).ask
+    run.changing = partial(changing, run)
+    add_declared(run)
     if run.settings.strict:
         strict.hold_handlers(run, lambda *asked: HostQuery(run, *asked).holds)
 

@@ -46,6 +46,9 @@ class Run:
         settings: the settings of the interpreter.
     """
 
+    #: Makes the handler of a result or datum that has changes of memory as data.
+    changing: Callable[..., Any]
+
     def __init__(
         self, library: Program, port: HeldWorld, seed: int, settings: Settings
     ) -> None:

@@ -22,9 +22,10 @@ from rapc.base.code_places import place_of
 from rapc.base.values import Atom, Fact, format_list, match_pattern
 from rapc.errors import PortError
 from rapc.ir import nodes
+from rapc.runtime.changes import changing
 from rapc.runtime.memory.access import MemoryAccess
 from rapc.runtime.run import Run
-from rapc.world import DatumHandler, Handlers, ResultHandler, Time
+from rapc.world import Change, DatumHandler, Handlers, ResultHandler, Time
 
 Question = Callable[[nodes.Formula, Sequence[str]], Callable[..., bool]]
 """A function that compiles a formula with given variables into a test."""
@@ -102,8 +103,10 @@ class NotingMemory:
 
 
 def _place_of_caller(depth: int = 1) -> str:
-    """Return the line of the handler that called, `depth` calls above the caller."""
+    """Return the line of the handler, `depth` calls above the caller, as text."""
     frame = sys._getframe(depth + 1)
+    if frame.f_globals.get("__name__") == changing.__module__:
+        return "without Python code"
     return f"{Path(frame.f_code.co_filename).name}:{frame.f_lineno}"
 
 
@@ -297,16 +300,30 @@ def hold_handlers(run: Run, question: Question) -> None:
 
     `question` compiles the formulas of declared effects into tests.
     """
-    held, handlers = _Held(run, question), run.handlers
-    library = run.library.library
-    for name, form in library.primitives.items():
-        if form.on:
-            told = _Told(form, f"the handler of `{name}`")
-            handler = handlers.results.get(name)
-            run.result_handlers[name] = partial(held.result, told, handler)
-    data = dict(handlers.data)
-    for name, datum in library.data.items():
-        if datum.on is not None and name in data:
-            told = _Told(datum, f"the handler of the datum `{name}`")
-            data[name] = partial(held.datum, told, data[name])
-    run.handlers = Handlers(handlers.results, data)
+    held, library = _Held(run, question), run.library.library
+    results = {
+        name: _Told(form, f"the handler of `{name}`")
+        for name, form in library.primitives.items()
+        if form.on
+    }
+    data = {
+        name: _Told(datum, f"the handler of the datum `{name}`")
+        for name, datum in library.data.items()
+        if datum.on is not None
+    }
+    for name, told in results.items():
+        handler = run.result_handlers.get(name)
+        run.result_handlers[name] = partial(held.result, told, handler)
+    handlers = dict(run.handlers.data)
+    for name in {*data} & {*handlers}:
+        handlers[name] = partial(held.datum, data[name], handlers[name])
+    run.handlers = Handlers(run.handlers.results, handlers)
+
+    def held_changing(name: str, changes: Sequence[Change], datum: bool = False) -> Any:
+        handler = changing(run, name, changes, datum)
+        told = (data if datum else results).get(name)
+        if told is None:
+            return handler
+        return partial(held.datum if datum else held.result, told, handler)
+
+    run.changing = held_changing

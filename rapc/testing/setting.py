@@ -20,6 +20,7 @@ from rapc.base.values import Atom, Fact, format_list, match_pattern, readable
 from rapc.debug.saved_state import SavedState
 from rapc.errors import Error, StateError, WorldError, in_a_line
 from rapc.ir import nodes
+from rapc.library.effects import complete_data
 from rapc.library.library import Library
 from rapc.library.signatures import Signatures
 from rapc.testing.patterns import atom, flat
@@ -174,7 +175,8 @@ def problems(
         figures: the names of the figures of the world, if the test runs in it.
         state: the state in which the test begins, if it names a file.
     """
-    handled, solved = kit.handlers.data, kit.solvers
+    handled = {*kit.handlers.data, *complete_data(library)}
+    solved = kit.solvers
     found = [
         Unmet(datum.span, (f"datum `{datum.name}` has no handler",))
         for row in test.script

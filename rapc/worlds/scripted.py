@@ -13,6 +13,7 @@ import msgspec
 
 from rapc.base.values import Bindings, Fact, format_list, match_pattern, number
 from rapc.errors import Error
+from rapc.library.effects import complete_data
 from rapc.library.library import Library
 from rapc.world import (
     Datum,
@@ -152,7 +153,8 @@ class ScriptedWorld(World):
         self._leaving = leaving
         offer = offer_of(declared) if declared else mentioned(rows, at)
         handled = kit.handlers.data
-        check_script(rows, at, offer, handled)
+        complete = complete_data(declared) if declared else frozenset()
+        check_script(rows, at, offer, {*handled, *complete})
         results = dict.fromkeys(offer.primitives, self._handle_result)
         offer = msgspec.structs.replace(offer, data={**offer.data, AT: 0})
         handlers = Handlers(results, {**handled, AT: self._handle_at})

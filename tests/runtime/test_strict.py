@@ -22,6 +22,8 @@ LIBRARY = """
 (declare-primitive find (?kind) (okay)
   :on (okay (class ?item ?kind true) (location ?item ?place)))
 (declare-primitive wait () (okay) :on (okay (patient)))
+(declare-primitive peek () (okay) :on (okay (patient) (seen ?anything)))
+(declare-memory-proposition seen (?thing))
 (declare-sensor-datum weight (?item (?kilos number)) :on ((weighs ?item ?kilos)))
 (declare-sensor-datum smell (?item))
 (declare-memory-proposition holding (?arm ?item))
@@ -38,6 +40,7 @@ LIBRARY = """
   (method (primitive (grasp ?arm ?item))))
 (define-rap (look-for ?kind) (method (primitive (find ?kind))))
 (define-rap (rest) (method (primitive (wait))))
+(define-rap (peek) (method (primitive (peek))))
 """
 HERE = Path(__file__).name
 OFFER = Offer(
@@ -45,6 +48,7 @@ OFFER = Offer(
         "grasp": (2, ("okay", "dropped", "jammed")),
         "find": (1, ("okay",)),
         "wait": (0, ("okay",)),
+        "peek": (0, ("okay",)),
     },
     {"weight": 2, "smell": 1},
 )
@@ -223,9 +227,13 @@ def test_error_names_the_line_of_the_assertion() -> None:
         run(grasp=handler)
 
 
-def test_a_primitive_without_a_handler_changes_nothing() -> None:
+def test_declared_effects_are_carried_out_without_a_handler() -> None:
+    assert run("(rest)").run.memory.query("patient") == [("patient",)]
+
+
+def test_incomplete_effects_are_not_carried_out() -> None:
     with pytest.raises(rapc.PortError, match=r"did not make \(patient\) hold"):
-        run("(rest)")
+        run("(peek)")
 
 
 def test_items_stand_as_class_and_location() -> None:

@@ -12,6 +12,7 @@ from rapc.base.diagnostics import Diagnostic, Label, Rule, Severity
 from rapc.base.names import Suggestions
 from rapc.base.source import Span
 from rapc.ir import nodes
+from rapc.library.effects import complete_data
 from rapc.library.library import Library, word_span
 
 WORLDLESS_TEST = Rule(
@@ -39,9 +40,10 @@ def _lacking(library: Library, test: nodes.DefineTest) -> Iterator[tuple[Span, s
         message = "options of a world require a world"
         yield option.span, message
     asked = [row for row in test.script if row.kind == "request"]
+    complete = complete_data(library)
     for row in asked:
         for datum in row.data:
-            if datum.name in library.data:
+            if datum.name in library.data and datum.name not in complete:
                 message = f"datum `{datum.name}` has no handler"
                 yield datum.span, message
     answered = {answer.call.function for answer in test.answers}

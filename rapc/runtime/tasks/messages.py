@@ -38,7 +38,11 @@ def take_in(run: Run, messages: Iterable[Message]) -> None:
         run.port.check_message(message)
         if isinstance(message, Datum):
             with run.access.batch():
-                fact = run.access.receive(message.content, run.handlers.data)
+                handlers = run.handlers.data
+                if message.memory is not None:
+                    name = str(message.content[0])
+                    handlers = {name: run.changing(name, message.memory, datum=True)}
+                fact = run.access.receive(message.content, handlers)
             if run.recorder.on:
                 run.recorder.emit(DataReceived, data=run.beliefs.canonical(fact))
         elif isinstance(message, Signal):

@@ -171,6 +171,8 @@ def take_reply(run: Run, task: Task | None, asked: Fact, reply: Reply) -> str | 
         PortError: for an undeclared result of a handler.
     """
     handler, result = run.result_handlers.get(asked[0]), reply.result
+    if reply.memory is not None:
+        handler = run.changing(str(asked[0]), reply.memory)
     if handler is not None or reply.data or run.recognizer.unsettled:
         canonical = run.beliefs.canonical
         with run.access.batch():

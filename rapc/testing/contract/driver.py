@@ -253,7 +253,7 @@ class _Unheard(Wrapper):
     def enclose(self, world: World) -> None:
         """Replace the wrapped world."""
         super().enclose(world)
-        data = dict.fromkeys(world.kit.handlers.data, _hear)
+        data = dict.fromkeys(world.kit.offer.data, _hear)
         self.kit = msgspec.structs.replace(world.kit, handlers=Handlers({}, data))
 
     def facts(self) -> tuple[()]:

@@ -165,9 +165,6 @@ def _offer(tried: _Tried) -> Iterator[str]:
             if name not in known:
                 meant = hint(name, known)
                 yield f"{what} `{name}`: unknown name{meant}"
-    for name in kit.offer.data:
-        if name not in kit.handlers.data:
-            yield f"the datum `{name}` has no handler"
 
 
 def _code(tried: _Tried) -> Iterator[str]:
