@@ -36,13 +36,17 @@ def check_files(
         LoadError: if a path cannot be read.
     """
     given = list(paths)
-    return check_libraries(_loads(given, texts, parser or Units()), selection, given)
+    loads = loaded_libraries(given, texts, parser or Units())
+    return check_libraries(loads, selection, given)
 
 
-def _loads(
+def loaded_libraries(
     paths: Iterable[str], texts: Mapping[str, str] | None, parser: Parse
 ) -> Iterator[Loaded]:
-    """Yield the library of all files, then a library for each test file."""
+    """Yield the library of all files, then a library for each test file.
+
+    For the arguments and errors see `check_files`.
+    """
     given = list(dict.fromkeys(paths))
     named = [path for path in given if path.endswith(TEST_SUFFIX)]
     others = [path for path in given if path not in named]

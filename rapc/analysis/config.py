@@ -15,7 +15,13 @@ from typing import Literal
 
 import msgspec
 
-from rapc.analysis.selection import PerFile, chosen_rules, rule_names
+from rapc.analysis.selection import (
+    PerFile,
+    Selection,
+    by_default,
+    chosen_rules,
+    rule_names,
+)
 from rapc.base.diagnostics import Severity
 
 OWN = "rapc.toml"
@@ -67,6 +73,18 @@ class Configured(msgspec.Struct, frozen=True):
         if name is None or self.file is None:
             return None
         return self.file.parent / name
+
+    def selection(self) -> Selection:
+        """Return the rules that report.
+
+        Raises:
+            UnknownRuleError: if a word is not a rule.
+        """
+        said = self.config
+        enabled = by_default() if said.select is None else chosen_rules(said.select)
+        enabled |= chosen_rules(said.extend_select)
+        enabled -= chosen_rules(said.ignore)
+        return Selection(enabled, self.per_file(), self.severities())
 
     def per_file(self) -> tuple[PerFile, ...]:
         """Return the value of `per-file-ignores`.

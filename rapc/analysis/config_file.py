@@ -7,7 +7,7 @@ from typing import Any
 
 import msgspec
 
-from rapc.analysis.config import SHARED, Config, Configured
+from rapc.analysis.config import SHARED, Config, Configured, files
 from rapc.base import toml
 from rapc.base.files import read_text
 from rapc.base.names import nearest
@@ -16,6 +16,17 @@ from rapc.errors import Error
 
 class ConfigError(Error):
     """A configuration that cannot be used; the message names the file."""
+
+
+def nearest_config(path: str) -> Configured:
+    """Return the nearest configuration of a path; an empty one if there is none.
+
+    Raises:
+        ConfigError: for an invalid configuration.
+        LoadError: for a configuration that cannot be read.
+    """
+    found = (read_config(file) for file in files(Path(path)))
+    return next((one for one in found if one is not None), Configured())
 
 
 def read_config(file: Path) -> Configured | None:

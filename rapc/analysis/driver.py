@@ -16,7 +16,7 @@ The driver neither executes nor imports checked code, and prints no output.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 
 import msgspec
 
@@ -80,6 +80,7 @@ def check_libraries(
     libraries: Iterable[Loaded],
     selection: Selection | None = None,
     paths: Sequence[str] | None = None,
+    before_check: Callable[[], None] | None = None,
 ) -> CheckReport:
     """Check libraries that share files; each finding is reported once.
 
@@ -90,9 +91,11 @@ def check_libraries(
         paths: the files and folders whose unused suppressions are reported; None for
             all files. A suppression in a required file may silence a finding that
             depends on files outside the paths.
+        before_check: called before each check; it may raise an exception to end the
+            work.
     """
     chosen = selection or Selection(by_default())
-    checked = [(one, _findings(one, chosen)) for one in libraries]
+    checked = [(one, _findings(one, chosen, before_check)) for one in libraries]
     files = {name: file for one, _ in checked for name, file in one.files.items()}
     raps: dict[str, int] = {}
     for one, _ in checked:
@@ -104,14 +107,18 @@ def check_libraries(
 
 
 @gc_paused()
-def _findings(loaded: Loaded, chosen: Selection) -> list[Finding]:
+def _findings(
+    loaded: Loaded,
+    chosen: Selection,
+    before_check: Callable[[], None] | None = None,
+) -> list[Finding]:
     """Return the findings of one library, filtered by the reasons 1 to 5."""
     damage = Damage(loaded.units)
     complete = all(d.rule != UNRESOLVED.name for d in loaded.diagnostics)
     run = Pass(loaded.library, complete, damage.reaches, loaded.required)
     certain = [
         diagnostic
-        for diagnostic, whole in _found(run, chosen.enabled)
+        for diagnostic, whole in _found(run, chosen.enabled, before_check)
         if not damage.silences(diagnostic, whole)
     ]
     rules = registry.rules(errors_only=registry.are_errors(chosen.enabled))
@@ -189,7 +196,11 @@ def check_tests(library: Library, tests: Iterable[DefineTest]) -> list[Finding]:
     return [finding for finding in every if finding.severity is Severity.ERROR]
 
 
-def _found(run: Pass, enabled: Collection[str]) -> Iterator[tuple[Diagnostic, Whole]]:
+def _found(
+    run: Pass,
+    enabled: Collection[str],
+    before_check: Callable[[], None] | None = None,
+) -> Iterator[tuple[Diagnostic, Whole]]:
     """Yield the findings that no finding hides, each with `Check.needs_whole`.
 
     A check without an enabled rule runs if its findings may hide a finding. Several
@@ -200,6 +211,8 @@ def _found(run: Pass, enabled: Collection[str]) -> Iterator[tuple[Diagnostic, Wh
 
     def find(checks: Iterable[Check]) -> None:
         for check in checks:
+            if before_check is not None:
+                before_check()
             needs_whole.update((rule.name, check.needs_whole) for rule in check.rules)
             for one in check.find(run):
                 found.setdefault(_key(one), one)

@@ -121,9 +121,14 @@ class Rule(msgspec.Struct, frozen=True):
     source: str = ""
 
     @property
+    def page_file(self) -> Path:
+        """The file of the manual page."""
+        return _PAGES / f"{self.name}.md"
+
+    @property
     def page(self) -> RulePage:
         """The manual page of the rule, read from `rapc/rules/NAME.md`."""
-        text = (_PAGES / f"{self.name}.md").read_text(encoding="utf-8")
+        text = self.page_file.read_text(encoding="utf-8")
         block = "```rap\n(.*?)```"
         form = rf"(.*?)\n\n## Example\n\n{block}\n\n## Use instead\n\n{block}\n"
         found = re.fullmatch(form, text, re.DOTALL)

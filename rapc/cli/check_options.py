@@ -11,7 +11,7 @@ import msgspec
 
 from rapc.analysis import config
 from rapc.analysis.config import Configured
-from rapc.analysis.selection import PerFile, Selection, by_default, chosen_rules
+from rapc.analysis.selection import PerFile, Selection, chosen_rules
 from rapc.base.diagnostics import Severity
 from rapc.cli.common import FORMATS
 from rapc.cli.options import Opt, fail, say
@@ -108,12 +108,10 @@ def settle(options: Options) -> Chosen:
     if found.file is not None:
         say(f"configured by {found.file}")
     said = found.config
+    configured = found.selection()
+    enabled = configured.enabled
     if options.select:
         enabled = chosen_rules(split_at_commas(options.select))
-    else:
-        enabled = by_default() if said.select is None else chosen_rules(said.select)
-        enabled |= chosen_rules(said.extend_select)
-        enabled -= chosen_rules(said.ignore)
     enabled |= chosen_rules(split_at_commas(options.extend_select))
     enabled -= chosen_rules(split_at_commas(options.ignore))
     per_file = [_per_file(text) for text in options.per_file_ignores]
@@ -125,7 +123,7 @@ def settle(options: Options) -> Chosen:
         fail(f"`{found.file}`: unknown output format `{shape}`")
     level = options.fail_level or said.fail_level or "warning"
     return Chosen(
-        Selection(enabled, (*found.per_file(), *per_file), found.severities()),
+        Selection(enabled, (*configured.per_file, *per_file), configured.severities),
         shape,
         Severity[level.upper()],
         baseline,
@@ -152,12 +150,11 @@ def nearest_config(path: str) -> Configured:
         ConfigError: for an invalid configuration.
         LoadError: for a configuration that cannot be read.
     """
-    for file in config.files(Path(path)):
-        from rapc.analysis.config_file import read_config
+    if next(config.files(Path(path)), None) is None:
+        return Configured()
+    from rapc.analysis import config_file
 
-        if (found := read_config(file)) is not None:
-            return found
-    return Configured()
+    return config_file.nearest_config(path)
 
 
 def split_at_commas(given: Iterable[str]) -> Iterator[str]:

@@ -39,6 +39,7 @@ COMMANDS = {
     "test": "Run the tests of RAP libraries.",
     "graph": "Print a graph of a library.",
     "worlds": "List worlds or describe one.",
+    "lsp": "Serve an editor (Language Server Protocol).",
 }
 """The commands with their line in the help; `rapc.cli.NAME` defines each."""
 

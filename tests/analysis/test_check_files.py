@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -258,9 +259,9 @@ def test_files_of_tests_that_require_the_same_are_checked_at_once(
 
     findings = driver._findings
 
-    def check(loaded: Loaded, selection: Selection) -> list[Finding]:
+    def check(loaded: Loaded, selection: Selection, *more: Any) -> list[Finding]:
         seen.append(list(loaded.files))
-        return findings(loaded, selection)
+        return findings(loaded, selection, *more)
 
     monkeypatch.setattr(driver, "_findings", check)
     check_files(["doors.rap", *suite])

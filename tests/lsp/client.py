@@ -1,0 +1,199 @@
+"""A client of the language server, whose calls wait for the answer.
+
+The client and the server's process live in an event loop of their own thread.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+import threading
+from collections.abc import Callable, Coroutine
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytest.importorskip("pytest_lsp", reason="pytest-lsp is not installed")
+
+from lsprotocol import types
+from pytest_lsp import client_capabilities, make_test_lsp_client
+
+PATIENCE = 60.0
+"""How many seconds an answer may take."""
+
+NOW = {"errorDelay": 0, "delay": 0}
+"""The options of a server that checks at once."""
+
+
+class Editor:
+    """An editor with some folders; the client of pytest-lsp without `await`."""
+
+    def __init__(
+        self,
+        *folders: Path,
+        like: str = "emacs",
+        options: dict[str, Any] | None = None,
+        encodings: list[types.PositionEncodingKind] | None = None,
+    ) -> None:
+        self._loop = asyncio.new_event_loop()
+        self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
+        self._thread.start()
+        #: `LanguageClient` has no types for all of its methods.
+        self.client: Any = make_test_lsp_client()
+        self.folders = folders
+        self.capabilities = client_capabilities(like)
+        self.client.capabilities = self.capabilities
+        if encodings is not None:
+            general = self.capabilities.general or types.GeneralClientCapabilities()
+            general.position_encodings = encodings
+            self.capabilities.general = general
+        self._published = threading.Condition()
+        #: How often the findings of each file were published.
+        self.times: dict[str, int] = {}
+        self._versions: dict[str, int] = {}
+        self.texts: dict[str, str] = {}
+        self._listen()
+        command = [sys.executable, "-m", "rapc", "lsp"]
+        self.wait(self.client.start_io(*command))
+        self.server = self.ask(
+            types.INITIALIZE,
+            types.InitializeParams(
+                capabilities=self.capabilities,
+                workspace_folders=[
+                    types.WorkspaceFolder(one.as_uri(), one.name) for one in folders
+                ],
+                initialization_options=NOW if options is None else options,
+            ),
+        )
+        self.tell(types.INITIALIZED, types.InitializedParams())
+
+    def _listen(self) -> None:
+        published = self.client.protocol.fm.features.pop(
+            types.TEXT_DOCUMENT_PUBLISH_DIAGNOSTICS, None
+        )
+        assert published is not None
+
+        def publish(params: types.PublishDiagnosticsParams) -> None:
+            with self._published:
+                self.client.diagnostics[params.uri] = params.diagnostics
+                self.times[params.uri] = self.times.get(params.uri, 0) + 1
+                self._published.notify_all()
+
+        self.client.feature(types.TEXT_DOCUMENT_PUBLISH_DIAGNOSTICS)(publish)
+
+    def wait(self, work: Coroutine[Any, Any, Any]) -> Any:
+        """Run a coroutine to its end."""
+        return asyncio.run_coroutine_threadsafe(work, self._loop).result(PATIENCE)
+
+    def ask(self, method: str, params: Any) -> Any:
+        """Send a request and return the answer."""
+        return self.wait(self.client.protocol.send_request_async(method, params))
+
+    def tell(self, method: str, params: Any) -> None:
+        """Send a notification."""
+
+        async def send() -> None:
+            self.client.protocol.notify(method, params)
+
+        self.wait(send())
+
+    def close(self) -> int | None:
+        """End the session; return the exit status of the server."""
+        self.ask(types.SHUTDOWN, None)
+        self.tell(types.EXIT, None)
+        server = self.client._server
+        assert server is not None
+        status = self.wait(server.wait())
+        self.wait(self.client.stop())
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join(PATIENCE)
+        self._loop.close()
+        return int(status)
+
+    # --- files ----------------------------------------------------------------------
+
+    def open(self, file: Path, text: str | None = None) -> str:
+        """Open a file and return its address."""
+        uri = file.as_uri()
+        self.texts[uri] = file.read_text() if text is None else text
+        self._versions[uri] = 1
+        item = types.TextDocumentItem(uri, "rap", 1, self.texts[uri])
+        self.tell(types.TEXT_DOCUMENT_DID_OPEN, types.DidOpenTextDocumentParams(item))
+        return uri
+
+    def shut(self, uri: str) -> None:
+        """Close a file."""
+        document = types.TextDocumentIdentifier(uri)
+        self.tell(
+            types.TEXT_DOCUMENT_DID_CLOSE, types.DidCloseTextDocumentParams(document)
+        )
+        del self.texts[uri]
+
+    def edit(self, uri: str, old: str, new: str) -> None:
+        """Replace the first occurrence of a text in an open file."""
+        start = self.texts[uri].index(old)
+        change = types.TextDocumentContentChangePartial(
+            types.Range(self.at(uri, start), self.at(uri, start + len(old))), new
+        )
+        self.texts[uri] = self.texts[uri].replace(old, new, 1)
+        self._change(uri, change)
+
+    def replace(self, uri: str, text: str) -> None:
+        """Replace the whole text of an open file."""
+        self.texts[uri] = text
+        self._change(uri, types.TextDocumentContentChangeWholeDocument(text))
+
+    def _change(self, uri: str, change: types.TextDocumentContentChangeEvent) -> None:
+        self._versions[uri] += 1
+        document = types.VersionedTextDocumentIdentifier(self._versions[uri], uri)
+        self.tell(
+            types.TEXT_DOCUMENT_DID_CHANGE,
+            types.DidChangeTextDocumentParams(document, [change]),
+        )
+
+    # --- places ---------------------------------------------------------------------
+
+    def at(self, uri: str, offset: int) -> types.Position:
+        """Return the position of an offset of an open file."""
+        before = self.texts[uri][:offset]
+        line = before.rpartition("\n")[2]
+        units = len(line.encode("utf-16-le")) // 2
+        encoding = self.server.capabilities.position_encoding
+        wide = encoding == types.PositionEncodingKind.Utf16
+        return types.Position(before.count("\n"), units if wide else len(line))
+
+    def of(self, uri: str, text: str, occurrence: int = 0) -> dict[str, Any]:
+        """Return the document and the position of a text, as arguments of requests."""
+        at = -1
+        for _ in range(occurrence + 1):
+            at = self.texts[uri].index(text, at + 1)
+        return {
+            "text_document": types.TextDocumentIdentifier(uri),
+            "position": self.at(uri, at),
+        }
+
+    # --- findings -------------------------------------------------------------------
+
+    def findings(
+        self, uri: str, want: Callable[[list[str]], bool] | None = None
+    ) -> list[str]:
+        """Return the rules of a file's findings, once they are as wanted.
+
+        Without `want`, the next published findings are returned.
+        """
+        before = self.times.get(uri, 0)
+
+        def ready() -> bool:
+            if want is None:
+                return self.times.get(uri, 0) > before
+            return uri in self.times and want(self.rules(uri))
+
+        with self._published:
+            if not self._published.wait_for(ready, PATIENCE):
+                raise TimeoutError(f"the findings are {self.rules(uri)}")
+            return self.rules(uri)
+
+    def rules(self, uri: str) -> list[str]:
+        """Return the rules of the last findings of a file."""
+        return [str(one.code) for one in self.client.diagnostics.get(uri, ())]

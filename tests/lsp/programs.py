@@ -1,0 +1,22 @@
+"""A small library for the tests of editors."""
+
+from __future__ import annotations
+
+WORLD = """\
+(declare-memory-proposition at (?thing ?place) "Where a thing is.")
+(declare-primitive drive ((?place symbol)) (okay blocked)
+  :on (okay (at robot ?place))
+  "Drive to a place. äöü 🤖")
+"""
+
+RAPS = """\
+(require "world")
+
+; Go to a place.
+(define-rap (go ?place)
+  (succeed (at robot ?place))
+  (method (primitive (drive ?place))))
+
+(define-rap (tour)
+  (method (task-net (t1 (go kitchen)) (t2 (go hall)))))
+"""
