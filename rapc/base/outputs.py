@@ -60,6 +60,7 @@ FINDINGS = _kind(
 TABLES = _kind("a table of results", rb"## ")
 RUN_COMMANDS = _kind("a list of commands", rb"# [^\n]*\n[^\n]*\brapc run ")
 SVG = _kind("an SVG picture", _XML + rb"(<![^>]*>\s*)*<svg")
+PAGE = _kind("a page of a run", rb"<!doctype html>\n<!-- a run, by rapc view -->")
 PNG = _kind("a PNG picture", rb"\x89PNG")
 
 

@@ -136,7 +136,7 @@ def shell_of(
             )
         spec = read_spec(world_name, until=end, **more)
         ready = prepared(program, spec, world_name)
-        shell = Shell(_session(ready, end), commands(), [path])
+        shell = Shell(history_of(ready, end), commands(), [path])
     return shell
 
 
@@ -148,20 +148,30 @@ def _asks_a_world(library: Library) -> bool:
 def _recorded(path: Path, world_name: str | None) -> Shell:
     """Replay a recorded run, or open it for viewing only."""
     recording = Recording(path)
+    history = begun_again(recording, world_name)
+    if history.is_run:
+        Replay(history, recording)
+        return Shell(history, commands(), [recording.begun.library], str(recording))
+    return Shell(history, commands(), recording=str(recording))
+
+
+def begun_again(recording: Recording, world_name: str | None) -> History:
+    """Begin the run of a recording again; if that is impossible, play the recording.
+
+    The reason, or a change of the library, is printed on standard error.
+    """
     begun = recording.begun
-    found = _at_hand(begun, world_name, path)
+    found = _at_hand(begun, world_name, recording.path)
     if isinstance(found, str):
         _tell(f"opened read-only: {found}")
-        return Shell(History(Playback(recording)), commands(), recording=str(recording))
+        return History(Playback(recording))
     if begun.digest != digest(found.library):
         _tell("warning: the library has changed since the recording")
     named = world_name or (None if begun.world == ScriptedWorld.name else begun.world)
     ready = prepared(found, begun, named)
     # The limit keeps background tasks going; another run may go on after the recording.
     alone = all(task.background for task in ready.first_tasks)
-    session = _session(ready, begun.until if alone else None)
-    Replay(session, recording)
-    return Shell(session, commands(), [begun.library], str(recording))
+    return history_of(ready, begun.until if alone else None)
 
 
 def _tell(text: str) -> None:
@@ -176,7 +186,7 @@ def _reported(path: Path, world_name: str | None) -> Shell:
         fail(f"cannot repeat `{path}`: {missing or _NO_SCRIPT}")
     named = world_name or (None if _is_scripted(bug.spec) else bug.spec.world)
     ready = prepared(bug.library, bug.spec, named)
-    session = _session(ready, bug.spec.until, bug.acts)
+    session = history_of(ready, bug.spec.until, bug.acts)
     here = versions(session)
     if here != bug.versions:
         same = "other code of rapc or of the world"
@@ -235,7 +245,7 @@ def _at_hand(begun: RunSpec, world_name: str | None, path: Path) -> Program | st
     return program
 
 
-def _session(
+def history_of(
     ready: Interpreter, end: Time | None, acts: Iterable[Done] = ()
 ) -> History:
     """Start the run, which ends at the time `end`, under a debugger."""

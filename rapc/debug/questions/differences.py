@@ -471,14 +471,16 @@ def _state_at(side: Side, story: Story, told: ToldEvent) -> Iterator[str]:
 
 
 def _library(side: Side) -> Program | None:
-    """Return the library of a side; None if it has changed since the recording."""
-    if side.program is not None:
-        return side.program
+    return side.program or library_of(side.spec)
+
+
+def library_of(spec: RunSpec) -> Program | None:
+    """Return the library of a run; None if it has changed since the run."""
     try:
-        found = load(side.spec.library).program
+        found = load(spec.library).program
     except Error:
         return None
-    return found if found.digest == side.spec.digest else None
+    return found if found.digest == spec.digest else None
 
 
 def changed_definitions(here: Side, there: Side) -> list[str]:

@@ -1,0 +1,1 @@
+"""Views of runs as one static HTML page, without server, network or library."""

@@ -1,0 +1,93 @@
+"""The page: its sources in `page/`, joined, with the data of runs.
+
+The data are compressed and in base64: no text of a run is part of the markup or of the
+scripts. A policy in the page forbids every request and every other script.
+"""
+
+from __future__ import annotations
+
+import gzip
+from base64 import b64encode
+from collections.abc import Iterator, Sequence
+from hashlib import sha256
+from pathlib import Path
+
+import msgspec
+
+from rapc.view.viewed import Viewed, comparison
+from rapc.worlds.registry import OWN, find_world
+
+_SOURCES = Path(__file__).parent / "page"
+
+_SCRIPTS = (
+    *("model.js", "dom.js", "timeline.js", "tasks.js", "why.js", "memory.js"),
+    *("events.js", "main.js"),
+)
+"""The scripts, in the order in which they are joined."""
+
+BEGINNING = "<!doctype html>\n<!-- a run, by rapc view -->\n"
+"""The first lines of a page."""
+
+
+def page(views: Sequence[Viewed] = ()) -> str:
+    """Return a page of one or two runs; without runs, of traces that a reader drops.
+
+    Two runs are compared.
+    """
+    style = _read("style.css")
+    scripts = "".join(_read(name) for name in _SCRIPTS)
+    script = f'(() => {{\n"use strict";\n{scripts}}})();\n'
+    policy = "; ".join(
+        (
+            "default-src 'none'",
+            f"script-src '{_hash(script)}'",
+            f"style-src '{_hash(style)}'",
+            "base-uri 'none'",
+            "form-action 'none'",
+        )
+    )
+    return "".join(
+        (
+            BEGINNING,
+            '<html lang="en">\n<head>\n<meta charset="utf-8">\n',
+            f'<meta http-equiv="Content-Security-Policy" content="{policy}">\n',
+            '<meta name="viewport" content="width=device-width, initial-scale=1">\n',
+            f"<title>rapc view</title>\n<style>{style}</style>\n</head>\n<body>\n",
+            _read("index.html"),
+            *_data(views),
+            f"<script>{script}</script>\n</body>\n</html>\n",
+        )
+    )
+
+
+def _read(name: str) -> str:
+    return (_SOURCES / name).read_text(encoding="utf-8")
+
+
+def _hash(text: str) -> str:
+    return f"sha256-{b64encode(sha256(text.encode()).digest()).decode()}"
+
+
+def _data(views: Sequence[Viewed]) -> Iterator[str]:
+    """Yield the elements with the data."""
+    yield _element("worlds", _json({name: _sensors(name) for name in OWN}))
+    for at, view in enumerate(views):
+        yield _element(f"trace-{at}", view.trace)
+        yield _element(f"more-{at}", _json(view.more()))
+    if len(views) > 1:
+        yield _element("comparison", _json(comparison(*views)))
+
+
+def _json(value: object) -> bytes:
+    return msgspec.json.encode(value)
+
+
+def _element(name: str, data: bytes) -> str:
+    packed = b64encode(gzip.compress(data, 9, mtime=0)).decode()
+    return (
+        f'<script type="application/octet-stream" id="data-{name}">{packed}</script>\n'
+    )
+
+
+def _sensors(world: str) -> list[str]:
+    return sorted(find_world(world).kit.offer.sensors)

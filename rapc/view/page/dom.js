@@ -1,0 +1,140 @@
+// Elements and texts. Text of a trace enters the page only here, as text.
+
+/** The number of characters of a text that are shown. */
+const LONGEST = 400;
+
+/** Return a text that is safe to show: without control characters, of limited length. */
+function visible(text) {
+  const all = text.length > LONGEST ? `${text.slice(0, LONGEST)}…` : text;
+  return all.replace(/[\p{C}\p{Zl}\p{Zp}]/gu, "\ufffd");
+}
+
+/** Return a number or a time of a trace with at most six decimals. */
+function readable(value) {
+  return Number.isFinite(value) ? String(Number(value.toFixed(6))) : visible(asText(value));
+}
+
+/** Return the age of something as text. */
+function ageText(now, then) {
+  return now === then ? "now" : `${readable(now - then)} ago`;
+}
+
+/** Return an element by its id. */
+function byId(id) {
+  return document.getElementById(id);
+}
+
+/**
+ * Return a new element.
+ *
+ * @param tag the name of the element, with classes: `li.first`
+ * @param props attributes; a function is a listener of the event of its name
+ * @param children elements, and texts
+ */
+function el(tag, props = {}, ...children) {
+  const [name, ...classes] = tag.split(".");
+  const made = document.createElement(name);
+  if (classes.length) made.className = classes.join(" ");
+  for (const [key, value] of Object.entries(props)) {
+    if (typeof value === "function") made.addEventListener(key, value);
+    else if (value !== undefined && value !== null && value !== false)
+      made.setAttribute(key, value === true ? "" : value);
+  }
+  for (const child of children.flat()) {
+    if (child === null || child === undefined || child === "") continue;
+    made.append(typeof child === "object" ? child : visible(String(child)));
+  }
+  return made;
+}
+
+/** Return a button that looks like a link. */
+function link(text, act, title) {
+  return el("button.link", { type: "button", title, click: act }, text);
+}
+
+/** Replace the children of an element, and keep its scroll position and focused row. */
+function fill(parent, children) {
+  const key = parent.contains(document.activeElement) && document.activeElement.dataset.key;
+  const top = parent.scrollTop;
+  parent.replaceChildren(...children);
+  parent.scrollTop = top;
+  if (key) {
+    const rows = [...parent.querySelectorAll("[data-key]")];
+    const found = rows.find((one) => one.dataset.key === key) || rows[0];
+    if (found) found.focus({ preventScroll: true });
+  }
+}
+
+/** Scroll an element into view within its panel, if it is not visible. */
+function reveal(parent, element) {
+  if (!element) return;
+  const outer = parent.getBoundingClientRect();
+  const inner = element.getBoundingClientRect();
+  if (inner.top < outer.top || inner.bottom > outer.bottom)
+    parent.scrollTop += inner.top - outer.top - parent.clientHeight / 3;
+}
+
+/** Let the arrow keys move the focus between the rows of an element. */
+function moveWithArrows(parent, selector = "[data-key]") {
+  parent.addEventListener("keydown", (event) => {
+    const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
+    if (!step || event.altKey || event.ctrlKey || event.metaKey) return;
+    const rows = [...parent.querySelectorAll(selector)];
+    const at = rows.indexOf(document.activeElement);
+    const next = rows[at < 0 ? 0 : at + step];
+    if (!next) return;
+    event.preventDefault();
+    next.focus();
+  });
+}
+
+/** Return the properties of a row that can be chosen with mouse and keys. */
+function choosable(role, key, selected, act) {
+  return {
+    role,
+    tabindex: selected ? 0 : -1,
+    "data-key": key,
+    "aria-selected": String(selected),
+    click: act,
+    keydown: (event) => {
+      if (event.key !== "Enter" && event.key !== " ") return;
+      event.preventDefault();
+      act(event);
+    },
+  };
+}
+
+/** Return the text of a row on one line; the whole text is its title. */
+function oneLine(...parts) {
+  const made = el("span.text", {}, ...parts);
+  made.title = made.textContent;
+  return made;
+}
+
+/** Let at least one row of an element be reached with Tab. */
+function reachable(rows) {
+  if (rows.length && !rows.some((row) => row.tabIndex === 0)) rows[0].tabIndex = 0;
+  return rows;
+}
+
+/** The sign and the words of each state of a task: told apart without colour. */
+const SIGNS = {
+  new: ["·", "has not been selected"],
+  selected: ["▷", "selected"],
+  ready: ["▷", "ready"],
+  active: ["▶", "method under way"],
+  acting: ["▶", "acting"],
+  sensing: ["◉", "sensing"],
+  waiting: ["◷", "waiting"],
+  suspended: ["‖", "suspended"],
+  succeeded: ["✓", "succeeded"],
+  failed: ["✕", "failed"],
+  removed: ["–", "removed"],
+  unfinished: ["○", "unfinished"],
+};
+
+/** Return the sign of a state as an element with its words. */
+function signOf(kind) {
+  const [sign, words] = SIGNS[kind] || ["·", kind];
+  return el(`span.sign.${kind}`, { title: words, role: "img", "aria-label": words }, sign);
+}

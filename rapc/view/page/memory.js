@@ -1,0 +1,115 @@
+// Memory of a moment, with ages and what has just changed; the history of a fact; belief
+// beside truth.
+
+const MOST_FACTS = 300;
+/** The groups of facts that the reader has opened. */
+const opened = new Set();
+
+/** Return the row of a fact. */
+function factRow(app, fact, since, change) {
+  const { run, at } = app;
+  const selected = fact === app.fact;
+  const event = change === undefined ? null : run.events[change];
+  const sign = !event ? "" : event.event === "fact-erased" ? "−"
+    : Run.next(run.facts.get(fact), change, -1) >= 0 && !erasedBefore(run, fact, change) ? "~" : "+";
+  const words = { "+": "new", "~": "asserted again", "−": "erased" }[sign] || "";
+  const now = run.timeOf(at);
+  return el(
+    sign === "−" ? "div.row.erased" : "div.row",
+    { ...choosable("option", fact, selected, () => app.chooseFact(selected ? "" : fact)), title: words },
+    el("span.sign", { "aria-label": words }, sign),
+    el("span.text", {}, fact),
+    el("span.age", {}, since === undefined ? "" : ageText(now, run.timeOf(since))),
+  );
+}
+
+/** Return whether a fact was absent from memory before one of its changes. */
+function erasedBefore(run, fact, change) {
+  const before = Run.next(run.facts.get(fact), change, -1);
+  return before < 0 || run.events[before].event === "fact-erased";
+}
+
+/** Return the changes of the selected fact around the moment. */
+function factHistory(app) {
+  const { run, at, fact } = app;
+  const changes = run.facts.get(fact);
+  if (!fact || !changes) return [];
+  const here = search(changes.length, (index) => changes[index] > at);
+  const rows = changes.slice(Math.max(here - 6, 0), here + 4).map((change) => {
+    const event = run.events[change];
+    const source = run.sourceOf(change);
+    return el("div.row", {
+      ...choosable("option", `h${change}`, change === changes[here - 1], () => app.go(change, {})),
+    },
+    el("span.t", {}, readable(event.time)),
+    oneLine(event.event === "fact-erased" ? "− erased" : "+ asserted",
+      el("span.dim", {}, ` by ${source.text}`), ...[placeLink(app, source.place)].flat()));
+  });
+  return [el("h3", {}, `${fact}: ${changes.length} changes`), ...rows];
+}
+
+/** Show memory. */
+function showMemory(app) {
+  const { run, at } = app;
+  const memory = run.memoryAt(at);
+  const changed = run.changesAt(at);
+  const wanted = byId("filter").value.toLowerCase();
+  const rows = factHistory(app);
+  const now = [...changed].filter(([fact]) => fact.toLowerCase().includes(wanted));
+  if (now.length) {
+    rows.push(el("h3", {}, "Changed in this cycle"));
+    rows.push(...now.slice(0, 40).map(([fact, change]) =>
+      factRow(app, fact, memory.get(fact), change)));
+    if (now.length > 40) rows.push(el("p.dim", {}, `and ${now.length - 40} more`));
+  }
+  const groups = new Map();
+  for (const [fact, since] of memory) {
+    if (wanted && !fact.toLowerCase().includes(wanted)) continue;
+    const name = firstWord(fact);
+    const known = groups.get(name);
+    if (known) known.push([fact, since]);
+    else groups.set(name, [[fact, since]]);
+  }
+  rows.push(el("h3", {}, `All facts: ${memory.size}`));
+  const few = wanted && [...groups.values()].reduce((sum, one) => sum + one.length, 0) <= MOST_FACTS;
+  for (const name of [...groups.keys()].sort()) {
+    const facts = groups.get(name);
+    const list = el("div", { role: "listbox", "aria-label": visible(name) });
+    const build = () => {
+      const made = facts.slice(0, MOST_FACTS).map(([fact, since]) =>
+        factRow(app, fact, since, changed.get(fact)));
+      if (facts.length > MOST_FACTS)
+        made.push(el("p.dim", {}, `and ${facts.length - MOST_FACTS} more; use the filter`));
+      list.replaceChildren(...reachable(made));
+    };
+    const details = el("details", {
+      open: few || opened.has(name),
+      toggle: (event) => {
+        if (few) return;
+        if (event.target.open) opened.add(name);
+        else opened.delete(name);
+        if (event.target.open && !list.childElementCount) build();
+      },
+    }, el("summary", { "data-key": `g${name}` }, name, el("span.count", {}, ` ${facts.length}`)), list);
+    if (few || opened.has(name)) build();
+    rows.push(details);
+  }
+  fill(byId("memory"), rows);
+}
+
+/** Show the wrong beliefs of the moment, and the next. */
+function showBeliefs(app) {
+  const { run, at } = app;
+  if (!run.beliefs.length) return;
+  const present = run.beliefs.filter((one) => one.n <= at && !(one.end !== null && one.end <= at));
+  const rows = present.map((one) =>
+    el("div", {},
+      factLine(app, asText(one.fact), at, null),
+      el("div.code", {}, el("span.dim", {}, "truth: "), asList(one.truth).map(asText).join(" or ") || "not so"),
+      el("div.dim", {}, "wrong since ", link(readable(run.timeOf(one.n)), () => app.go(one.n, {})))));
+  if (!rows.length) rows.push(el("p", {}, "Every compared belief is true at this moment."));
+  const next = run.beliefs.find((one) => one.n > at);
+  rows.push(el("p.dim", {}, `${run.beliefs.length} wrong beliefs in the run`,
+    next ? [", the next at ", link(readable(run.timeOf(next.n)), () => app.go(next.n, {}))] : ""));
+  fill(byId("beliefs"), rows);
+}

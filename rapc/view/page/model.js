@@ -1,0 +1,564 @@
+// The model of a run: its events, and what they show of any moment.
+//
+// A moment is the index of an event: the state of the run after this event. Nothing here
+// touches the document. A trace is data of strangers: damaged lines end the run early,
+// and values of unexpected types count as text.
+
+/** The number of events between two copies of memory. */
+const CHECKPOINT = 5000;
+
+/** The events that end a task, with its outcome. */
+const ENDS = new Map([
+  ["task-succeeded", "succeeded"],
+  ["task-failed", "failed"],
+  ["task-removed", "removed"],
+]);
+
+/** The events that end a wait of a task. */
+const WAKES = new Set([
+  "task-woken",
+  "method-chosen",
+  "method-ended",
+  "method-suspended",
+  "task-blocked",
+  ...ENDS.keys(),
+]);
+
+/** Return a value of a trace as text. */
+function asText(value) {
+  if (typeof value === "string") return value;
+  return value === null || value === undefined ? "" : JSON.stringify(value);
+}
+
+/** Return a list of a trace; anything else counts as no element. */
+function asList(value) {
+  return Array.isArray(value) ? value : [];
+}
+
+/** Return the first word of a list that is given as text. */
+function firstWord(text) {
+  const found = /^\(?([^\s()]*)/.exec(text);
+  return found ? found[1] : "";
+}
+
+/** Return the index of the first element that `after` accepts; all later ones are too. */
+function search(length, after) {
+  let low = 0;
+  let high = length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (after(middle)) high = middle;
+    else low = middle + 1;
+  }
+  return low;
+}
+
+/** Return what is wrong with an event at a row, or an empty text. */
+function wrongEvent(event, row, last) {
+  if (event === null || typeof event !== "object" || typeof event.event !== "string")
+    return "is not an event";
+  if (!Number.isFinite(event.time) || !Number.isFinite(event.cycle)) return "has no time";
+  if (event.n !== row || (last && (event.cycle < last.cycle || event.time < last.time)))
+    return "is out of order";
+  return "";
+}
+
+/**
+ * Return the events of a trace, and a note on what was left out.
+ *
+ * Throws an Error if the text is not a trace from the start of a run.
+ */
+function readTrace(text) {
+  let events = [];
+  let note = "";
+  try {
+    events = JSON.parse(`[${text.trimEnd().replaceAll("\n", ",")}]`);
+  } catch {
+    events = [];
+    for (const line of text.split("\n")) {
+      try {
+        events.push(JSON.parse(line));
+      } catch {
+        if (line) note = `line ${events.length + 1} is damaged; the page ends before it`;
+        break;
+      }
+    }
+  }
+  for (let row = 0; row < events.length; row++) {
+    const wrong = wrongEvent(events[row], row, events[row - 1]);
+    if (wrong) {
+      note = `line ${row + 1} ${wrong}; the page ends before it`;
+      events.length = row;
+      break;
+    }
+  }
+  if (!events.length || events[0].event !== "run-started")
+    throw new Error("the file is not a trace from the start of a run");
+  return { events, note };
+}
+
+/** A run with its tasks, requests, waits and memory. */
+class Run {
+  /**
+   * @param events the events, from `readTrace`
+   * @param more what `rapc view` knows beside the trace: `sensors`, `sources`, `raps`,
+   *   `beliefs`, `pictures`; each may be missing
+   */
+  constructor(events, more = {}) {
+    this.events = events;
+    this.spec = events[0].spec && typeof events[0].spec === "object" ? events[0].spec : {};
+    this.sensors = new Set(asList(more.sensors));
+    this.beliefs = asList(more.beliefs);
+    /** The tasks by number, and the top-level tasks in the order of their arrival. */
+    this.tasks = new Map();
+    this.families = [];
+    /** The indices of all failures of tasks. */
+    this.failures = [];
+    /** The indices of the changes of each fact. */
+    this.facts = new Map();
+    /** The intervals of skills and requests, each with its family. */
+    this.requests = [];
+    this.end = null;
+    this._copies = [new Map()];
+    this._memory = { at: -1, facts: new Map() };
+    this._index();
+  }
+
+  get last() {
+    return this.events.length - 1;
+  }
+
+  timeOf(at) {
+    return this.events[at].time;
+  }
+
+  // --- building ---------------------------------------------------------------------
+
+  _index() {
+    const memory = new Map();
+    const open = [];
+    const waits = new Map();
+    for (let at = 0; at < this.events.length; at++) {
+      const event = this.events[at];
+      const task = this.tasks.get(event.task);
+      if (task) {
+        task.log.push(at);
+        if (typeof event.goal === "string") task.goal = event.goal;
+      }
+      if (task && WAKES.has(event.event)) this._endWait(waits, task, at);
+      switch (event.event) {
+        case "fact-asserted":
+        case "fact-erased":
+          this._change(memory, asText(event.fact), at);
+          break;
+        case "task-created":
+          this._create(event, at);
+          break;
+        case "task-failed":
+          this.failures.push(at);
+          if (task) {
+            this._end(task, at);
+            this._familyOf(task).failures.push(at);
+          }
+          break;
+        case "task-succeeded":
+        case "task-removed":
+          if (task) this._end(task, at);
+          break;
+        case "task-blocked":
+        case "method-suspended":
+          if (task) waits.set(task.number, at);
+          break;
+        case "primitive-requested":
+          if (task) open.push(this._begin(task, asText(event.request), at));
+          break;
+        case "skill-enabled":
+          if (task) open.push(this._begin(task, asText(event.what), at));
+          break;
+        case "primitive-ended":
+        case "primitive-cancelled":
+        case "request-refused":
+        case "skill-disabled":
+          this._finish(open, event, at);
+          break;
+        case "deadline-missed":
+        case "deadlock":
+          if (task) this._familyOf(task).marks.push(at);
+          break;
+        case "run-ended":
+          this.end = event;
+          break;
+      }
+      if ((at + 1) % CHECKPOINT === 0) this._copies.push(new Map(memory));
+    }
+    for (const one of this.tasks.values()) this._endWait(waits, one, this.last);
+    for (const one of asList(this.end && this.end.results)) {
+      const task = this.tasks.get(one && one.task);
+      if (task) task.background = one.background === true;
+    }
+  }
+
+  _create(event, at) {
+    const parent = this.tasks.get(event.parent) || null;
+    if (!Number.isInteger(event.task) || this.tasks.has(event.task)) return;
+    const task = {
+      number: event.task,
+      goal: asText(event.goal),
+      parent,
+      step: asText(event.step),
+      made: at,
+      ended: -1,
+      outcome: "",
+      background: false,
+      log: [at],
+    };
+    this.tasks.set(task.number, task);
+    if (parent === null) {
+      Object.assign(task, { pieces: [], waits: [], failures: [], marks: [] });
+      this.families.push(task);
+    }
+  }
+
+  _familyOf(task) {
+    let above = task;
+    while (above.parent) above = above.parent;
+    return above;
+  }
+
+  _end(task, at) {
+    if (task.ended >= 0) return;
+    task.ended = at;
+    task.outcome = ENDS.get(this.events[at].event);
+    if (this.events[at].cause === "run-over") task.outcome = "unfinished";
+  }
+
+  _change(memory, fact, at) {
+    const known = this.facts.get(fact);
+    if (known) known.push(at);
+    else this.facts.set(fact, [at]);
+    if (this.events[at].event === "fact-asserted") memory.set(fact, at);
+    else memory.delete(fact);
+  }
+
+  _begin(task, request, at) {
+    const event = this.events[at];
+    const skill = event.event === "skill-enabled";
+    const sensing = this.sensors.has(firstWord(request));
+    const piece = {
+      kind: sensing ? "sensing" : "acting",
+      skill,
+      background: event.background === true,
+      task: task.number,
+      request,
+      start: at,
+      stop: -1,
+      result: "",
+    };
+    this.requests.push(piece);
+    this._familyOf(task).pieces.push(piece);
+    return piece;
+  }
+
+  /** End a request or skill; the names of its items may have changed since its start. */
+  _finish(open, event, at) {
+    const skill = event.event === "skill-disabled";
+    const request = asText(skill ? event.what : event.request);
+    const own = (one) =>
+      one.skill === skill && (event.task === null || one.task === event.task);
+    let found = open.findIndex((one) => own(one) && one.request === request);
+    if (found < 0)
+      found = open.findIndex((one) => own(one) && firstWord(one.request) === firstWord(request));
+    if (found < 0) return;
+    const [piece] = open.splice(found, 1);
+    piece.stop = at;
+    if (event.event === "primitive-ended") piece.result = asText(event.result);
+    else if (event.event !== "skill-disabled")
+      piece.result = event.event === "request-refused" ? "refused" : "cancelled";
+  }
+
+  _endWait(waits, task, at) {
+    const start = waits.get(task.number);
+    if (start === undefined) return;
+    waits.delete(task.number);
+    const suspended = this.events[start].event === "method-suspended";
+    const kind = suspended ? "suspended" : "waiting";
+    this._familyOf(task).waits.push({ kind, task: task.number, start, stop: at });
+  }
+
+  // --- moments ----------------------------------------------------------------------
+
+  /** Return the last event up to a time. */
+  atTime(time) {
+    const found = search(this.events.length, (at) => this.events[at].time > time);
+    return Math.max(found - 1, 0);
+  }
+
+  /** Return the last event of the cycle that is `step` cycles away. */
+  cycleFrom(at, step) {
+    const cycle = this.events[at].cycle;
+    const ofEvent = (index) => this.events[index].cycle;
+    if (step < 0) {
+      const first = search(this.events.length, (index) => ofEvent(index) >= cycle);
+      return Math.max(first - 1, 0);
+    }
+    const after = search(this.events.length, (index) => ofEvent(index) > cycle);
+    if (after - 1 > at) return after - 1;
+    if (after >= this.events.length) return this.last;
+    const next = ofEvent(after);
+    return search(this.events.length, (index) => ofEvent(index) > next) - 1;
+  }
+
+  /** Return the first event of the cycle of an event. */
+  startOfCycle(at) {
+    const cycle = this.events[at].cycle;
+    return search(this.events.length, (index) => this.events[index].cycle >= cycle);
+  }
+
+  /** Return the next element of sorted indices, or the one before; -1 without one. */
+  static next(indices, at, step) {
+    const found =
+      step > 0
+        ? search(indices.length, (index) => indices[index] > at)
+        : search(indices.length, (index) => indices[index] >= at) - 1;
+    return found >= 0 && found < indices.length ? indices[found] : -1;
+  }
+
+  /** Return the failed top-level task to look at first: foreground before background. */
+  firstFailed() {
+    const failed = this.families.filter((task) => task.outcome === "failed");
+    failed.sort((one, other) => one.background - other.background || one.ended - other.ended);
+    return failed[0] || null;
+  }
+
+  // --- tasks ------------------------------------------------------------------------
+
+  /** Return the ancestors of a task, the parent first. */
+  ancestors(task) {
+    const found = [];
+    for (let one = task.parent; one; one = one.parent) found.push(one);
+    return found;
+  }
+
+  /**
+   * Return the tasks of a moment, parents before children, each with its depth.
+   *
+   * These are the live tasks, those that have ended in the cycle of the moment, and one
+   * more with its ancestors.
+   */
+  treeAt(at, also = null) {
+    const since = this.startOfCycle(at);
+    const shown = new Set();
+    const add = (task) => {
+      for (let one = task; one && !shown.has(one); one = one.parent) shown.add(one);
+    };
+    for (const task of this.tasks.values()) {
+      if (task.made > at) break;
+      if (task.ended < 0 || task.ended > at || task.ended >= since) add(task);
+    }
+    if (also && also.made <= at) add(also);
+    const children = new Map();
+    for (const task of shown) {
+      const siblings = children.get(task.parent);
+      if (siblings) siblings.push(task);
+      else children.set(task.parent, [task]);
+    }
+    const rows = [];
+    const stack = (children.get(null) || []).map((task) => ({ task, depth: 0 }));
+    stack.sort((one, other) => other.task.made - one.task.made);
+    while (stack.length) {
+      const { task, depth } = stack.pop();
+      rows.push({ task, depth });
+      const below = (children.get(task) || []).map((one) => ({ task: one, depth: depth + 1 }));
+      below.sort((one, other) => other.task.made - one.task.made);
+      stack.push(...below);
+    }
+    return rows;
+  }
+
+  /** Return the events of a task up to a moment, as indices. */
+  logOf(task, at) {
+    return task.log.slice(0, search(task.log.length, (index) => task.log[index] > at));
+  }
+
+  /**
+   * Return the state of a task at a moment.
+   *
+   * `kind` is new, selected, ready, waiting, suspended, acting, sensing, active,
+   * succeeded, failed, removed or unfinished; `method` is the choice under way (an
+   * index, or -1); `text` says for what the task waits or what it does.
+   */
+  stateAt(task, at) {
+    const state = { kind: "new", since: task.made, method: -1, wait: -1, text: "" };
+    for (const index of this.logOf(task, at)) {
+      const event = this.events[index];
+      switch (event.event) {
+        case "task-selected":
+          Object.assign(state, { kind: "selected", since: index, wait: -1 });
+          break;
+        case "method-chosen":
+          Object.assign(state, { kind: "active", since: index, method: index, wait: -1, text: "" });
+          break;
+        case "method-ended":
+          Object.assign(state, { kind: "ready", since: index, method: -1, text: "" });
+          break;
+        case "method-suspended":
+          Object.assign(state, { kind: "suspended", since: index, method: -1, wait: index });
+          state.text = `suspended by [${asText(event.by)}] for ${asText(event.for)}`;
+          break;
+        case "task-blocked":
+          Object.assign(state, { kind: "waiting", since: index, wait: index });
+          state.text = `waits for ${asText(event.on)}`;
+          if (Number.isInteger(event.holder)) state.text += `, held by [${event.holder}]`;
+          break;
+        case "task-woken":
+          Object.assign(state, { kind: "ready", since: index, wait: -1, text: "" });
+          break;
+        case "primitive-requested": {
+          const request = asText(event.request);
+          const kind = this.sensors.has(firstWord(request)) ? "sensing" : "acting";
+          Object.assign(state, { kind, since: index, text: request });
+          break;
+        }
+        case "primitive-ended":
+        case "primitive-cancelled":
+          if (state.method >= 0) state.kind = "active";
+          break;
+        case "task-succeeded":
+        case "task-failed":
+        case "task-removed":
+          if (index !== task.ended) break;
+          Object.assign(state, { kind: task.outcome, since: index, wait: -1 });
+          state.text = asText(event.result || event.cause);
+          break;
+      }
+    }
+    if (state.kind === "selected" && state.method >= 0) state.kind = "active";
+    return state;
+  }
+
+  /** Return the choices of a task up to a moment, each with the end of the method. */
+  triesOf(task, at) {
+    const tries = [];
+    for (const index of this.logOf(task, at)) {
+      const event = this.events[index];
+      const last = tries[tries.length - 1];
+      if (event.event === "method-chosen") tries.push({ chosen: index, ended: -1 });
+      else if (event.event === "method-ended" || event.event === "method-suspended")
+        if (last && last.ended < 0) last.ended = index;
+    }
+    return tries;
+  }
+
+  /** Return the last request of a task up to a moment that did not end okay; or null. */
+  badRequest(task, at) {
+    const bad = (one) =>
+      one.task === task.number && one.stop >= 0 && one.stop <= at && one.result !== "okay";
+    return this._familyOf(task).pieces.findLast((one) => !one.skill && bad(one)) || null;
+  }
+
+  /** Return the requests and skills under way at a moment. */
+  underWay(at) {
+    const found = [];
+    for (const family of this.families)
+      for (const one of family.pieces)
+        if (one.start <= at && (one.stop < 0 || one.stop > at)) found.push(one);
+    return found;
+  }
+
+  // --- memory -----------------------------------------------------------------------
+
+  /** Return memory at a moment: each fact with the index of its last assertion. */
+  memoryAt(at) {
+    const near = this._memory;
+    if (near.at > at || at - near.at > CHECKPOINT) {
+      const copy = Math.floor((at + 1) / CHECKPOINT);
+      near.facts = new Map(this._copies[copy]);
+      near.at = copy * CHECKPOINT - 1;
+    }
+    for (near.at++; near.at <= at; near.at++) {
+      const event = this.events[near.at];
+      if (event.event === "fact-asserted") near.facts.set(asText(event.fact), near.at);
+      else if (event.event === "fact-erased") near.facts.delete(asText(event.fact));
+    }
+    near.at = at;
+    return near.facts;
+  }
+
+  /** Return the changes of memory in the cycle of a moment, up to it: the last of each. */
+  changesAt(at) {
+    const found = new Map();
+    for (let index = this.startOfCycle(at); index <= at; index++) {
+      const event = this.events[index];
+      if (event.event === "fact-asserted" || event.event === "fact-erased")
+        found.set(asText(event.fact), index);
+    }
+    return found;
+  }
+
+  /** Return the source of a change of memory: a text, and a place in a file if known. */
+  sourceOf(at) {
+    const by = asText(this.events[at].by);
+    if (by === "handler") {
+      for (let index = at + 1; index <= this.last; index++) {
+        const event = this.events[index];
+        if (event.event === "primitive-ended") {
+          const task = Number.isInteger(event.task) ? ` of [${event.task}]` : "";
+          return { text: `${asText(event.request)}${task}`, place: "", at: index };
+        }
+        if (event.event === "data-received")
+          return { text: `datum ${asText(event.data)}`, place: "", at: index };
+        if (event.event === "task-selected") break;
+      }
+    } else if (by === "rule" || by === "notation") {
+      const wanted = by === "rule" ? "rule-run" : "task-selected";
+      const cycle = this.events[at].cycle;
+      for (let index = at - 1; index >= 0 && this.events[index].cycle === cycle; index--) {
+        const event = this.events[index];
+        if (event.event === wanted && by === "rule")
+          return { text: `rule for ${asText(event.what)}`, place: asText(event.at), at: index };
+        if (event.event === wanted)
+          return { text: `notation of [${asText(event.task)}]`, place: "", at: index };
+      }
+    }
+    return { text: by, place: "", at: -1 };
+  }
+
+  // --- searching --------------------------------------------------------------------
+
+  /** Return at most `most` tasks, facts and requests whose text contains a text. */
+  find(text, most = 60) {
+    const wanted = text.toLowerCase();
+    const found = [];
+    const add = (kind, name, at, task) => {
+      if (found.length < most && name.toLowerCase().includes(wanted))
+        found.push({ kind, name, at, task });
+    };
+    const number = Number(text.replace(/^\[(\d+)\]$/, "$1"));
+    if (text.trim() && Number.isFinite(number)) {
+      const task = this.tasks.get(number);
+      if (task) found.push({ kind: "task", name: `[${number}] ${task.goal}`, at: task.made, task });
+      const at = this.atTime(number);
+      found.push({ kind: "time", name: `time ${text.trim()}`, at, task: null });
+      if (Number.isInteger(number) && number >= 0 && number <= this.last)
+        found.push({ kind: "event", name: `event ${number}`, at: number, task: null });
+    }
+    for (const task of this.tasks.values())
+      add(task.outcome === "failed" ? "failed" : "task", task.goal, task.made, task);
+    for (const [fact, changes] of this.facts) add("fact", fact, changes[0], null);
+    for (const one of this.requests)
+      add("request", one.result ? `${one.request} - ${one.result}` : one.request, one.start,
+        this.tasks.get(one.task));
+    return found;
+  }
+}
+
+/** Return the facts, sources and tasks of a cause, and of those below, as a flat list. */
+function causesOf(because) {
+  const found = [];
+  for (let one = because; one && typeof one === "object" && found.length < 100; )
+    found.push(one), (one = one.because);
+  return found;
+}
+
+if (typeof module !== "undefined")
+  module.exports = { CHECKPOINT, Run, asList, asText, causesOf, firstWord, readTrace, search };

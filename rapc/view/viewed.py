@@ -1,0 +1,129 @@
+"""What a page shows of a run beside its trace: sources, sensors and wrong beliefs."""
+
+from __future__ import annotations
+
+from io import StringIO
+from typing import Any
+
+import msgspec
+
+from rapc.base.source import Span
+from rapc.base.values import format_list
+from rapc.compiler.program import Program
+from rapc.debug.history import History
+from rapc.debug.questions.differences import compared, first_difference, this_run
+from rapc.debug.questions.times import sensors_of
+from rapc.ir import nodes
+from rapc.ir.printer import format_formula
+from rapc.runtime.events.trace import JsonTrace
+
+
+class Viewed(msgspec.Struct):
+    """A run to view.
+
+    Without a program, or without a history that is a run, the page shows less.
+    """
+
+    #: The name of the run, and a note for the reader; may be empty.
+    name: str
+    note: str
+    #: The events, as lines of JSON.
+    trace: bytes
+    history: History
+    #: The library, if it is the library of the run.
+    program: Program | None
+
+    def more(self) -> dict[str, Any]:
+        """Return what the page knows beside the trace, as plain data."""
+        sources, raps = {}, {}
+        if self.program is not None:
+            files = self.program.library.files
+            sources = {name: source.text for name, source in files.items()}
+            raps = _raps(self.program)
+        return {
+            "name": self.name,
+            "note": self.note,
+            "sensors": sorted(sensors_of(self.history)),
+            "sources": sources,
+            "raps": raps,
+            "beliefs": _beliefs(self.history),
+        }
+
+
+class Trace:
+    """The trace of a run from its start, written while the history goes on."""
+
+    def __init__(self, history: History) -> None:
+        self._text = StringIO()
+        self._history = history
+        self._trace = JsonTrace(self._text)
+        for told in history.scan():
+            self._trace.raw(*told)
+        history.follow(lambda told: self._trace.raw(*told))
+
+    def text(self) -> bytes:
+        """Return the events so far as lines of JSON."""
+        return self._text.getvalue().encode()
+
+
+def comparison(before: Viewed, after: Viewed) -> dict[str, Any]:
+    """Return the comparison of two runs, as plain data.
+
+    `first` has the serial number of the first different decision in each run.
+    """
+    here, there = (this_run(v.history, v.name) for v in (before, after))
+    answer = compared(here, there).answer
+    found = first_difference(here, there)
+    pair = () if found is None else (found.here, found.there)
+    table = answer.table
+    return {
+        "lines": answer.lines,
+        "columns": () if table is None else table.columns,
+        "rows": () if table is None else table.rows,
+        "notes": answer.notes,
+        "first": [None if one is None else one.serial for one in pair],
+    }
+
+
+def _beliefs(history: History) -> list[dict[str, Any]]:
+    """Return the wrong beliefs of a run, in the order of their start."""
+    if not history.is_run:
+        return []
+    return [
+        {
+            "fact": format_list(one.belief.fact),
+            "truth": [format_list(fact) for fact in one.belief.truth],
+            "n": one.first_serial,
+            "end": one.end_serial,
+        }
+        for one in history.branch.discrepancies.all
+    ]
+
+
+def _raps(program: Program) -> dict[str, Any]:
+    """Return the rows of each RAP, its methods and their steps."""
+    return {
+        name: {
+            **_rows(program, rap.span),
+            "methods": {
+                method.traced_name: _method(program, method) for method in rap.methods
+            },
+        }
+        for name, rap in program.library.raps.items()
+    }
+
+
+def _method(program: Program, method: nodes.Method) -> dict[str, Any]:
+    steps = method.body.steps if isinstance(method.body, nodes.TaskNet) else ()
+    return {
+        **_rows(program, method.span),
+        "claims": [format_formula(thing) for thing in method.claims],
+        "steps": {step.tag: _rows(program, step.span)["rows"] for step in steps},
+    }
+
+
+def _rows(program: Program, span: Span) -> dict[str, Any]:
+    """Return the file and the first and last row of a span."""
+    source = program.library.files.get(span.file)
+    rows = (0, 0) if source is None else (source.row(span.start), source.row(span.end))
+    return {"file": span.file, "rows": rows}

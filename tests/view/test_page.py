@@ -1,0 +1,169 @@
+"""The page of a run as text: its data, and the policy against requests."""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import hashlib
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rapc.view.page import page
+from tests.cli.command import rapc
+
+COURIER = "examples/courier"
+SHIFT = ("--world", "courier", "--agenda", "shift", "--until", "3000")
+
+
+@pytest.fixture(scope="module")
+def trace(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the trace of a run of the courier."""
+    file = tmp_path_factory.mktemp("traces") / "shift.jsonl"
+    run = ("run", COURIER, *SHIFT, "--seed", "1", "-q", "--trace", str(file))
+    assert rapc(*run).returncode == 0
+    return file
+
+
+def data_of(text: str) -> dict[str, bytes]:
+    """Return the data in a page, by name."""
+    elements = re.findall(r'id="data-([a-z0-9-]+)">([A-Za-z0-9+/=]*)</script>', text)
+    return {name: gzip.decompress(base64.b64decode(data)) for name, data in elements}
+
+
+def viewed(*args: str, output: Path) -> dict[str, bytes]:
+    done = rapc("view", *args, "-o", str(output))
+    assert (done.returncode, done.stderr) == (0, ""), done.stderr
+    assert done.stdout == f"wrote {output}\n"
+    return data_of(output.read_text(encoding="utf-8"))
+
+
+def more_of(data: dict[str, bytes], at: int = 0) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads(data[f"more-{at}"])
+    return found
+
+
+def test_policy_allows_only_the_script_and_the_style_of_the_page() -> None:
+    text = page()
+    [policy] = re.findall(r'http-equiv="Content-Security-Policy" content="(.*?)"', text)
+    assert policy.startswith("default-src 'none'; ")
+    for tag in ("script", "style"):
+        [content] = re.findall(f"<{tag}>(.*?)</{tag}>", text, re.S)
+        digest = base64.b64encode(hashlib.sha256(content.encode()).digest()).decode()
+        assert f"{tag}-src 'sha256-{digest}'" in policy
+    assert not re.search(r"\b(src|href)=|https://|@import|\burl\(", text)
+
+
+def test_page_has_the_trace_the_library_and_the_truth(
+    trace: Path, tmp_path: Path
+) -> None:
+    data = viewed(str(trace), output=tmp_path / "shift.html")
+    assert data["trace-0"] == trace.read_bytes()
+    more = more_of(data)
+    assert more["note"] == ""
+    rap = more["raps"]["stay-until-charged"]
+    text = more["sources"][rap["file"]].split("\n")
+    assert text[rap["rows"][0] - 1].startswith("(define-rap (stay-until-charged)")
+    method = more["raps"]["fetch"]["methods"]["from-a-store"]
+    assert method["claims"] == ["wheels"]
+    for tag, (first, _) in method["steps"].items():
+        assert f"({tag} " in more["sources"][method["file"]].split("\n")[first - 1]
+
+
+def test_page_of_a_library_that_is_run_has_the_same_trace(
+    trace: Path, tmp_path: Path
+) -> None:
+    data = viewed(COURIER, *SHIFT, "--seed", "1", output=tmp_path / "page.html")
+    assert data["trace-0"] == trace.read_bytes()
+
+
+def test_page_of_a_report_has_the_trace_of_the_run(trace: Path, tmp_path: Path) -> None:
+    report = str(tmp_path / "shift.bug")
+    assert rapc("bug", str(trace), "-o", report).returncode == 0
+    data = viewed(report, output=tmp_path / "page.html")
+    assert data["trace-0"].splitlines()[1:] == trace.read_bytes().splitlines()[1:]
+
+
+@pytest.mark.slow
+def test_page_of_a_long_run_has_all_events(tmp_path: Path) -> None:
+    """The log of a history drops the oldest events of a long run."""
+    run = ("stdlib/truck", "--world", "truck", "--agenda", "nine-orders")
+    more = ["--task", "(fill-order red 4 factory-2)"] * 9
+    data = viewed(*run, *more, output=tmp_path / "page.html")
+    lines = data["trace-0"].splitlines()
+    assert len(lines) > 60_000
+    assert [json.loads(line)["n"] for line in lines] == [*range(len(lines))]
+
+
+def test_wrong_beliefs_of_the_hallway_are_in_the_page(tmp_path: Path) -> None:
+    run = ("stdlib/hallway", "--world", "hallway", "--agenda", "errand")
+    data = viewed(*run, "--seed", "3", output=tmp_path / "page.html")
+    events = [json.loads(line) for line in data["trace-0"].splitlines()]
+    for one in more_of(data)["beliefs"]:
+        assert events[one["n"]]["event"] in ("task-selected", "run-ended")
+        assert one["fact"].startswith("(")
+
+
+def test_text_of_the_run_is_not_in_the_markup(tmp_path: Path) -> None:
+    events = [
+        {"event": "run-started", "format": 2, "spec": {"library": "</script><b>x"}},
+        {"event": "task-created", "task": 1, "goal": "<img src=x onerror=alert(1)>"},
+    ]
+    lines = [{**one, "n": n, "cycle": 0, "time": 0} for n, one in enumerate(events)]
+    file = tmp_path / "odd.jsonl"
+    file.write_text("".join(json.dumps(line) + "\n" for line in lines))
+    output = tmp_path / "odd.html"
+    done = rapc("view", str(file), "-o", str(output))
+    assert done.returncode == 0
+    text = output.read_text(encoding="utf-8")
+    assert "onerror" not in text
+    assert text.count("<b>") == 0
+    assert data_of(text)["trace-0"] == file.read_bytes()
+
+
+def test_changed_library_is_not_in_the_page(trace: Path, tmp_path: Path) -> None:
+    text = trace.read_text().replace('"digest":"', '"digest":"0', 1)
+    changed = tmp_path / "changed.jsonl"
+    changed.write_text(text)
+    output = tmp_path / "page.html"
+    done = rapc("view", str(changed), "-o", str(output))
+    assert "the library has changed since the recording" in done.stderr
+    more = more_of(data_of(output.read_text(encoding="utf-8")))
+    assert (more["sources"], more["raps"]) == ({}, {})
+
+
+def test_two_runs_are_compared(trace: Path, tmp_path: Path) -> None:
+    slow = tmp_path / "slow"
+    slow.mkdir()
+    for file in Path(COURIER).glob("*.rap"):
+        text = file.read_text().replace("(>= ?level 90)", "(> ?level 100)")
+        (slow / file.name).write_text(text)
+    output = tmp_path / "page.html"
+    data = viewed(str(trace), "--compare", str(slow), output=output)
+    found = json.loads(data["comparison"])
+    assert found["lines"][0] == "time: before 831, after 1118 (+34.5 %)"
+    assert len(found["rows"]) > 3
+    for name, first in zip(("trace-0", "trace-1"), found["first"], strict=True):
+        event = json.loads(data[name].splitlines()[first])
+        assert event["event"] in ("task-selected", "method-chosen")
+
+
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [
+        (("{trace}", "--seed", "2"), "cannot change the start of a recorded run"),
+        ((COURIER, "--world", "courier"), "missing --task or --agenda"),
+        (("none.jsonl",), "cannot read `none.jsonl`"),
+        (("{trace}", "-o", "{trace}"), "is an input of the command"),
+        (("{trace}", "-o", "x.rap"), "is the suffix of a RAP file"),
+    ],
+)
+def test_wrong_use_ends_with_an_error(
+    trace: Path, args: tuple[str, ...], said: str
+) -> None:
+    done = rapc("view", *(one.replace("{trace}", str(trace)) for one in args))
+    assert done.returncode == 2
+    assert said in done.stderr
