@@ -476,6 +476,16 @@ class FactErased(Event, frozen=True, kw_only=True):
     by: str
 
 
+class Pictured(Event, frozen=True, kw_only=True):
+    """The world's picture has changed; only with the setting `rapc.pictures`.
+
+    `changed` has the parts that changed, as a JSON merge patch (RFC 7396); the first
+    event has the whole picture.
+    """
+
+    changed: dict[str, Any]
+
+
 class ResourceChanged(Event, frozen=True, kw_only=True):
     """A step changed a set or counter; `what` is the change and the new value."""
 

@@ -43,6 +43,7 @@ from rapc.base.pictures import (
     Plan,
     Reckoning,
     Spot,
+    Stand,
     Thing,
 )
 from rapc.base.values import Atom, Fact, Number, Text
@@ -84,6 +85,7 @@ __all__ = (
     "SimpleWorld",
     "Skilled",
     "Spot",
+    "Stand",
     "Text",
     "Thing",
     "Time",

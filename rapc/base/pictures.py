@@ -2,12 +2,15 @@
 
 A picture has the truth and the prefixes of the facts that memory would hold. A reader
 of pictures can compare both, and the world needs no access to memory.
+
+Pictures that follow each other are written as changes: the form is a JSON merge patch
+(RFC 7396), in which null removes a key.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import msgspec
 
@@ -94,6 +97,14 @@ class Mark(msgspec.Struct, frozen=True):
     believed: tuple[Atom | None, ...] = ()
 
 
+class Stand(msgspec.Struct, frozen=True):
+    """The pose on a plan in front of a landmark of a space."""
+
+    landmark: str
+    space: str
+    pose: Pose
+
+
 class Reckoning(msgspec.Struct, frozen=True):
     """The transformation from the robot's frame of odometry to a plan.
 
@@ -108,7 +119,7 @@ class Reckoning(msgspec.Struct, frozen=True):
     #: The prefix of the fact with the robot's space.
     area: Fact
     #: The pose on the plan in front of each landmark of each space.
-    stands: Mapping[tuple[str, str], Pose]
+    stands: tuple[Stand, ...]
 
 
 class Plan(msgspec.Struct, frozen=True):
@@ -149,3 +160,63 @@ class Picture(msgspec.Struct, frozen=True):
     gauges: tuple[Gauge, ...] = ()
     plan: Plan | None = None
     said: str = ""
+
+
+# --- pictures as plain data -----------------------------------------------------------
+
+_DIGITS = 3
+"""The digits after the point in the numbers of a plan: millimetres."""
+
+
+def plain(picture: Picture) -> dict[str, Any]:
+    """Return a picture as a JSON object, without keys whose value is None."""
+    found: dict[str, Any] = _without_none(msgspec.to_builtins(picture))
+    if "plan" in found:
+        found["plan"] = _rounded(found["plan"])
+    return found
+
+
+def from_plain(data: Mapping[str, Any]) -> Picture:
+    """Return the picture in a JSON object; raise ValueError for invalid data."""
+    return msgspec.convert(data, Picture)
+
+
+def change(before: Mapping[str, Any], after: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the merge patch that changes an object into another."""
+    found: dict[str, Any] = dict.fromkeys(key for key in before if key not in after)
+    for key, value in after.items():
+        old = before.get(key)
+        if isinstance(old, Mapping) and isinstance(value, Mapping):
+            if inner := change(old, value):
+                found[key] = inner
+        elif key not in before or old != value:
+            found[key] = value
+    return found
+
+
+def changed(before: Mapping[str, Any], patch: Mapping[str, Any]) -> dict[str, Any]:
+    """Return an object after a merge patch."""
+    found = dict(before)
+    for key, value in patch.items():
+        if value is None:
+            found.pop(key, None)
+        elif isinstance(value, Mapping):
+            old = found.get(key)
+            found[key] = changed(old if isinstance(old, Mapping) else {}, value)
+        else:
+            found[key] = value
+    return found
+
+
+def _without_none(data: Any) -> Any:
+    if isinstance(data, dict):
+        return {k: _without_none(v) for k, v in data.items() if v is not None}
+    return data
+
+
+def _rounded(data: Any) -> Any:
+    if isinstance(data, float):
+        return round(data, _DIGITS)
+    if isinstance(data, dict):
+        return {key: _rounded(value) for key, value in data.items()}
+    return [_rounded(one) for one in data] if isinstance(data, list | tuple) else data

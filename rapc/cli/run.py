@@ -47,6 +47,7 @@ from rapc.runtime.events.trace import JsonTrace, TextTrace
 from rapc.runtime.held_world import HeldWorld
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.task_request import TaskRequest
+from rapc.spec import RunSpec
 from rapc.world import Drawable, Picture, Time, World
 
 EXAMPLES = """\b
@@ -83,6 +84,11 @@ _MOST_TOLD = 60_000
     help="Format of the trace file.",
 )
 @click.option(
+    "--trace-pictures",
+    is_flag=True,
+    help="Add the changes of the world's picture to the trace.",
+)
+@click.option(
     "--save",
     type=click.Path(dir_okay=False),
     metavar="FILE",
@@ -112,6 +118,7 @@ def run(
     until: float | None,
     trace: str | None,
     trace_format: str,
+    trace_pictures: bool,
     save: str | None,
     kept: str | None,
     show: bool,
@@ -128,6 +135,10 @@ def run(
 
     A foreground task that never ends keeps the run going until the time of --until.
     Without --until, a note on standard error names the task.
+
+    With --trace-pictures, the trace has an event `pictured` for each change of the
+    world's picture. `rapc view` needs these events only for a world that it cannot
+    make again.
 
     With --save, the run stops before the first cycle at or after the time of --until.
     A test can begin in the saved state.
@@ -149,10 +160,13 @@ def run(
     library = load_checked(path)
     end = end_time(until)
     spec = read_spec(world_name, until=end, **more)
+    if trace_pictures:
+        spec = _with_pictures(spec, trace is not None and trace_format == "jsonl")
     interpreter = prepared(library, spec, world_name)
     world = interpreter.world
     _tell_what_ends_it(interpreter.first_tasks, library.library, end)
-    drawn = _drawable(interpreter.port, world_name) if show else None
+    wanted = show or trace_pictures
+    drawn = _drawable(interpreter.port, world_name) if wanted else None
     if save is not None:
         told = "is a source file of the library"
         refuse_output("--save", save, SAVED_STATE, (library.library.files, told))
@@ -171,7 +185,7 @@ def run(
             interpreter.listen(
                 known.append, *(OF_DECISIONS if settings().quiet else OF_GOALS)
             )
-            if drawn is not None:
+            if show and drawn is not None:
                 _show(stack, interpreter, drawn, show_every or 0)
             else:
                 interpreter.listen(_tell_deadlock, Deadlock)
@@ -207,6 +221,13 @@ def _explain(known: Iterable[Event], interpreter: Interpreter) -> None:
             shown = msgspec.structs.replace(answer, lines=(title,), notes=())
             width, color = width_of(sys.stdout), settings().colored()
             click.echo(draw(shown, width, color=color), nl=False)
+
+
+def _with_pictures(spec: RunSpec, traced: bool) -> RunSpec:
+    """Return the spec of a run whose trace has pictures."""
+    if not traced:
+        raise click.UsageError("--trace-pictures requires --trace, in jsonl")
+    return msgspec.structs.replace(spec, settings={**spec.settings, "pictures": True})
 
 
 def _keeping(file: str | None) -> Callable[[Interpreter, str], None]:

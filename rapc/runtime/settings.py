@@ -39,6 +39,8 @@ class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     patience: _Cost = 3600
     #: Whether handlers are checked against their declarations.
     strict: bool = False
+    #: Whether the trace has each change of the world's picture (`pictured`).
+    pictures: bool = False
 
     def named(self, names: Iterable[str] | None = None) -> dict[str, Plain]:
         """Return the values by the names of the command line (`futile-limit`).
@@ -55,6 +57,7 @@ _TAKES = {
     "cycle-cost": "0 or more",
     "patience": "0 or more",
     "strict": "true or false",
+    "pictures": "true or false",
 }
 """The parsers of settings that are no whole numbers from 1."""
 

@@ -292,3 +292,28 @@ def test_deadlock_in_a_living_world_is_reported_and_ends_the_run(
     assert done.stderr == f"note: deadlock at time 10: {circle}\n"
     assert done.stdout.startswith("Run over (stuck: no cycle in 50 waits (`rapc.idle-")
     assert f"Left over:\n  deadlock: {circle}\n" in done.stdout
+
+
+def test_pictures_in_a_trace_require_a_trace_and_a_picture(tmp_path: Path) -> None:
+    given = ("run", str(ROCKS), "--world", "truck", "--task", "(rock-order red 1)")
+    trace = tmp_path / "run.jsonl"
+    done = rapc(*given, "-q", "--trace", str(trace), "--trace-pictures")
+    assert done.returncode == 0
+    told = [json.loads(line) for line in trace.read_text().splitlines()]
+    assert told[0]["spec"]["settings"]["pictures"] is True
+    pictured = [one["changed"] for one in told if one["event"] == "pictured"]
+    assert len(pictured) > 5
+    assert {"here", "spots", "roads", "gauges"} <= pictured[0].keys()
+    assert rapc(*given, "--trace-pictures").returncode == 2
+    text = ("--trace", str(trace), "--trace-format", "text", "--trace-pictures")
+    assert "requires --trace, in jsonl" in rapc(*given, *text).stderr
+
+
+def test_pictures_of_a_world_without_a_picture_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "beds.rap").write_text(LIBRARY)
+    (tmp_path / "beds.py").write_text(WORLD)
+    given = ("run", "beds.rap", "--world", "beds:Bed", "--task", "(doze)")
+    more = ("--trace", "run.jsonl", "--trace-pictures")
+    done = rapc(*given, *more, cwd=tmp_path)
+    assert done.returncode == 2
+    assert "it has no `picture` method" in done.stderr

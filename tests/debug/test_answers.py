@@ -15,8 +15,10 @@ from rapc.debug.history import History
 from rapc.debug.questions.why import why
 from rapc.debug.questions.why_not import why_not
 from rapc.errors import StateError
+from rapc.events import Pictured
 from rapc.runtime.answers import RecordedWorld
 from rapc.runtime.interpreter import Interpreter
+from rapc.runtime.settings import Settings
 from rapc.runtime.task_request import read_task_request
 from rapc.spec import RunSpec
 from rapc.world import OPTIONAL, Fact, Savable, World, Wrapper, methods_of
@@ -104,6 +106,18 @@ def test_every_moment_is_reached_again_without_the_machine() -> None:
     assert [*session.scan()] == events
     assert world.asked == asked
     assert len(states) > 300
+
+
+def test_pictures_of_the_past_come_from_the_kept_answers() -> None:
+    session, _ = _session(settings=Settings(pictures=True))
+    session.go()
+    told = [*session.scan(Pictured)]
+    session.goto(session.cycle // 2)
+    half = [*session.scan(Pictured)]
+    session.go()
+    assert 10 < len(half) < len(told)
+    assert half == told[: len(half)]
+    assert [*session.scan(Pictured)] == told
 
 
 def test_stops_at_arrivals_ask_the_machine_nothing_more() -> None:

@@ -12,7 +12,7 @@ from rapc.console.show.canvas import Dots
 from rapc.console.show.frame import Activity, draw_frame
 from rapc.console.show.plan import Drawing, believed_pose, draw_plan, legend
 from rapc.library.loader import load_text
-from rapc.world import Area, Door, Gauge, Mark, Picture, Plan, Reckoning, Spot
+from rapc.world import Area, Door, Gauge, Mark, Picture, Plan, Reckoning, Spot, Stand
 from tests.memory.bench import MemoryBench
 
 WORDS = """
@@ -43,7 +43,7 @@ FLAT = Plan(
         ("place",),
         ("counted",),
         ("room", "robot"),
-        {("clock", "hall"): (1, 2, math.pi)},
+        (Stand("clock", "hall", (1, 2, math.pi)),),
     ),
 )
 PICTURE = Picture(

@@ -216,7 +216,8 @@ def believed_pose(reckoning: Reckoning | None, memory: MemoryView) -> Pose | Non
     space = _believed_space(reckoning, memory)
     if reckoning is None or place is None or origin is None or space is None:
         return None
-    stands = reckoning.stands.get((str(origin[0]), str(space)))
+    at = str(origin[0]), str(space)
+    stands = {(one.landmark, one.space): one.pose for one in reckoning.stands}.get(at)
     counted, now = _numbers(origin[1:]), _numbers(place)
     if stands is None or counted is None or now is None:
         return None

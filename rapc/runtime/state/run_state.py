@@ -44,6 +44,7 @@ class RunState:
         "received": bool,
         "until": Time | None,
         "past_until": bool,
+        "picture": str,
         "started": bool,
         "over": LEFT_OUT,
         "reason": str | None,
@@ -93,6 +94,8 @@ class RunState:
         self.until: Time | None = None
         #: Whether the world's clock has passed `until`.
         self.past_until = False
+        #: The last picture in the trace, as JSON; empty before the first.
+        self.picture = ""
         #: Whether the run has begun, whether it is over, and the reason.
         self.started = False
         self.over = False

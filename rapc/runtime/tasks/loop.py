@@ -11,12 +11,13 @@ import heapq
 import sys
 
 from rapc.base.values import number
+from rapc.runtime.pictures import tell_picture
 from rapc.runtime.run import Run
 from rapc.runtime.tasks.cycle import run_cycle
 from rapc.runtime.tasks.hold_things import resume_skills
 from rapc.runtime.tasks.messages import take_in
 from rapc.runtime.tasks.start import create_top, release
-from rapc.world import NOT_KNOWN, Time
+from rapc.world import NOT_KNOWN, Drawable, Time
 
 
 def run_loop(  # noqa: PLR0912, PLR0915  # calls in each pass cost time
@@ -56,6 +57,8 @@ def run_loop(  # noqa: PLR0912, PLR0915  # calls in each pass cost time
     ) = run.read_by_loop
     off, cycle = state.activations.off, recorder.cycle
     clock, receive = port.clock, port.receive
+    pictures = run.settings.pictures and recorder.on
+    drawn = port if pictures and isinstance(port, Drawable) else None
     # In each pass, the loop queries a world that may end the run by itself.
     may_end = port.may_end
     last = -1 if most is None else cycle + most
@@ -86,6 +89,8 @@ def run_loop(  # noqa: PLR0912, PLR0915  # calls in each pass cost time
                 if messages or off or messages is None:
                     run.arrived |= bool(messages)
                     take_in(run, port.listed(messages))
+            if drawn is not None:
+                tell_picture(run, drawn)
             look = monitors.next_look
             if (
                 to_test

@@ -20,9 +20,9 @@ from rapc.base.pictures import (
     Picture,
     Plan,
     Point,
-    Pose,
     Reckoning,
     Spot,
+    Stand,
 )
 from rapc.worlds.hallway import channels
 from rapc.worlds.hallway.channels import SONAR
@@ -124,12 +124,13 @@ def _doors(simulation: Simulation, floor: int) -> Iterator[Door]:
 
 
 def _reckoning(simulation: Simulation, floor: int) -> Reckoning:
-    stands: dict[tuple[str, str], Pose] = {}
+    stands = []
     for sign in simulation.signs:
         if sign.floor == floor:
             facing = math.remainder(sign.normal + math.pi, math.tau)
-            stands[sign.landmark, sign.space] = (*sign.front(STANDOFF), facing)
-    return Reckoning(("orientation", "robot"), ("base",), _SPACE, stands)
+            pose = (*sign.front(STANDOFF), facing)
+            stands.append(Stand(sign.landmark, sign.space, pose))
+    return Reckoning(("orientation", "robot"), ("base",), _SPACE, tuple(stands))
 
 
 def _echoes(simulation: Simulation) -> tuple[Point, ...]:
