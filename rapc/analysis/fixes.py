@@ -22,7 +22,7 @@ from itertools import groupby
 import msgspec
 
 from rapc.analysis.driver import CheckReport, Finding
-from rapc.base.diagnostics import Applicability, Fix, Severity
+from rapc.base.diagnostics import Applicability, Fix, Severity, edited
 from rapc.base.source import Span
 from rapc.parser.rules.table import RULES
 from rapc.parser.rules.text import TEXT_RULES
@@ -155,15 +155,10 @@ def _applied(fixes: Iterable[Fix], report: CheckReport) -> dict[str, str]:
         (edit for fix in fixes for edit in fix.edits),
         key=lambda edit: (edit.span.file, edit.span.start),
     )
-    texts = {}
-    for file, group in groupby(edits, key=lambda edit: edit.span.file):
-        text, at = report.files[file].text, 0
-        pieces = []
-        for edit in group:
-            pieces += [text[at : edit.span.start], edit.content]
-            at = edit.span.end
-        texts[file] = "".join([*pieces, text[at:]])
-    return texts
+    return {
+        file: edited(report.files[file].text, group)
+        for file, group in groupby(edits, key=lambda edit: edit.span.file)
+    }
 
 
 def _is_better(

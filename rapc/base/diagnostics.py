@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import enum
 import re
+from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple
 
@@ -43,6 +44,15 @@ class Edit(msgspec.Struct, frozen=True):
 
     span: Span
     content: str
+
+
+def edited(text: str, edits: Iterable[Edit]) -> str:
+    """Return the text of a file after edits of the file that do not overlap."""
+    pieces, at = [], 0
+    for edit in sorted(edits, key=lambda edit: edit.span.start):
+        pieces += [text[at : edit.span.start], edit.content]
+        at = edit.span.end
+    return "".join([*pieces, text[at:]])
 
 
 class Applicability(enum.Enum):
