@@ -41,17 +41,21 @@ def check_files(
 
 
 def loaded_libraries(
-    paths: Iterable[str], texts: Mapping[str, str] | None, parser: Parse
+    paths: Iterable[str],
+    texts: Mapping[str, str] | None,
+    parser: Parse,
+    names: Names | None = None,
 ) -> Iterator[Loaded]:
     """Yield the library of all files, then a library for each test file.
 
-    For the arguments and errors see `check_files`.
+    For the arguments and errors see `check_files`; `names` are the names of files,
+    shared by several libraries.
     """
     given = list(dict.fromkeys(paths))
     named = [path for path in given if path.endswith(TEST_SUFFIX)]
     others = [path for path in given if path not in named]
     folders = [path for path in others if os.path.isdir(path_of(path))]
-    names: Names = {}
+    names = {} if names is None else names
     yield loader.load(others, texts=texts, parser=parser, names=names)
     for sources in alike(loader.read_tests([*named, *folders], texts), parser):
         yield from load_tests(sources, texts, parser, names).libraries

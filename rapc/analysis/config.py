@@ -57,6 +57,9 @@ class Config(
     baseline: str | None = None
     #: A key without effect, accepted in configurations of earlier versions.
     cache_dir: str | None = None
+    #: The files and folders that are one library each, relative to the configuration;
+    #: None to find the libraries by `require`.
+    libraries: tuple[str, ...] | None = None
     #: Modules with worlds that tests may name; `rapc check` imports no module.
     world_modules: tuple[str, ...] = ()
 

@@ -101,9 +101,33 @@ def check_libraries(
     for one, _ in checked:
         forms = one.library.forms
         raps |= Counter(f.span.file for f in forms if isinstance(f, nodes.DefineRap))
+    return _report(_merged(checked, paths), files, raps)
+
+
+def merged_reports(reports: Sequence[CheckReport]) -> CheckReport:
+    """Return the report on libraries that share files, with the findings of each.
+
+    A suppression is unused if it is unused in every library that holds its file.
+    """
+    files = {name: file for one in reports for name, file in one.files.items()}
+    raps = {name: count for one in reports for name, count in one.raps_in.items()}
+    found: dict[_Key, Finding] = {}
+    for report in reports:
+        for one in report.findings:
+            file = one.diagnostic.span.file
+            if one.rule.name != suppressions.UNUSED.name or all(
+                one in other.findings for other in reports if file in other.files
+            ):
+                found.setdefault(_key(one.diagnostic), one)
+    return _report(found.values(), files, raps)
+
+
+def _report(
+    found: Iterable[Finding], files: Mapping[str, SourceFile], raps: Mapping[str, int]
+) -> CheckReport:
     order = {name: at for at, name in enumerate(files)}
-    found = sorted(_merged(checked, paths), key=lambda one: _order_of(order, one))
-    return CheckReport(tuple(found), files, raps)
+    kept = sorted(found, key=lambda one: _order_of(order, one))
+    return CheckReport(tuple(kept), files, raps)
 
 
 @gc_paused()

@@ -6,6 +6,7 @@ config, baseline); `rapc.console` formats them (findings, formats).
 
 from __future__ import annotations
 
+import os
 from collections.abc import Container, Mapping
 from pathlib import Path
 from typing import Any
@@ -54,13 +55,14 @@ _SETTLED = "configures the report"
 
 
 @command(EXAMPLES)
-@click.argument("paths", metavar="PATH...", type=click.Path(), nargs=-1, required=True)
+@click.argument("paths", metavar="[PATH...]", type=click.Path(), nargs=-1)
 @options_of(Options)
 def check(**given: Any) -> None:
     """Check RAP libraries: files, folders with RAP files, or - for standard input.
 
-    All paths together are one library, with the files that they require. Each test
-    file is checked by itself, with the files that the test file requires. RULES are
+    All paths together are one library, with the files that they require. Without a
+    path, the libraries of the working directory are checked. Each test file is
+    checked by itself, with the files that the test file requires. RULES are
     names or codes of rules, separated by commas (see `rapc rule`). Options override
     the configuration, which is a `rapc.toml` or `[tool.rapc]` in a pyproject.toml.
 
@@ -73,7 +75,7 @@ def check(**given: Any) -> None:
         from rapc.cli.watch import watch
 
         units = Units()
-        watch(options.paths, lambda: _run(options, units).report.files)
+        watch(options.paths or (os.curdir,), lambda: _run(options, units).report.files)
         return
     try:
         done = _run(_with_input(options), Units())
@@ -136,11 +138,23 @@ def _run(options: Options, units: Units) -> Done:
 
 
 def _checked(options: Options, chosen: Chosen, units: Units) -> CheckReport:
-    report = check_files(options.paths, chosen.selection, options.texts, parser=units)
+    report = _report(options, chosen, options.texts, units)
     for name in report.files:
         say(f"read {name}")
     say(f"ran {len(registry.checks())} checks")
     return report
+
+
+def _report(
+    options: Options, chosen: Chosen, texts: Mapping[str, str], units: Units
+) -> CheckReport:
+    """Check the paths, or without a path the libraries of the working directory."""
+    if options.paths:
+        return check_files(options.paths, chosen.selection, texts, parser=units)
+    from rapc.analysis.libraries import check_workspace
+
+    here, selection = os.curdir, chosen.selection
+    return check_workspace(here, chosen.configured, selection, texts, parser=units)
 
 
 def _tell(
@@ -161,7 +175,7 @@ def _tell(
     if chosen.baseline is not None:
         report, known = _without_known(report, chosen.baseline)
     if options.output_file is not None:
-        settled = (chosen.configured_by, chosen.baseline)
+        settled = (chosen.configured.file, chosen.baseline)
         inputs = (report.files, _OF_LIBRARY), (settled, _SETTLED)
         refuse_output("--output-file", options.output_file, FINDINGS, *inputs)
         text = findings_text(report, chosen.format, options.statistics)
@@ -193,7 +207,7 @@ def _note(report: CheckReport, file: str, chosen: Chosen) -> Done:
     """Write a baseline; an existing baseline may be replaced."""
     from rapc.analysis import baseline
 
-    inputs = (report.files, _OF_LIBRARY), ([chosen.configured_by], _SETTLED)
+    inputs = (report.files, _OF_LIBRARY), ([chosen.configured.file], _SETTLED)
     refuse_output("--write-baseline", file, BASELINE, *inputs)
     write_output(file, baseline.baseline_text(report, file).encode())
     if not settings().quiet:
@@ -213,13 +227,13 @@ def _mend(options: Options, chosen: Chosen, units: Units) -> Done:
 
     def check(texts: Mapping[str, str]) -> CheckReport:
         texts = {**options.texts, **texts}
-        report = check_files(options.paths, chosen.selection, texts, parser=units)
+        report = _report(options, chosen, texts, units)
         for name, source in report.files.items():
             before.setdefault(name, source.text)
         return report
 
     def allowed(name: str) -> bool:
-        return any(lies_in(name, path) for path in options.paths)
+        return any(lies_in(name, path) for path in options.paths or (os.curdir,))
 
     mended = fixes.mend(check, allowed, unsafe=options.unsafe_fixes)
     changed = {n: t for n, t in mended.texts.items() if t != before[n]}

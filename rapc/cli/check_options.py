@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any
@@ -89,8 +90,8 @@ class Chosen(msgspec.Struct, frozen=True):
     fail_level: Severity
     #: The baseline file, if any.
     baseline: Path | None
-    #: The configuration file that was read, if any.
-    configured_by: Path | None
+    #: The configuration; its file is None if there is none.
+    configured: Configured
 
 
 def settle(options: Options) -> Chosen:
@@ -127,7 +128,7 @@ def settle(options: Options) -> Chosen:
         shape,
         Severity[level.upper()],
         baseline,
-        found.file,
+        found,
     )
 
 
@@ -136,7 +137,7 @@ def _configured(options: Options) -> Configured:
     if options.isolated:
         return Configured()
     if options.config is None:
-        return nearest_config(options.paths[0])
+        return nearest_config(options.paths[0] if options.paths else os.curdir)
     from rapc.analysis.config_file import read_config
 
     found = read_config(Path(options.config))

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 import msgspec
@@ -35,6 +36,7 @@ from rapc.base.files import (
 from rapc.base.gc_paused import gc_paused
 from rapc.base.names import nearest
 from rapc.base.source import SourceFile
+from rapc.errors import LoadError
 from rapc.ir import nodes
 from rapc.ir.nodes import DefineTest
 from rapc.library import library
@@ -185,6 +187,40 @@ def read_tests(
             if identity_of(file) not in seen:
                 seen.add(identity_of(file))
                 yield SourceFile(name, read_text(file))
+
+
+@gc_paused()
+def required_files(
+    path: str,
+    texts: Mapping[str, str] | None = None,
+    parser: Parse = parse,
+    names: Names | None = None,
+) -> Mapping[str, tuple[str, ...]]:
+    """Return the files that each file below a folder requires; tests are included.
+
+    The result has the files that are required from outside of the folder, too. A file
+    that cannot be read requires no file.
+
+    Raises:
+        LoadError: if the folder cannot be read.
+    """
+    reading = _Reading(tests=False, texts=texts, parser=parser, names=names)
+    for name in names_at(path, tests=True):
+        with suppress(LoadError):
+            reading.read_all([name])
+    found = reading.finish().required
+    return {name: found.get(name, ()) for name in reading.seen.values()}
+
+
+def names_below(path: str) -> Names:
+    """Return the names of the files below a folder, for loads that share the files.
+
+    A file that is also part of a standard library keeps its name below the folder.
+
+    Raises:
+        LoadError: if the folder cannot be read.
+    """
+    return {identity_of(path_of(name)): name for name in names_at(path, tests=True)}
 
 
 @gc_paused()
