@@ -133,6 +133,9 @@ class Kit(msgspec.Struct, frozen=True):
     #: Comparators `(one, other)` or `(one, other, memory)` of descriptions, by name
     #: [T A.5]: each returns a number, 0 or less if the two cannot be the same item.
     comparators: Callables = {}
+    #: Called with the memory and the seconds for which no process ran the run, after a
+    #: run in a world that cannot be saved was resumed (`rapc run --resume`).
+    resumed: Callable[[HandlerMemory, Number], object] | None = None
 
     def __post_init__(self) -> None:
         """Validate the fields; raise TypeError."""

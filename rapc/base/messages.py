@@ -102,3 +102,10 @@ class Lost(msgspec.Struct, frozen=True, tag=True):
 
 
 Message = Datum | Signal | Finished | Lost
+
+
+class Resumed(msgspec.Struct, frozen=True, tag=True):
+    """The first message after a run was resumed, put before those of the world."""
+
+    #: The time in seconds for which no process ran the run.
+    seconds: Number

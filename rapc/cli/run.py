@@ -9,14 +9,14 @@ from contextlib import ExitStack, contextmanager
 from functools import partial
 from itertools import chain
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any, TextIO, get_type_hints
 
 import click
 import msgspec
 
 from rapc.analysis.facts.effects import endless, reached
 from rapc.base.interrupts import interrupts_held
-from rapc.base.outputs import SAVED_STATE, TRACE
+from rapc.base.outputs import SAVED_STATE
 from rapc.base.values import format_list, readable, readable_numbers
 from rapc.base.visible import visible, visible_lines
 from rapc.cli.common import (
@@ -26,7 +26,8 @@ from rapc.cli.common import (
     width_of,
     write_output,
 )
-from rapc.cli.options import WholeNumber, command, fail, settings
+from rapc.cli.durable import Begun, Course, JournalOptions, Resumed, refuse_trace
+from rapc.cli.options import WholeNumber, command, fail, options_of, settings
 from rapc.cli.run_options import (
     end_time,
     prepared,
@@ -48,7 +49,7 @@ from rapc.runtime.held_world import HeldWorld
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.task_request import TaskRequest
 from rapc.spec import RunSpec
-from rapc.world import Drawable, Picture, Time, World
+from rapc.world import Drawable, Picture, Time
 
 EXAMPLES = """\b
 Examples:
@@ -59,6 +60,8 @@ Examples:
       --fault '(arm-grasp ?arm ?thing) arm-dropped p=0.3 from=100 until=200'
   rapc run my.rap --world truck --set truck.fuel=20 --set rapc.futile-limit=3 \\
       --task '(patrol) :priority 4' --until 500
+  rapc run rocks.rap --world truck --agenda deliveries --journal day-1
+  rapc run --resume day-1
 """
 
 
@@ -69,8 +72,8 @@ _MOST_TOLD = 60_000
 
 
 @command(EXAMPLES)
-@click.argument("path", type=click.Path())
-@click.option("--world", "world_name", required=True, help="World to run against.")
+@click.argument("path", required=False, type=click.Path())
+@click.option("--world", "world_name", help="World to run against.")
 @run_options
 @until_option
 @click.option(
@@ -112,9 +115,10 @@ _MOST_TOLD = 60_000
     metavar="N",
     help="Print every Nth frame if --show writes to a file or pipe.",
 )
+@options_of(JournalOptions)
 def run(
-    path: str,
-    world_name: str,
+    path: str | None,
+    world_name: str | None,
     until: float | None,
     trace: str | None,
     trace_format: str,
@@ -147,59 +151,127 @@ def run(
     method that a problem solver has found, also after Ctrl-C. A run of FILE has these
     methods from the start.
 
+    With --journal, the run can be resumed after the end of its process: `rapc run
+    --resume FOLDER` continues the run and its trace. FOLDER names the world, whose code
+    is run: resume only journals that you trust.
+
     Exit status: 0 if every foreground task succeeded and no background task failed, 1
-    if not, 2 if the run could not start.
+    if not, 2 if the run could not start or its files cannot be written, 3 if a request
+    under way requires --after-crash.
     """
     if show_every is not None and not show:
         raise click.UsageError("--show-every requires --show")
     if save is not None and until is None:
         raise click.UsageError("--save requires --until")
-    if more["agenda"] is None and not more["tasks"]:
-        fail("missing --task or --agenda")
     keep = _keeping(kept)
-    library = load_checked(path)
-    end = end_time(until)
-    spec = read_spec(world_name, until=end, **more)
-    if trace_pictures:
-        spec = _with_pictures(spec, trace is not None and trace_format == "jsonl")
-    interpreter = prepared(library, spec, world_name)
-    world = interpreter.world
-    _tell_what_ends_it(interpreter.first_tasks, library.library, end)
+    traced = trace, trace_format, trace_pictures
+    course = _course(path, world_name, until, save, traced, more)
+    interpreter = course.run
+    files = interpreter.library.library.files
     wanted = show or trace_pictures
-    drawn = _drawable(interpreter.port, world_name) if wanted else None
+    drawn = _drawable(interpreter.port, interpreter.world.name) if wanted else None
     if save is not None:
         told = "is a source file of the library"
-        refuse_output("--save", save, SAVED_STATE, (library.library.files, told))
-    report, mended = RunReport(world.kit.offer.sensors), MendedFailures()
+        refuse_output("--save", save, SAVED_STATE, (files, told))
+    report = RunReport(interpreter.world.kit.offer.sensors)
+    mended = MendedFailures()
+    course.reports = report, mended
     known: deque[Event] = deque(maxlen=_MOST_TOLD)
-    with ExitStack() as stack, _ended_by_interrupts(interpreter):
-        stack.callback(keep, interpreter, path)
+    with ExitStack() as stack, _ended_by_interrupts(course):
+        stack.callback(lambda: keep(course.run, str(path)))
         with interrupts_held():
             if trace is not None:
-                files = (path, *library.library.files)
-                stream = stack.enter_context(_opened(trace, files, world))
-                form = JsonTrace if trace_format == "jsonl" else TextTrace
-                interpreter.listen(form(stream))
+                refuse_trace(trace, [str(path), *files], interpreter.world)
+                if not isinstance(course, Begun):
+                    stream = stack.enter_context(_opened(trace))
+                    form = JsonTrace if trace_format == "jsonl" else TextTrace
+                    interpreter.listen(form(stream))
             interpreter.listen(report, *RunReport.kinds)
             interpreter.listen(mended, *MendedFailures.kinds)
             interpreter.listen(
                 known.append, *(OF_DECISIONS if settings().quiet else OF_GOALS)
             )
-            if show and drawn is not None:
-                _show(stack, interpreter, drawn, show_every or 0)
-            else:
-                interpreter.listen(_tell_deadlock, Deadlock)
-                if not settings().quiet:
-                    interpreter.listen(TextTrace(_Shown(sys.stdout)))
-            interpreter.start()
-        if save is not None and end is not None:
-            _save_at(interpreter, end, save)
-        interpreter.run(until=end)
+            _show_run(stack, interpreter, drawn if show else None, show_every)
+            stack.callback(course.close)
+            course.begin()
+        if save is not None:
+            _save_at(course, save)
+        course.go()
+    _tell_end(course.run, report, mended, known)
+
+
+def _show_run(
+    stack: ExitStack,
+    interpreter: Interpreter,
+    drawn: Callable[[], Picture] | None,
+    show_every: int | None,
+) -> None:
+    """Print or draw the run while it runs, unless -q is set."""
+    if drawn is not None:
+        _show(stack, interpreter, drawn, show_every or 0)
+        return
+    interpreter.listen(_tell_deadlock, Deadlock)
+    if not settings().quiet:
+        interpreter.listen(TextTrace(_Shown(sys.stdout)))
+
+
+def _tell_end(
+    interpreter: Interpreter,
+    report: RunReport,
+    mended: MendedFailures,
+    known: Iterable[Event],
+) -> None:
+    """Print the report; exit with status 1 if a task has failed."""
     for line in chain(report.lines(), _mended(mended), _figures(interpreter)):
         click.echo(visible(line))
     if not all(map(_went_well, interpreter.results())):
         _explain(known, interpreter)
         raise SystemExit(1)
+
+
+def _course(  # the options of `run`
+    path: str | None,
+    world_name: str | None,
+    until: float | None,
+    save: str | None,
+    traced: tuple[str | None, str, bool],
+    more: dict[str, Any],
+) -> Course:
+    """Return the course of a run that can start; an invalid option ends the command.
+
+    Args:
+        path: the library.
+        world_name: the world.
+        until: the time limit.
+        save: the value of `--save`.
+        traced: the values of `--trace`, `--trace-format` and `--trace-pictures`.
+        more: the other options of a run, and those of `JournalOptions`.
+    """
+    given = {name: more.pop(name) for name in get_type_hints(JournalOptions)}
+    trace, trace_format, pictures = traced
+    if given["journal"] is not None and (save or trace_format != "jsonl"):
+        other = "--save" if save else f"--trace-format {trace_format}"
+        raise click.UsageError(f"--journal cannot be used with {other}")
+    if given["resume"] is not None:
+        if any((path, world_name, *more.values(), until, trace, save, pictures)):
+            fail("cannot change the start of a resumed run")
+        return Resumed(given)
+    if path is None:
+        raise click.UsageError("Missing argument 'PATH'.")
+    if world_name is None:
+        raise click.UsageError("Missing option '--world'.")
+    if more["agenda"] is None and not more["tasks"]:
+        fail("missing --task or --agenda")
+    library = load_checked(path)
+    end = end_time(until)
+    spec = read_spec(world_name, until=end, **more)
+    if pictures:
+        spec = _with_pictures(spec, trace is not None and trace_format == "jsonl")
+    interpreter = prepared(library, spec, world_name)
+    _tell_what_ends_it(interpreter.first_tasks, library.library, end)
+    if given["journal"] is not None:
+        return Begun(interpreter, given, end, trace)
+    return Course(interpreter, end)
 
 
 def _explain(known: Iterable[Event], interpreter: Interpreter) -> None:
@@ -243,10 +315,15 @@ def _keeping(file: str | None) -> Callable[[Interpreter, str], None]:
     return partial(keep, file)
 
 
-def _save_at(interpreter: Interpreter, time: Time, file: str) -> None:
-    """Run to a time and write the state; a run that ends before ends the command."""
+def _save_at(course: Course, file: str) -> None:
+    """Run to the end time, write the state and end the run.
+
+    A run that ends before ends the command.
+    """
     from rapc.debug.saved_state import state_file
 
+    interpreter, time = course.run, course.until
+    assert time is not None
     while interpreter.come_to_choice() and interpreter.now < time:
         interpreter.step()
     if interpreter.reason is not None:
@@ -314,12 +391,15 @@ def _went_well(result: TaskResult) -> bool:
 
 
 @contextmanager
-def _ended_by_interrupts(interpreter: Interpreter) -> Iterator[None]:
-    """Let Ctrl-C end the run in the block early, so that it can be reported."""
+def _ended_by_interrupts(course: Course) -> Iterator[None]:
+    """Let Ctrl-C end the run in the block early, so that it can be reported.
+
+    The journal of the run, if any, does not have this end.
+    """
     try:
         yield
     except KeyboardInterrupt:
-        interpreter.end("cancelled")
+        course.cancel()
 
 
 class _Shown:
@@ -337,20 +417,8 @@ class _Shown:
         self._stream.flush()
 
 
-def _opened(trace: str, files: Iterable[str], world: World) -> TextIO:
-    """Open the file of a trace; a file that the run has read ends the command.
-
-    Args:
-        trace: the file to write.
-        files: the files of the library.
-        world: the world of the run, which may be a module of the user.
-    """
-    module = getattr(sys.modules.get(type(world).__module__), "__file__", None)
-    inputs = (
-        (files, "is a source file of the library"),
-        ([module], "is the source file of the world"),
-    )
-    refuse_output("--trace", trace, TRACE, *inputs)
+def _opened(trace: str) -> TextIO:
+    """Open the file of a trace; a file that cannot be opened ends the command."""
     try:
         return Path(trace).open("w", encoding="utf-8")
     except OSError as error:

@@ -171,7 +171,10 @@ def _world_class(name: str | None) -> type[World]:
 
 
 def prepared(
-    library: Program, spec: RunSpec, world_name: str | None = None
+    library: Program,
+    spec: RunSpec,
+    world_name: str | None = None,
+    enclose: Callable[[World], World] = lambda world: world,
 ) -> Interpreter:
     """Return a run of a library that can start; else end the command.
 
@@ -179,6 +182,7 @@ def prepared(
         library: the library.
         spec: the description of the run.
         world_name: the name of the world of the spec, as for `read_spec`.
+        enclose: returns the world in a wrapper, if necessary.
     """
     world: World
     if world_name is None:
@@ -189,7 +193,7 @@ def prepared(
         found = find_world(world_name)
         options = registry.check_options(found, spec.options)
         world = registry.build_world(found, spec.seed, options)
-    world = _with_faults(world, library.library, spec)
+    world = enclose(_with_faults(world, library.library, spec))
     try:
         return Interpreter.prepared(library, world, spec)
     except RefusedError as refused:

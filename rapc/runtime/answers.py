@@ -7,23 +7,38 @@ world are kept. The answers of solvers are always kept.
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from itertools import islice
-from typing import Any, NamedTuple, NoReturn
+from typing import Any, NamedTuple, NoReturn, Protocol
 
 import msgspec
 
+from rapc.base.messages import Resumed
 from rapc.base.resources import Value
 from rapc.base.values import Atom, Fact
 from rapc.errors import StateError
 from rapc.runtime.held_world import MOST_FACTS
-from rapc.world import Message, Picture, Refused, Reply, Time, World, Wrapper
+from rapc.world import (
+    Finished,
+    Lost,
+    Message,
+    Picture,
+    Refused,
+    Reply,
+    Time,
+    World,
+    Wrapper,
+)
 
 Goal = tuple[Value, ...]
 """The name of a RAP and its inputs, as a solver gets them."""
 
 _READINGS = ("now", "messages", "ended")
 """The questions whose answers often say nothing new."""
+
+REQUESTS = ("perform", "activate")
+"""The questions with which the world begins to act, each with a ticket."""
 
 
 class UnknownAnswerError(StateError):
@@ -48,6 +63,19 @@ class Answer(msgspec.Struct, frozen=True):
     told: Any
 
 
+class Store(Protocol):
+    """A store outside of this process, which receives each answer before its use."""
+
+    def asking(self, readings: int, call: str, asked: tuple[Any, ...]) -> None:
+        """Keep a request, before the world receives the request."""
+
+    def keep(self, answer: Answer) -> None:
+        """Keep an answer of the world."""
+
+    def solved(self, cycle: int, goal: Goal, methods: Any) -> None:
+        """Keep the methods of a solver."""
+
+
 class Position(NamedTuple):
     """A position among the answers: the next answer, and the readings before it."""
 
@@ -67,21 +95,41 @@ class Answers:
 
     def __init__(self) -> None:
         self.kept: list[Answer] = []
+        #: The number of answers before those in `kept`, which are no longer known.
+        self.first = 0
         #: The readings after the last kept answer.
         self.readings = 0
         self.position = Position()
         #: The methods from solvers, by the cycle and the goal.
         self.solutions: dict[tuple[int, Goal], Any] = {}
+        #: The methods from solvers that the run has not asked for yet, each with its
+        #: cycle and RAP.
+        self.coming: deque[tuple[int, str, Any]] = deque()
         #: Whether no new answer may be kept, because the run is soon restored.
         self.closed = False
+        #: Receives each new answer; `kept` then ends at the present position.
+        self.store: Store | None = None
+        #: Called with a question at the end of the kept answers, before the world is
+        #: asked; returns whether further answers have been kept.
+        self.at_end: Callable[[str, tuple[Any, ...]], bool] | None = None
+
+    @property
+    def end(self) -> int:
+        """The number of all answers so far."""
+        return self.first + len(self.kept)
 
     def solve(self, cycle: int, goal: Goal, solver: Callable[[], Any]) -> Any:
         """Return the methods of a solver for a goal in a cycle, kept or new."""
         key = cycle, goal
         if key in self.solutions:
             return self.solutions[key]
+        if self.coming and self.coming[0][:2] == (cycle, goal[0]):
+            found = self.solutions[key] = self.coming.popleft()[2]
+            return found
         found = solver()
         if not self.closed:
+            if self.store is not None:
+                self.store.solved(cycle, goal, found)
             self.solutions[key] = found
         return found
 
@@ -98,17 +146,19 @@ class Answers:
                 a question that differs from the kept one.
         """
         at, used, time = self.position
-        is_last = at == len(self.kept)
+        is_last = at == self.end
         if is_last and used == self.readings:
+            if self.at_end is not None and self.at_end(call, asked):
+                return self.ask(call, asked, answer)
             return self._new(call, asked, answer)
-        if used < (self.readings if is_last else self.kept[at].readings):
+        if used < (self.readings if is_last else self.kept[at - self.first].readings):
             if call not in _READINGS:
                 self._refuse(call)
             self.position = Position(at, used + 1, time)
             return {"now": time, "messages": (), "ended": None}[call]
-        kept = self.kept[at]
+        kept = self.kept[at - self.first]
         if (kept.call, kept.asked) != (call, asked):
-            self._refuse(call)
+            self._refuse(call, kept.call)
         told = kept.told
         if isinstance(told, Failed):
             self.position = Position(at + 1, 0, time)
@@ -122,10 +172,13 @@ class Answers:
         if self.closed:
             self._refuse(call)
         at, used, time = self.position
+        if self.store is not None and call in REQUESTS:
+            self.store.asking(used, call, asked)
         try:
             told = answer(*asked)
         except Exception as error:
-            if call != "adjust":  # an act that fails is not repeated
+            # an act that fails is not repeated; a stored run can go on after a repair
+            if call != "adjust" and self.store is None:
                 self._keep(Answer(self.readings, call, asked, Failed(error)), time)
             raise
         empty = isinstance(told, tuple | list) and not told
@@ -141,16 +194,31 @@ class Answers:
         return told
 
     def _keep(self, answer: Answer, time: Time | None) -> None:
-        self.kept.append(answer)
         self.readings = 0
-        self.position = Position(len(self.kept), 0, time)
+        if self.store is None:
+            self.kept.append(answer)
+        else:
+            self.store.keep(answer)
+            self.first = self.end + 1
+            self.kept.clear()
+        self.position = Position(self.end, 0, time)
 
-    def _refuse(self, call: str) -> NoReturn:
+    def _refuse(self, call: str, before: str = "") -> NoReturn:
         """Raise the error for an answer that is not known."""
+        asked = f"was asked `{before}`" if before else "was not asked this"
         raise UnknownAnswerError(
             f"the answer of the world to `{call}` is unknown: the world cannot be "
-            "saved, and was not asked this at this point"
+            f"saved, and {asked} at this point"
         )
+
+
+class _Saved(msgspec.Struct, frozen=True):
+    """The saved state of a recorded world."""
+
+    position: Position
+    requests: dict[int, Fact]
+    skills: dict[int, tuple[tuple[Fact, ...], tuple[str, ...]]]
+    received: int
 
 
 class RecordedWorld(Wrapper):
@@ -166,6 +234,12 @@ class RecordedWorld(Wrapper):
 
     def __init__(self, world: World, answers: Answers) -> None:
         self.answers = answers
+        #: The requests and the activations whose end the run has not received, by
+        #: ticket.
+        self.requests: dict[int, Fact] = {}
+        self.skills: dict[int, tuple[tuple[Fact, ...], tuple[str, ...]]] = {}
+        #: The number of messages of the world that the run has received.
+        self.received = 0
         #: The time to return once: a restored run reads the clock to check it.
         self._restored: Time | None = None
         super().__init__(world)
@@ -205,6 +279,8 @@ class RecordedWorld(Wrapper):
         asked = ticket, request
         told: Reply | Refused | None
         told = self.answers.ask("perform", asked, self.behind.perform)
+        if told is None:
+            self.requests[ticket] = request
         return told
 
     def cancel(self, ticket: int) -> None:
@@ -223,7 +299,17 @@ class RecordedWorld(Wrapper):
     def messages(self) -> Sequence[Message]:
         """Return the messages sent since the preceding call."""
         told: Sequence[Message] = self.answers.ask("messages", (), self.behind.messages)
+        if told:
+            self._take(told)
         return told
+
+    def _take(self, messages: Sequence[Message | Resumed]) -> None:
+        for message in messages:
+            if isinstance(message, Finished | Lost):
+                self.requests.pop(message.ticket, None)
+                self.skills.pop(message.ticket, None)
+        if not isinstance(messages[0], Resumed):  # these are not of the world
+            self.received += len(messages)
 
     def ended(self) -> str | None:
         """Return the reason why the world has ended the run, or None."""
@@ -236,9 +322,12 @@ class RecordedWorld(Wrapper):
         asked = ticket, tuple(skills), tuple(events)
         told: Refused | None
         told = self.answers.ask("activate", asked, self.behind.activate)
+        if told is None:
+            self.skills[ticket] = asked[1:]
         return told
 
     def _deactivate(self, ticket: int) -> None:
+        self.skills.pop(ticket, None)
         self.answers.ask("deactivate", (ticket,), self.behind.deactivate)
 
     def _usual_time(self, request: Fact) -> Time:
@@ -264,7 +353,7 @@ class RecordedWorld(Wrapper):
 
     def _check_present(self, what: str) -> None:
         answers = self.answers
-        end = len(answers.kept), answers.readings
+        end = answers.end, answers.readings
         if answers.position[:2] != end:
             raise StateError(
                 f"the {what} of the world `{self.name}` is known only at the present: "
@@ -272,11 +361,14 @@ class RecordedWorld(Wrapper):
             )
 
     def _save(self) -> bytes:
-        return msgspec.json.encode(self.answers.position)
+        position, requests, skills = self.answers.position, self.requests, self.skills
+        return msgspec.json.encode(_Saved(position, requests, skills, self.received))
 
     def _restore(self, state: bytes) -> None:
-        position = msgspec.json.decode(state, type=Position)
-        if position.at > len(self.answers.kept):
-            raise ValueError("the saved position is beyond the kept answers")
-        self.answers.position = position
-        self._restored = position.time
+        saved = msgspec.json.decode(state, type=_Saved)
+        if not self.answers.first <= saved.position.at <= self.answers.end:
+            raise ValueError("the saved position is not among the kept answers")
+        self.answers.position = saved.position
+        self.requests, self.skills = saved.requests, saved.skills
+        self.received = saved.received
+        self._restored = saved.position.time

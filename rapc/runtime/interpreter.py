@@ -521,6 +521,8 @@ class Interpreter(Run):
             PortError: see `HeldWorld.blame`.
         """
         self.broken = True
+        if self.answers is not None:
+            self.answers.store = None  # a resumed run goes on before the error
         try:
             self.port.blame(error)
         except PortError as told:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping
 
+import msgspec
+
 from rapc import events
 from rapc.base.values import readable
 from rapc.world import OKAY
@@ -41,6 +43,14 @@ OF_GOALS: tuple[type[events.Event], ...] = (
 """The kinds of events that show what kept the goals of a run."""
 
 
+_Mended = tuple[
+    dict[int, str], dict[int, list[str]], dict[int, int], list[tuple[str, str, int]]
+]
+_Counts = tuple[
+    dict[str, int], list[tuple[str, str, int]], dict[str, int], dict[str, int]
+]
+
+
 class MendedFailures:
     """A listener that counts methods that failed in tasks that then went on well.
 
@@ -73,10 +83,21 @@ class MendedFailures:
             elif event.task in self._open:
                 self._retried[event.task] = len(self._open[event.task])
         elif isinstance(event, events.TaskSucceeded | events.TaskFailed):
-            rap, failed = self._raps[event.task], self._open.pop(event.task, ())
+            rap, failed = self._raps.pop(event.task), self._open.pop(event.task, ())
             self._retried.pop(event.task, None)
             if isinstance(event, events.TaskSucceeded):
                 self._mended.update((rap, result) for result in failed)
+
+    def state(self) -> bytes:
+        """Return the state, for a report on the rest of the run."""
+        mended = [(*key, count) for key, count in self._mended.items()]
+        return msgspec.json.encode((self._raps, self._open, self._retried, mended))
+
+    def take_up(self, state: bytes) -> None:
+        """Replace the state. Raises ValueError for bytes that `state` did not make."""
+        found = msgspec.json.decode(state, type=_Mended)
+        self._raps, self._open, self._retried, mended = found
+        self._mended = Counter({(rap, said): count for rap, said, count in mended})
 
     def counts(self) -> Counter[tuple[str, str]]:
         """Return the mended failures so far, by RAP and reason."""
@@ -147,6 +168,21 @@ class RunReport:
             self._end = event
         else:
             self.others[type(event)] += 1
+
+    def state(self) -> bytes:
+        """Return the state, for a report on the rest of the run."""
+        failures = [(*key, count) for key, count in self.failures.items()]
+        others = {kind.__name__: count for kind, count in self.others.items()}
+        return msgspec.json.encode((self.primitives, failures, self.successes, others))
+
+    def take_up(self, state: bytes) -> None:
+        """Replace the state. Raises ValueError for bytes that `state` did not make."""
+        found = msgspec.json.decode(state, type=_Counts)
+        primitives, failures, successes, others = found
+        self.primitives, self.successes = Counter(primitives), Counter(successes)
+        self.failures = Counter({(name, said): n for name, said, n in failures})
+        kinds = {kind.__name__: kind for kind in self.kinds}
+        self.others = Counter({kinds[name]: n for name, n in others.items()})
 
     def well(self, name: str) -> int:
         """Return how often a primitive, or tasks of a RAP, have succeeded."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from rapc.base.messages import Resumed
 from rapc.events import DataReceived
 from rapc.language.results import INTERFERENCE
 from rapc.runtime.run import Run
@@ -19,15 +20,18 @@ from rapc.runtime.tasks.signals import signal
 from rapc.world import Datum, Finished, Lost, Message, Refused, Signal
 
 
-def take_in(run: Run, messages: Iterable[Message]) -> None:
+def take_in(run: Run, messages: Iterable[Message | Resumed]) -> None:
     """Take in `messages` of the world: ends of requests first, then the rest.
 
     Raises:
         PortError: as `finish`, `lose` and `HeldWorld.check_message`.
     """
-    others: list[Message] = []
+    others: list[Message | Resumed] = []
     gone = tuple(run.state.activations.off)
     for message in messages:
+        if isinstance(message, Resumed) and run.port.kit.resumed is not None:
+            with run.access.batch():
+                run.port.kit.resumed(run.access, message.seconds)
         if isinstance(message, Finished):
             finish(run, message)
         elif isinstance(message, Lost):
@@ -35,6 +39,9 @@ def take_in(run: Run, messages: Iterable[Message]) -> None:
         else:
             others.append(message)
     for message in others:
+        if isinstance(message, Resumed):
+            signal(run, (":resumed", message.seconds))
+            continue
         run.port.check_message(message)
         if isinstance(message, Datum):
             with run.access.batch():

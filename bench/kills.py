@@ -1,0 +1,207 @@
+"""Runs with a journal, killed and cut: the resumed trace is that of a whole run.
+
+    python -m bench.kills [--kills N] [--cuts N] [--seed N]
+
+Each run is a process of its own, and is ended with SIGKILL after a random time, then
+resumed and killed again until it ends. The last journal of each run is then cut off at
+random bytes: a resumed run has the same trace, or is refused in one line.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import random
+import shutil
+import signal
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import NamedTuple
+
+from rapc.cli.main import main as rapc
+from rapc.durable import journal
+
+HERE = Path(__file__).parents[1]
+
+RUNS = {
+    "nine orders": (
+        *("stdlib/truck", "--world", "truck", "--agenda", "nine-orders"),
+        *("--set", "truck.shuffle-interval=15"),
+    ),
+    "courier": ("examples/courier", "--world", "courier", "--agenda", "shift"),
+    "hallway": ("stdlib/hallway", "--world", "hallway", "--agenda", "errand"),
+}
+
+CYCLES = (10, 100, 1000)
+"""The numbers of cycles between two snapshots, in turn."""
+
+REFUSED = 2
+
+
+class Counts(NamedTuple):
+    """What was done, and how often."""
+
+    same: int = 0
+    refused: int = 0
+
+
+def started(args: Sequence[str], errors: Path, cycles: int) -> int:
+    """Start `rapc` in a process of its own; return its number."""
+    process = os.fork()
+    if process:
+        return process
+    journal.CYCLES = cycles
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+    os.dup2(os.open(errors, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), 2)
+    status = 99
+    try:
+        rapc([*args, "-q"])
+    except SystemExit as error:
+        status = error.code if isinstance(error.code, int) else 1
+    finally:
+        sys.stdout.flush()
+        os._exit(status)
+
+
+def ended(process: int) -> int:
+    """Wait for a process; return its status, -9 if it was killed."""
+    return os.waitstatus_to_exitcode(os.waitpid(process, 0)[1])
+
+
+def run_whole(args: Sequence[str], trace: Path) -> float:
+    """Write the trace of a run without a journal; return the seconds it took."""
+    begun = time.monotonic()
+    ended(started(("run", *args, "--trace", str(trace)), trace.with_suffix(".err"), 1))
+    return time.monotonic() - begun
+
+
+class Killed:
+    """A run that is killed again and again.
+
+    Args:
+        folder: a folder for its files.
+        args: the arguments of `rapc run`.
+        whole: the trace of the run without a journal.
+        rng: the source of all chance.
+    """
+
+    def __init__(
+        self, folder: Path, args: Sequence[str], whole: Path, rng: random.Random
+    ) -> None:
+        self.journal, self.trace = folder / "journal", folder / "trace.jsonl"
+        self.errors = folder / "errors"
+        self.rng = rng
+        self._args, self._whole = args, whole.read_bytes()
+
+    def start(self, cycles: int) -> int:
+        """Begin the run, or resume it if it has a journal."""
+        resume = (self.journal / "meta").exists()
+        args: Sequence[str] = ("run", "--resume", str(self.journal))
+        if not resume:
+            shutil.rmtree(self.journal, ignore_errors=True)
+            files = ("--trace", str(self.trace), "--journal", str(self.journal))
+            args = ("run", *self._args, *files)
+        return started(args, self.errors, cycles)
+
+    def kill(self, seconds: float, after: Callable[[], None]) -> int:
+        """Kill the run until it ends; return the number of kills.
+
+        Args:
+            seconds: the longest time before a kill.
+            after: called after each kill.
+        """
+        kills, cycles = 0, self.rng.choice(CYCLES)
+        while True:
+            process = self.start(cycles)
+            time.sleep(self.rng.uniform(0, seconds))
+            with suppress(ProcessLookupError):
+                os.kill(process, signal.SIGKILL)
+            status = ended(process)
+            if status != -signal.SIGKILL:
+                self.check(status)
+                return kills
+            kills += 1
+            seconds *= 1.05  # a run gets to its end
+            after()
+
+    def check(self, status: int) -> None:
+        """Raise AssertionError if the trace is not that of the whole run."""
+        if status not in (0, 1):
+            raise AssertionError(f"status {status}: {self.errors.read_text()}")
+        if self.trace.read_bytes() != self._whole:
+            raise AssertionError(f"another trace: {self.trace}")
+
+    def cut(self) -> bool:
+        """Cut a file at a random byte, resume; return whether the run was resumed."""
+        files = sorted(one for one in self.journal.iterdir() if one.stat().st_size)
+        parts = [one for one in files if one.name.startswith("journal")]
+        file = self.rng.choice(parts[-1:] if self.rng.random() < 0.7 else files)
+        os.truncate(file, self.rng.randrange(file.stat().st_size))
+        if self.rng.random() < 0.2 and self.trace.exists():
+            os.truncate(self.trace, self.rng.randint(0, self.trace.stat().st_size))
+        if not (self.journal / "meta").exists():
+            raise AssertionError("the journal has no meta")
+        status = ended(self.start(1000))
+        if status == REFUSED:
+            lines = self.errors.read_text().splitlines()
+            if not lines[0].startswith("error: ") or "internal" in lines[0]:
+                raise AssertionError("\n".join(lines))
+            return False
+        self.check(status)
+        return True
+
+
+def measured(kills: int, cuts: int, seed: int, folder: Path) -> dict[str, Counts]:
+    """Kill and cut runs; return how many were resumed and refused, by run."""
+    rng, found = random.Random(seed), {}
+    os.chdir(HERE)
+    for name, given in RUNS.items():
+        args = (*given, "--seed", str(seed))
+        whole = folder / f"{name}.jsonl"
+        seconds = run_whole(args, whole)
+        done, cut, refused = 0, 0, 0
+        while done < kills // len(RUNS) or cut < cuts // len(RUNS):
+            one = folder / "one"
+            shutil.rmtree(one, ignore_errors=True)
+            one.mkdir()
+            run = Killed(one, args, whole, rng)
+            copies: list[Path] = []
+
+            def keep(one: Path = one, copies: list[Path] = copies) -> None:
+                if rng.random() < 0.5 and (one / "journal" / "meta").exists():
+                    copy = folder / f"copy-{len(copies)}"
+                    shutil.rmtree(copy, ignore_errors=True)
+                    shutil.copytree(one, copy)
+                    copies.append(copy)
+
+            done += run.kill(seconds * 0.4, keep)
+            for copy in copies:
+                if cut < cuts // len(RUNS):
+                    # the journal names its trace, so the copy goes to its place
+                    shutil.rmtree(one)
+                    shutil.copytree(copy, one)
+                    refused += not run.cut()
+                    cut += 1
+        found[f"{name}: kills"] = Counts(done)
+        found[f"{name}: cuts"] = Counts(cut - refused, refused)
+    return found
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--kills", type=int, default=1000)
+    parser.add_argument("--cuts", type=int, default=1000)
+    parser.add_argument("--seed", type=int, default=1)
+    given = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        found = measured(given.kills, given.cuts, given.seed, Path(folder))
+    for name, counts in found.items():
+        print(f"{name:<22} {counts.same:>6} same {counts.refused:>6} refused")
+
+
+if __name__ == "__main__":
+    main()

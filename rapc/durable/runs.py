@@ -1,0 +1,380 @@
+"""Runs with a journal: begun, driven and resumed.
+
+Not here: runs in the debugger (`rapc.durable.opening`).
+"""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import msgspec
+
+from rapc.base.version import VERSION
+from rapc.compiler.program import Program
+from rapc.debug import act_lines
+from rapc.debug.acts import Act
+from rapc.debug.history import Done
+from rapc.debug.reload import TakeUp, changed
+from rapc.durable import folder as files
+from rapc.durable.folder import Lock, Meta, Options, Stored, Writer
+from rapc.durable.journal import Journal, Report, Trace
+from rapc.durable.records import Acted, Asking, Ended, Reached, Record, Solved, Told
+from rapc.durable.resuming import Decide, ResumedWorld, Sent, go_on
+from rapc.errors import Error, LoadError, StateError
+from rapc.runtime.answers import Answer, Answers, Position
+from rapc.runtime.events.trace import JsonTrace
+from rapc.runtime.interpreter import Interpreter
+from rapc.world import Savable, Time, World
+
+Make = Callable[[Program, Callable[[World], World]], Interpreter]
+"""Makes a run of a library, with a world in the given wrapper."""
+
+
+class Past(NamedTuple):
+    """The contents of some records, in the form of a run."""
+
+    answers: list[Answer]
+    #: The readings after the last answer.
+    readings: int
+    #: The request after the last answer, if any.
+    sent: Sent | None
+    #: The methods of solvers: the cycle, the RAP and the methods.
+    solved: list[tuple[int, str, Any]]
+    acts: list[Done]
+    #: The last cycle that the run is known to have reached.
+    cycle: int
+    #: The reason for the end of the run, or an empty text.
+    reason: str
+
+
+def past_of(records: Iterable[Record], cycle: int = 0) -> Past:
+    """Return the contents of records; the run has reached `cycle` before.
+
+    Raises:
+        LoadError: for an act that cannot be read.
+    """
+    answers: list[Answer] = []
+    solved: list[tuple[int, str, Any]] = []
+    acts: list[Done] = []
+    readings, sent, reason = 0, None, ""
+    for record in records:
+        if isinstance(record, Told):
+            answers.append(
+                Answer(record.readings, record.call, record.asked, record.told)
+            )
+            readings, sent = 0, None
+        elif isinstance(record, Asking):
+            readings, sent = record.readings, Sent(record.call, record.asked)
+        elif isinstance(record, Solved):
+            solved.append((record.cycle, record.rap, record.methods))
+        elif isinstance(record, Acted):
+            readings = max(readings, record.readings)
+            act = _act(record.act)
+            acts.append(Done(record.cycle, record.arrivals, record.time, act))
+        elif isinstance(record, Reached):
+            readings, cycle = max(readings, record.readings), record.cycle
+        elif isinstance(record, Ended):
+            cycle, reason = record.cycle, record.reason
+        elif acts:
+            acts.pop()
+    return Past(answers, readings, sent, solved, acts, cycle, reason)
+
+
+def _act(line: Any) -> Act:
+    try:
+        return act_lines.read(msgspec.convert(line, act_lines.line_types()))
+    except (Error, ValueError, RecursionError) as error:
+        raise LoadError(f"the journal has an act that cannot be read: {error}") from (
+            error
+        )
+
+
+def enclosed(meta: Meta) -> Callable[[World], World]:
+    """Return the wrapper of the world of a run from a journal."""
+
+    def enclose(world: World) -> World:
+        return world if isinstance(world, Savable) else ResumedWorld(world, meta.begun)
+
+    return enclose
+
+
+class DurableRun:
+    """A run with a journal.
+
+    Args:
+        run: the run.
+        journal: its journal.
+        lock: the lock of the journal.
+        trace: the file of its trace, if any.
+    """
+
+    def __init__(
+        self, run: Interpreter, journal: Journal, lock: Lock, trace: Trace | None
+    ) -> None:
+        self.run = run
+        self.journal = journal
+        self._lock, self._trace = lock, trace
+        #: The number of arrivals since the last cycle.
+        self._arrivals = 0
+
+    def step(self) -> bool:
+        """Run one cycle, after its time has come; return False once the run is over.
+
+        Raises:
+            PortError: if the world breaks.
+            WriteError: if the journal cannot be written.
+        """
+        self._arrivals = 0
+        going = self.run.step()
+        if going:
+            self.journal.after_cycle(self._trace)
+        elif self._trace is not None:
+            self._trace.size()
+        return going
+
+    def wait(self) -> bool:
+        """Run to the next arrival before the next cycle; return False without any."""
+        arrived = self.run.come_to_arrival()
+        self._arrivals += arrived
+        return arrived
+
+    def go(self) -> str:
+        """Run to the end; return the reason. Raises the errors of `step`."""
+        while self.step():
+            pass
+        self.journal.ended()
+        return self.run.reason or ""
+
+    def act(self, act: Act) -> None:
+        """Perform an act of the host between two cycles.
+
+        Raises:
+            Error: if the act is impossible.
+        """
+        line = act_lines.written(act)
+        self.journal.act(self.run.cycle, self._arrivals, line)
+        try:
+            self._perform(act)
+        except Error:
+            self.journal.void()
+            raise
+
+    def _perform(self, act: Act) -> None:
+        self.run = act.do(self.run) or self.run
+        self.journal.follow(self.run)
+        if isinstance(act, TakeUp):
+            self.journal.library = act_lines.library_in_text(act.program)
+
+    def repeat(self, acts: Iterable[Done]) -> None:
+        """Repeat the acts of the journal at their moments.
+
+        Raises:
+            StateError: if the run ends before.
+        """
+        for done in acts:
+            self.reach(done.cycle)
+            while self._arrivals < done.arrivals and self.wait():
+                pass
+            if (self.run.cycle, self._arrivals) != (done.cycle, done.arrivals):
+                raise StateError(
+                    f"cannot repeat an act of the host at cycle {done.cycle}: the run "
+                    "does not go on as it did"
+                )
+            self._perform(done.act)
+
+    def reach(self, cycle: int) -> None:
+        """Run to the end of a cycle, or of the run."""
+        while self.run.cycle < cycle and self.step():
+            pass
+
+    def settle(self) -> None:
+        """Run to the end of the cycle in which the journal ends."""
+        answers = self.run.keep_answers()
+        while answers.at_end is not None and self.step():
+            pass
+
+    def close(self) -> None:
+        """Close all files and release the lock."""
+        if self._trace is not None:
+            self._trace.close()
+        self.journal.close()
+        self._lock.release()
+
+
+def begin(
+    folder: Path,
+    run: Interpreter,
+    options: Options,
+    *,
+    until: Time | None = None,
+    trace: Path | None = None,
+    reports: Sequence[Report] = (),
+) -> DurableRun:
+    """Begin the journal of a run that has not begun; then begin the run.
+
+    Args:
+        folder: the folder of the journal; it must be empty or missing.
+        run: the run; `Interpreter.prepared` made it.
+        options: the options of the journal.
+        until: the time limit of the run.
+        trace: the file for its trace.
+        reports: listeners whose state is part of a snapshot.
+
+    Raises:
+        WriteError: if a file cannot be written, or the folder is not empty.
+        StateError: if another process uses the folder.
+        PortError: if the world breaks.
+    """
+    lock = Lock(folder)
+    spec = msgspec.structs.replace(run.spec, until=until)
+    library = act_lines.library_in_text(run.library)
+    named = "" if trace is None else str(trace)
+    files.create(folder, Meta(VERSION, spec, library, run.now, named, options))
+    journal = Journal(folder, Writer(folder, 1), options, reports)
+    run.keep_answers().position = Position()
+    journal.follow(run)
+    file = _traced(run, trace)
+    run.start(until)
+    return DurableRun(run, journal, lock, file)
+
+
+def _traced(run: Interpreter, trace: Path | None, size: int = 0) -> Trace | None:
+    if trace is None:
+        return None
+    file = Trace(trace, size)
+    run.listen(JsonTrace(file))
+    return file
+
+
+class Resumption:
+    """A run that is resumed from its journal.
+
+    Args:
+        folder: the folder.
+        loaded: the library as its files have it; the run goes on with it.
+        take_up: whether the library may differ from that of the run.
+
+    Raises:
+        LoadError: if the journal cannot be read or is damaged.
+        StateError: if another process runs the run, or the library has changed.
+    """
+
+    def __init__(self, folder: Path, loaded: Program, *, take_up: bool = False) -> None:
+        files.read_meta(folder)  # no lock is made in other folders
+        self._lock = Lock(folder)
+        try:
+            self._read(folder, loaded, take_up)
+        except BaseException:
+            self._lock.release()
+            raise
+
+    def _read(self, folder: Path, loaded: Program, take_up: bool) -> None:
+        self.stored: Stored = files.read(folder)
+        snapshot = self.stored.snapshot
+        self._past = past_of(
+            self.stored.records, 0 if snapshot is None else snapshot.cycle
+        )
+        self._loaded = loaded
+        first = snapshot.library if snapshot else None
+        #: The library of the run at the snapshot.
+        self.program = _program(first or self.stored.meta.library, loaded)
+        present = self.program
+        for done in self._past.acts:
+            present = done.act.program if isinstance(done.act, TakeUp) else present
+        self._changed = present.digest != loaded.digest
+        if self._changed and not take_up:
+            raise StateError(
+                f"cannot resume: the library `{self.stored.meta.spec.library}` has "
+                "changed",
+                "use --take-up to go on with the changed library",
+            )
+
+    def resume(
+        self,
+        run: Interpreter,
+        options: Options,
+        decide: Decide,
+        *,
+        trace: Path | None = None,
+        reports: Sequence[Report] = (),
+    ) -> DurableRun:
+        """Return the run, as far as the journal knows it.
+
+        Args:
+            run: a run of `program` that has not begun, made with `enclosed`.
+            options: the options of the journal.
+            decide: decides on requests under way whose treatment is `ask`.
+            trace: the file of its trace.
+            reports: listeners whose state is part of a snapshot.
+
+        Raises:
+            Error: if the run cannot be continued.
+        """
+        stored, past, snapshot = self.stored, self._past, self.stored.snapshot
+        seconds = max(time.time() - _last_written(stored), 0)
+        last = stored.last
+        answers = run.keep_answers()
+        fill(answers, stored, past)
+        size = (snapshot.trace or 0) if snapshot else 0
+        file = _traced(run, trace, size)
+        writer = Writer(stored.folder, last.number, last.end)
+        journal = Journal(stored.folder, writer, options, reports)
+        journal.library = snapshot.library if snapshot else None
+        durable = DurableRun(run, journal, self._lock, file)
+
+        def at_end(*question: Any) -> bool:
+            if past.sent is not None and question != past.sent:
+                raise StateError(
+                    f"cannot resume: the run asks `{question[0]}` of the world where "
+                    f"it asked `{past.sent.call}` before"
+                )
+            answers.at_end = None
+            go_on(durable.run, past.sent, options.after_crash, decide, seconds)
+            return False
+
+        if not isinstance(run.world, Savable):
+            answers.at_end = at_end
+        journal.follow(run)
+        if snapshot is None:
+            run.start(stored.meta.spec.until)
+        else:
+            run.restore(snapshot.run)
+            for report, state in zip(reports, snapshot.reports, strict=False):
+                report.take_up(state)
+        durable.repeat(past.acts)
+        if self._changed:
+            durable.reach(past.cycle)
+            durable.settle()
+            before, after = durable.run.library.library, self._loaded.library
+            durable.act(TakeUp(self._loaded, changed(before, after)))
+        return durable
+
+
+def fill(answers: Answers, stored: Stored, past: Past) -> None:
+    """Fill the store of a run with the answers of a journal."""
+    first = stored.snapshot.answers if stored.snapshot else 0
+    answers.kept, answers.first = past.answers, first
+    answers.readings = past.readings
+    answers.position = Position(first)
+    answers.coming = deque(past.solved)
+
+
+def _program(library: act_lines.Library, loaded: Program) -> Program:
+    """Return the library of some texts, which is often `loaded`."""
+    there = {name: file.text for name, file in loaded.library.files.items()}
+    if [one.text for one in library.files] == [*there.values()]:
+        return loaded
+    return act_lines.read_library(library)
+
+
+def _last_written(stored: Stored) -> float:
+    """Return the time of the last record, in seconds."""
+    for part in reversed(stored.parts):
+        file = files.part_file(stored.folder, part.number)
+        if file.exists():
+            return file.stat().st_mtime
+    return files.snapshot_file(stored.folder, stored.last.number).stat().st_mtime
