@@ -138,13 +138,14 @@ def _with_senders(
     }
     if not known:
         return found
-    enabled = list(history.log.backwards(events.SkillEnabled))
+    begun = list(history.log.backwards(events.SkillEnabled, events.MethodChosen))
+    enabled = [one for one in begun if one.kind is events.SkillEnabled]
     senders: dict[int, str] = {}
     for serial, signal in known.items():
         task, name = signal.keys["task"], signal.keys["what"][0]
         skill = next(
             (
-                f"{format_list(one.keys['what'])} "
+                f"{format_list(one.keys['what'])} {_enabled_at(program, one, begun)}"
                 for one in enabled
                 if one.serial < signal.serial
                 and one.keys["task"] == task
@@ -159,6 +160,37 @@ def _with_senders(
         else (told, one)
         for told, one in found
     ]
+
+
+def _enabled_at(
+    program: Program | None, enabled: ToldEvent, begun: Iterable[ToldEvent]
+) -> str:
+    """Return the file and line of an enabled skill, with `at` before it and a blank.
+
+    Args:
+        program: the library; None if it is unknown.
+        enabled: the event of the start of the skill.
+        begun: events with the choice of the method, latest first.
+    """
+    task, name = enabled.keys["task"], enabled.keys["what"][0]
+    chosen = (
+        one
+        for one in begun
+        if one.kind is events.MethodChosen
+        and one.serial < enabled.serial
+        and one.keys["task"] == task
+    )
+    last = next(chosen, None)
+    if program is None or last is None:
+        return ""
+    plan = program.rap(last.keys["rap"])
+    methods = () if plan is None else plan.methods
+    node = next((m.node for m in methods if m.name == last.keys["method"]), None)
+    if node is None:
+        return ""
+    skills = node.body.enable if isinstance(node.body, nodes.Skills) else node.skills
+    places = (program.compiler.row(one.span) for one in skills if one.name == name)
+    return next((f"at {place} " for place in places), "")
 
 
 def _sends(program: Program | None, skill: str, event: str) -> bool:

@@ -11,7 +11,7 @@ from rapc.compiler.program import Program
 from rapc.debug.log import ToldEvent
 from rapc.debug.names import predicates
 from rapc.errors import TextError
-from rapc.events import Goal
+from rapc.events import Cause, Goal
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
 from rapc.ir.walk import through_queries
@@ -40,39 +40,59 @@ class Story:
         self.woken: dict[int, ToldEvent] = {}
         #: The waits of each task for things, with the events of their ends.
         self.held: dict[int, list[tuple[ToldEvent, ToldEvent]]] = {}
+        #: The waits that have not ended by a wake, by task.
+        self.blocked: dict[int, ToldEvent] = {}
         self.failed: dict[int, ToldEvent] = {}
+        #: The ends of the methods of each task, in order.
+        self.methods: dict[int, list[ToldEvent]] = {}
+        #: The changes of sets and counters.
+        self.resources: list[ToldEvent] = []
         self.requests: list[Request] = []
         self.asserted: list[ToldEvent] = []
         self.end: ToldEvent | None = None
-        open_: dict[tuple[int, Fact], int] = {}
-        blocked: dict[int, ToldEvent] = {}
+        #: The requests under way, by task: their indexes in `requests`.
+        self._open: dict[tuple[int, Fact], int] = {}
         for one in told:
-            keys = one.keys
-            if one.kind is events.TaskCreated:
-                self.created[keys["task"]] = one
-            elif one.kind is events.MethodChosen:
-                self.chosen.setdefault(keys["task"], []).append(one)
-            elif one.kind is events.TaskBlocked:
-                blocked[keys["task"]] = one
-            elif one.kind is events.TaskWoken and keys.get("holder") is None:
-                self.woken[keys["task"]] = one
-            elif one.kind is events.TaskWoken and keys["task"] in blocked:
-                wait = blocked.pop(keys["task"]), one
-                self.held.setdefault(keys["task"], []).append(wait)
-            elif one.kind is events.FactAsserted:
-                self.asserted.append(one)
-            elif one.kind in (events.PrimitiveRequested, events.SkillEnabled):
-                what = keys.get("request") or keys["what"]
-                open_[keys["task"], what] = len(self.requests)
-                self.requests.append(Request(keys["task"], what, one))
-            elif one.kind in (events.PrimitiveEnded, events.PrimitiveCancelled):
-                at = open_.pop((keys["task"], keys["request"]), None)
-                if at is not None:
-                    self.requests[at] = self.requests[at]._replace(ended=one)
-            elif one.kind is events.TaskFailed:
-                self.failed[keys["task"]] = one
-            elif one.kind is events.RunEnded:
-                self.end = one
+            if one.kind in (events.TaskBlocked, events.TaskWoken):
+                self._take_wait(one)
+            else:
+                self._take(one)
+
+    def _take(self, one: ToldEvent) -> None:
+        kind, keys = one.kind, one.keys
+        if kind is events.TaskCreated:
+            self.created[keys["task"]] = one
+        elif kind is events.MethodChosen:
+            self.chosen.setdefault(keys["task"], []).append(one)
+        elif kind is events.MethodEnded:
+            self.methods.setdefault(keys["task"], []).append(one)
+        elif kind is events.FactAsserted:
+            self.asserted.append(one)
+        elif kind in (events.PrimitiveRequested, events.SkillEnabled):
+            what = keys.get("request") or keys["what"]
+            self._open[keys["task"], what] = len(self.requests)
+            self.requests.append(Request(keys["task"], what, one))
+        elif kind in (events.PrimitiveEnded, events.PrimitiveCancelled):
+            at = self._open.pop((keys["task"], keys["request"]), None)
+            if at is not None:
+                self.requests[at] = self.requests[at]._replace(ended=one)
+        elif kind is events.ResourceChanged:
+            self.resources.append(one)
+        elif kind is events.TaskFailed:
+            self.failed[keys["task"]] = one
+        elif kind is events.RunEnded:
+            self.end = one
+
+    def _take_wait(self, one: ToldEvent) -> None:
+        task = one.keys["task"]
+        if one.kind is events.TaskBlocked:
+            self.blocked[task] = one
+            return
+        blocked = self.blocked.pop(task, None)
+        if one.keys.get("holder") is None:
+            self.woken[task] = one
+        elif blocked is not None:
+            self.held.setdefault(task, []).append((blocked, one))
 
     def goal(self, task: int) -> Goal | None:
         """Return the goal of a task; None if its creation is no longer known."""
@@ -139,8 +159,25 @@ class Story:
                 if step is not None and isinstance(one, nodes.WaitFor)
             ]
             return next(iter(found), ("", ""))
-        formula = formula_of(on)
-        return ("", "") if formula is None else self.test(formula)
+        formula = self.awaited(on, task)
+        if formula is None:
+            return "", ""
+        test = self.test(formula)
+        return test if test[1] else (format_formula(formula), self.row(formula))
+
+    def awaited(self, on: str, task: int) -> nodes.Formula | None:
+        """Return the formula that a task waits for, from the library if it is there.
+
+        None for a time or a thing.
+        """
+        goal = self.goal(task)
+        plan = None
+        if self.program is not None and goal is not None:
+            plan = self.program.rap(goal.name)
+        monitored = None if plan is None else plan.node.monitor_state
+        if monitored is not None and format_formula(monitored) == on:
+            return monitored
+        return formula_of(on)
 
     def test(self, formula: nodes.Formula) -> tuple[str, str]:
         """Return the first test of a formula, or else its first query; with its line.
@@ -156,6 +193,19 @@ class Story:
         named = [one for one in names if one in queries]
         found += [(f"query `{one}`", self.row(queries[one])) for one in named]
         return next((one for one in found if one[1]), ("", ""))
+
+
+def first_causes(cause: Cause | None) -> Iterator[Cause]:
+    """Yield the first causes below a cause, or those of the excluded methods."""
+    while cause is not None and cause.because is not None:
+        cause = cause.because
+    if cause is None:
+        return
+    for one in cause.methods or (cause,):
+        inner = one
+        while inner.inside:
+            inner = inner.inside[0]
+        yield inner
 
 
 def formula_of(text: str) -> nodes.Formula | None:

@@ -176,7 +176,9 @@ def test_8_skills_and_their_signals_have_task_and_line() -> None:
     assert [one[4] for one in found if one[1] == 1] == ["stdlib/hallway/travel.rap:55"]
     *_, change = rows(shell, ":history (orientation robot)")
     assert str(change[4]).startswith("rule for (:position ")
-    assert str(change[4]).endswith(") of (:report-position) [1]")
+    assert str(change[4]).endswith(
+        ") of (:report-position) at stdlib/hallway/travel.rap:55 [1]"
+    )
     use, *_ = rows(shell, ":who (orientation robot)")
     assert use[3] == change[4]
 

@@ -7,7 +7,7 @@ replay, so that `rapc run` gives them too.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import NamedTuple
 
 import msgspec
@@ -29,14 +29,19 @@ from rapc.debug.arguments import Arguments
 from rapc.debug.history import History
 from rapc.debug.log import ToldEvent
 from rapc.debug.names import predicates, program_of
-from rapc.debug.story import Request, Story, formula_of, thresholds
-from rapc.events import Cause
+from rapc.debug.questions.beliefs import wrong_beliefs
+from rapc.debug.sources import Source, sources
+from rapc.debug.story import Request, Story, first_causes, thresholds
+from rapc.debug.symptoms import LEAST, OF_SYMPTOMS, Symptom, symptoms
 from rapc.ir.printer import format_formula
-from rapc.runtime.events.report import OF_DECISIONS, OF_GOALS
+from rapc.runtime.events.report import OF_GOALS
 from rapc.world import OKAY, Time
 
 _MOST_WAITS = 3
 """The number of waits that are listed for a goal, the longest first."""
+
+_MOST_DECISIONS = (2, 4)
+"""The numbers of decisions before the end that are listed: the last, the first."""
 
 
 class Decision(NamedTuple):
@@ -69,14 +74,21 @@ _NOTHING = Obstacle("", 0, None, "", "")
 # --- the decisions behind the end -----------------------------------------------------
 
 
-def decisions(told: Iterable[ToldEvent], program: Program | None) -> list[Decision]:
+SourceOf = Callable[[ToldEvent], Source | None]
+"""A function that returns the source of the assertion of a fact, if it is known."""
+
+
+def _no_source(told: ToldEvent) -> Source | None:
+    return None
+
+
+def decisions(story: Story, source_of: SourceOf) -> list[Decision]:
     """Return the last request of a run and the decisions behind it, latest first.
 
     Args:
-        told: the events of the run, of `OF_DECISIONS` and of facts.
-        program: the library; None if it is unknown.
+        story: the run, from events of `OF_DECISIONS` and of facts.
+        source_of: the source of an assertion.
     """
-    story = Story(told, program)
     last = _last_request(story)
     if last is None:
         return []
@@ -87,7 +99,7 @@ def decisions(told: Iterable[ToldEvent], program: Program | None) -> list[Decisi
             found.append(_of_choice(story, chosen))
         woken = story.woken.get(task)
         if woken is not None and (chosen is None or woken.serial < chosen.serial):
-            found.append(_of_wake(story, woken))
+            found.append(_of_wake(story, woken, source_of))
             found += _of_hold(story, woken, last.begun.serial)
             break
     return sorted(found, key=lambda one: -one.time)
@@ -161,22 +173,29 @@ def _of_choice(story: Story, chosen: ToldEvent) -> Decision:
     )
 
 
-def _of_wake(story: Story, woken: ToldEvent) -> Decision:
+def _of_wake(story: Story, woken: ToldEvent, source_of: SourceOf) -> Decision:
     on = woken.keys["on"]
-    formula = formula_of(on)
+    formula = story.awaited(on, woken.keys["task"])
     because, where = "", ""
     if formula is not None and story.program is not None:
         names = predicates(story.program.library, formula)
-        facts: dict[object, str] = {}
+        facts: dict[object, ToldEvent] = {}
         for one in story.asserted:
             fact = one.keys["fact"]
             if one.serial < woken.serial and fact[0] in names:
-                facts[fact[0]] = format_list(fact)
+                facts[fact[0]] = one
         tests = thresholds(story.program, formula)
-        because = " ".join([*facts.values(), *map(format_formula, tests)])
+        said = [_with_source(one, source_of(one)) for one in facts.values()]
+        because = " ".join([*said, *map(format_formula, tests)])
         _, where = story.wait(on, woken.keys["task"])
     task = story.named(woken.keys["task"])
     return Decision(woken.time, woken.cycle, task, f"woken by {on}", because, where)
+
+
+def _with_source(told: ToldEvent, source: Source | None) -> str:
+    """Return an asserted fact, with the rule that has asserted it."""
+    by_rule = source is not None and source.rule is not None
+    return format_list(told.keys["fact"]) + (f" by {source}" if by_rule else "")
 
 
 # --- what kept the goals --------------------------------------------------------------
@@ -192,23 +211,10 @@ def _causes(story: Story, family: int) -> Iterator[Obstacle]:
     failed = story.failed.get(family)
     if failed is None:
         return
-    for one in _first_causes(failed.keys["because"]):
+    for one in first_causes(failed.keys["because"]):
         said = msgspec.structs.replace(one, place="").line()
         kept_by = f"failed: {failed.keys['result']}"
         yield Obstacle(kept_by, 1, None, said, one.place)
-
-
-def _first_causes(cause: Cause | None) -> Iterator[Cause]:
-    """Yield the first causes below a cause, or those of the excluded methods."""
-    while cause is not None and cause.because is not None:
-        cause = cause.because
-    if cause is None:
-        return
-    for one in cause.methods or (cause,):
-        inner = one
-        while inner.inside:
-            inner = inner.inside[0]
-        yield inner
 
 
 def _failures(story: Story, family: int) -> Iterator[Obstacle]:
@@ -275,6 +281,23 @@ def _unclaimed(
     return f"{named} does not claim {' or '.join(sorted(used))}", story.row(method)
 
 
+def _unclaimed_things(story: Story) -> Iterator[Symptom]:
+    """Yield the methods without a claim for which requests failed again and again."""
+    found: dict[str, tuple[int, Obstacle]] = {}
+    for one in () if story.end is None else story.end.keys["results"]:
+        if one.outcome != "succeeded" and not one.background:
+            for kept in _failures(story, one.task):
+                known = found.get(kept.where)
+                if kept.where and (known is None or known[1].times < kept.times):
+                    found[kept.where] = one.task, kept
+    for where, (task, kept) in found.items():
+        if kept.times >= LEAST:
+            said = (
+                f"{kept.kept_by} {plural(kept.times, 'time')} for {story.named(task)}"
+            )
+            yield Symptom(where, f"{said}; meanwhile {kept.because}")
+
+
 def _waits(account: Account, story: Story, family: int) -> Iterator[Obstacle]:
     """Yield the longest waits of a family, each with the wait of the other family."""
     groups: dict[tuple[str, str], list[Piece]] = {}
@@ -336,43 +359,60 @@ def _counted(words: Iterable[str]) -> str:
 # --- the questions --------------------------------------------------------------------
 
 
-def end_of(told: Sequence[ToldEvent], program: Program | None) -> Answer:
+def end_of(
+    told: Sequence[ToldEvent],
+    program: Program | None,
+    beliefs: Sequence[Symptom] = (),
+    source_of: SourceOf = _no_source,
+) -> Answer:
     """Return the reason of the end of a run with the decisions behind it.
 
     Args:
         told: the events of the run, of `OF_DECISIONS`; facts are optional.
         program: the library; None if it is unknown.
+        beliefs: the wrong beliefs of the run.
+        source_of: the source of an assertion.
     """
     end = next((one for one in reversed(told) if one.kind is events.RunEnded), None)
     if end is None:
         return say("the run has not ended")
     reason, because = end.keys["reason"], end.keys["because"]
     said = f"{reason}: {because}" if because else reason
-    rows = decisions(told, program) if reason == "world" else []
+    story = Story(told, program)
+    rows = decisions(story, source_of) if reason == "world" else []
+    found = [*_late(rows), *beliefs, *_unclaimed_things(story), *symptoms(told, story)]
+    lines = [one.line for one in found]
     left = [
         one.goal
         for one in end.keys["results"]
         if not one.background and one.outcome != "succeeded"
     ]
     notes = [f"{plural(len(left), 'goal')} not reached: see `:goals`"] if left else []
-    notes += [_dead(one) for one in end.keys["results"] if _is_dead(one)]
     head = f"run ended ({said}) at time {readable(end.time)}"
     columns = ("time", "cycle", "task", "what", "because of", "where")
     if not rows:
-        return Answer((head,), None, tuple(notes))
-    return table(columns, rows, head, notes=notes)
+        return Answer((head, *lines), None, tuple(notes))
+    return table(columns, _shortened(rows), head, *lines, notes=notes)
 
 
-def _is_dead(result: events.TaskResult) -> bool:
-    return result.background and result.outcome == "failed"
+def _late(decisions: Iterable[Decision]) -> Iterator[Symptom]:
+    """Yield the wake behind the end of a run, and the constraints of a wait for it."""
+    for one in decisions:
+        if one.what.startswith(("woken by", "under constraints")):
+            said = f"{one.task}, {one.what} at {readable(one.time)}"
+            yield Symptom(one.where, f"{said}: {one.because}")
 
 
-def _dead(result: events.TaskResult) -> str:
-    """Return the failure of a background task as a line."""
-    at = "" if result.ended is None else f" at {readable(result.ended)}"
-    said = f"background task [{result.task}] {result.goal} failed{at}: {result.result}"
-    causes = [one.short().line() for one in _first_causes(result.because)]
-    return f"{said}, because of {causes[0]}" if causes else said
+def _shortened(decisions: Sequence[Decision]) -> Iterator[tuple[object, ...]]:
+    """Yield the decisions in short: the first and last ones."""
+    first, last = _MOST_DECISIONS
+    left = len(decisions) - first - last
+    if left < 2:
+        yield from decisions
+        return
+    yield from decisions[:first]
+    yield (None, None, None, f"... {plural(left, 'decision')} omitted", "", "")
+    yield from decisions[-last:]
 
 
 def goals_of(
@@ -414,8 +454,12 @@ def goals_of(
 
 def why_end(history: History) -> Answer:
     """Return the reason of the end of a run with the decisions behind it."""
-    told = [*history.scan(*OF_DECISIONS, events.FactAsserted)]
-    return end_of(told, program_of(history))
+    told = [*history.scan(*OF_SYMPTOMS)]
+
+    def source_of(one: ToldEvent) -> Source:
+        return sources(history, [one])[one.serial]
+
+    return end_of(told, program_of(history), [*wrong_beliefs(history)], source_of)
 
 
 @question(of_recordings=True)

@@ -360,8 +360,8 @@ def _changed_in(history: History, pattern: Fact, cycle: int) -> Answer:
         rows.append((sign, fact, told.time, source.by, source.where))
         rule = source.rule
         if rule is not None and all(one.rule is not rule for _, one in found[at:]):
-            behind = _behind(history, rule)
-            for one in origins(history, behind, (cycle, rule.serial)):
+            supports = behind(history, rule)
+            for one in origins(history, supports, (cycle, rule.serial)):
                 fact = f"  {format_list(one.fact)}"
                 rows.append(("", fact, one.time, one.by, one.where))
     none = f"no change in cycle {cycle}"
@@ -376,7 +376,7 @@ def _changed_in(history: History, pattern: Fact, cycle: int) -> Answer:
     return table(("", "what", "since", "by", "where"), rows, none=none)
 
 
-def _behind(history: History, rule: ToldEvent) -> Evidence:
+def behind(history: History, rule: ToldEvent) -> Evidence:
     """Return the facts that made the query of a rule true, as the rule ran."""
     found: Evidence = {}
     alternative = alternative_at(history.library.program, rule.keys["at"])

@@ -87,7 +87,10 @@ def why(history: History, args: Arguments) -> Answer:
 
     The answer lists each rule of selection with the tasks left by the rule, then the
     chosen method with the facts that made its context true. `end` explains the end of
-    the run: the last request, and the decisions and wakes behind it.
+    the run: its symptoms, each after its file and line, and, if the world has ended the
+    run, the last request with the decisions and wakes behind it. Symptoms are failed
+    top-level tasks, wrong beliefs of rules, signals and facts that never came, sets and
+    counters that a loop did not change, and missing claims.
     """
     if args.takes("end"):
         return why_end(history)

@@ -36,7 +36,7 @@ def _went(shell: Shell, go: Callable[[], Stop]) -> Answer:
     told = [*lines, *([said] if said else []), *watched, shell.history.stand()]
     if stop.kind == "over" and shell.history.over:
         end = why_end(shell.history)
-        return Answer(tuple(told), end.table, end.notes)
+        return Answer((*told, *end.lines[1:]), end.table, end.notes)
     return Answer(tuple(told), failed=stop.kind == "broken")
 
 
@@ -122,7 +122,10 @@ def _to(shell: Shell, args: Arguments) -> Answer:
 
 @command()
 def _run(shell: Shell, args: Arguments) -> Answer:
-    """Run until a breakpoint, Ctrl-C or the end of the run."""
+    """Run until a breakpoint, Ctrl-C or the end of the run.
+
+    At the end, the symptoms of the run are listed; see `:why end`.
+    """
     return _went(shell, shell.history.go)
 
 
