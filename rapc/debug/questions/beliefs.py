@@ -100,11 +100,12 @@ def _sources(history: History, found: Sequence[Discrepancy]) -> list[Source]:
 
 
 def _supports(history: History, source: Source) -> tuple[Origin, ...]:
-    """Return the facts from which a rule derived a belief."""
+    """Return the facts from which a rule derived a belief, without initial facts."""
     rule = source.rule
     if rule is None or history.no_way_back:
         return ()
-    return origins(history, behind(history, rule), (rule.cycle, rule.serial))
+    found = origins(history, behind(history, rule), (rule.cycle, rule.serial))
+    return tuple([one for one in found if one.cycle])
 
 
 def wrong_beliefs(history: History) -> Iterator[Symptom]:
