@@ -6,15 +6,19 @@ import shutil
 
 import click
 
-from rapc.base.visible import visible_lines
-from rapc.cli.common import load_checked
-from rapc.cli.options import WholeNumber, command
+from rapc.base.outputs import SVG
+from rapc.base.pictures import plain
+from rapc.base.values import format_list
+from rapc.base.visible import visible, visible_lines
+from rapc.cli.common import load_checked, refuse_output, write_output
+from rapc.cli.options import WholeNumber, command, fail
 from rapc.console.worlds import describe_world, list_worlds, report, summary_of
 from rapc.errors import WorldError
 from rapc.ir.layout import laid_out
+from rapc.runtime.held_world import HeldWorld
 from rapc.testing.contract.declarations import declarations
 from rapc.testing.contract.trials import REQUESTS, try_world
-from rapc.world import World
+from rapc.world import Drawable, World
 from rapc.worlds import registry
 from rapc.worlds.skills.world import SkillWorld
 
@@ -24,6 +28,7 @@ Examples:
   rapc worlds truck
   rapc worlds my_package.world:MyWorld
   rapc worlds truck --declare > truck-words.rap
+  rapc worlds hallway --picture hallway.svg
   rapc worlds lamps --test lamps.rap
   rapc worlds lamps --test lamps.rap --requests 5000
 """
@@ -49,13 +54,22 @@ _WIDEST = 100
     help="Test the world; with LIBRARY, also test its handlers.",
 )
 @click.option(
+    "--picture",
+    metavar="FILE.svg",
+    help="Write a picture of the world before any run to FILE.",
+)
+@click.option(
     "--requests",
     type=WholeNumber(_MOST_REQUESTS),
     metavar="N",
     help=f"Requests with each seed (with --test) [default: {REQUESTS}].",
 )
 def worlds(
-    name: str | None, declare: bool, library: str | None, requests: int | None
+    name: str | None,
+    declare: bool,
+    library: str | None,
+    picture: str | None,
+    requests: int | None,
 ) -> None:
     """List the installed worlds, or describe the world NAME.
 
@@ -65,7 +79,7 @@ def worlds(
     width = max(_NARROWEST, min(shutil.get_terminal_size().columns, _WIDEST))
     if name is None and library:
         name, library = library, ""
-    if name is None and (declare or library is not None):
+    if name is None and (declare or library is not None or picture is not None):
         raise click.UsageError("missing NAME of a world")
     if declare and library is not None:
         raise click.UsageError("cannot combine --declare and --test")
@@ -77,7 +91,9 @@ def worlds(
         return
     found = registry.find_world(name)
     world = registry.build_world(found, 0, {})
-    if declare:
+    if picture is not None:
+        _draw(world, picture)
+    elif declare:
         skills = world.runtime.catalogue if isinstance(world, SkillWorld) else None
         words = declarations(world.kit.offer, skills)
         click.echo("\n".join(map(laid_out, words)))
@@ -85,6 +101,22 @@ def worlds(
         raise SystemExit(_test(found, library, requests or REQUESTS, width))
     else:
         click.echo(visible_lines(describe_world(world, width)))
+
+
+def _draw(world: World, file: str) -> None:
+    """Write the picture of a new world."""
+    from rapc.view.scene import Beliefs, scene_of
+    from rapc.view.svg import svg
+
+    held = HeldWorld(world)
+    if not isinstance(held, Drawable):
+        fail(f"cannot draw world `{world.name}`: it has no `picture` method")
+    facts = {format_list(fact): held.now() for fact in held.facts()}
+    scene = scene_of(plain(held.picture()), Beliefs(facts, held.now(), compared=False))
+    assert scene is not None
+    refuse_output("--picture", file, SVG)
+    write_output(file, svg(scene, world.name).encode())
+    click.echo(f"wrote {visible(file)}")
 
 
 def _test(found: type[World], library: str, requests: int, width: int) -> int:

@@ -21,7 +21,7 @@ _SOURCES = Path(__file__).parent / "page"
 
 _SCRIPTS = (
     *("model.js", "dom.js", "timeline.js", "tasks.js", "why.js", "memory.js"),
-    *("events.js", "main.js"),
+    *("events.js", "map.js", "main.js"),
 )
 """The scripts, in the order in which they are joined."""
 
@@ -34,7 +34,7 @@ def page(views: Sequence[Viewed] = ()) -> str:
 
     Two runs are compared.
     """
-    style = _read("style.css")
+    style = _read("style.css") + _read("map.css")
     scripts = "".join(_read(name) for name in _SCRIPTS)
     script = f'(() => {{\n"use strict";\n{scripts}}})();\n'
     policy = "; ".join(

@@ -16,6 +16,7 @@ from rapc.debug.questions.times import sensors_of
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
 from rapc.runtime.events.trace import JsonTrace
+from rapc.view.pictures import Pictures
 
 
 class Viewed(msgspec.Struct):
@@ -32,6 +33,7 @@ class Viewed(msgspec.Struct):
     history: History
     #: The library, if it is the library of the run.
     program: Program | None
+    pictures: Pictures
 
     def more(self) -> dict[str, Any]:
         """Return what the page knows beside the trace, as plain data."""
@@ -47,6 +49,7 @@ class Viewed(msgspec.Struct):
             "sources": sources,
             "raps": raps,
             "beliefs": _beliefs(self.history),
+            "pictures": self.pictures.changes,
         }
 
 

@@ -32,6 +32,7 @@ class App {
     this.mores = mores;
     this.comparison = comparison;
     this.names = mores.map((more, index) => asText(more.name) || `run ${index + 1}`);
+    this.pictures = runs.map((run, index) => new Pictures(changesOf(run, mores[index])));
     this.moments = runs.map((run) => run.last);
     this.current = 0;
     this.task = null;
@@ -205,7 +206,7 @@ class App {
     byId("note").hidden = !notes.length;
     byId("note").textContent = visible(notes.join("; "));
     const wrong = this.runs.some((one) => one.beliefs.length);
-    const pictures = this.mores.some((more) => asList(more.pictures).length);
+    const pictures = this.runs.some((one, index) => hasPlaces(one, this.pictures[index]));
     byId("p-beliefs").hidden = byId("next-wrong").hidden = !wrong;
     byId("p-map").hidden = !pictures;
     byId("panels").classList.toggle("beliefs", wrong);
@@ -266,15 +267,30 @@ function comparisonOf(app) {
   return made;
 }
 
-/** Show the picture of the moment: the last one up to it. */
+/** Return the changes of the picture in a run: those of its trace, or those beside it. */
+function changesOf(run, more) {
+  const recorded = run.events.filter((event) => event.event === "pictured");
+  return recorded.length ? recorded.map((event) => [event.n, event.changed]) : asList(more.pictures);
+}
+
+/** Whether there is something to draw: a picture, or a place in memory. */
+function hasPlaces(run, pictures) {
+  return pictures.size > 0 || [...run.facts.keys()].some((fact) => fact.startsWith("(location "));
+}
+
+/** Show the picture of the moment, or what memory believes. */
 function showMap(app) {
-  const pictures = asList(app.mores[app.current].pictures);
-  if (!pictures.length || typeof drawMap !== "function") return;
-  const found = search(pictures.length, (index) => pictures[index][0] > app.at) - 1;
+  const { run, at } = app;
+  const before = app.pictures[app.current].upTo(at, PATH + 1);
+  const picture = before.pop() || null;
+  const facts = [...run.memoryAt(at)].map(([fact, since]) => [fact, run.timeOf(since)]);
   const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
-  const before = pictures.slice(Math.max(found - 20, 0), found).map((one) => one[1]);
-  if (found >= 0) drawMap(svg, pictures[found][1], { before, memory: app.run.memoryAt(app.at) });
-  byId("map").replaceChildren(svg);
+  try {
+    const drawn = drawMap(svg, picture, { facts, now: run.timeOf(at), before });
+    byId("map").replaceChildren(drawn ? svg : "no place is known");
+  } catch (error) {
+    byId("map").textContent = visible(`cannot draw the picture: ${error.message}`);
+  }
 }
 
 // --- searching and keys ---------------------------------------------------------------

@@ -1,0 +1,109 @@
+"""Pictures of a run for views: recorded in its trace, or taken while it runs again."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from typing import Any
+
+import msgspec
+
+from rapc.base import pictures
+from rapc.base.values import format_list, number
+from rapc.debug.history import History
+from rapc.errors import LoadError
+from rapc.events import (
+    DataReceived,
+    Event,
+    FactAsserted,
+    FactErased,
+    Pictured,
+    PrimitiveEnded,
+    RunEnded,
+    SignalReceived,
+    TaskSelected,
+)
+from rapc.view.scene import Beliefs, Scene, scene_of
+from rapc.world import Drawable
+
+Change = tuple[int, dict[str, Any]]
+"""The serial number of an event, and the change of the picture since the last."""
+
+PATH = 20
+"""The number of pictures before a picture that give the path of the robot."""
+
+_MOMENTS = (TaskSelected, PrimitiveEnded, DataReceived, SignalReceived, RunEnded)
+"""The events at which the picture may have changed."""
+
+
+class Pictures:
+    """The pictures of a run: those of its trace, or taken as the run goes on.
+
+    The picture of a world that cannot be made again is known only at the present, so
+    pictures are taken from the moment on at which this object is made.
+
+    Args:
+        history: the run, before its first cycle.
+    """
+
+    def __init__(self, history: History) -> None:
+        self._history = history
+        #: The changes, in the order of their events.
+        self.changes: list[Change] = []
+        self._last: Any = {}
+        if not history.is_run or history.spec.settings.get("pictures"):
+            return
+        run = history.run
+        if isinstance(run.port, Drawable):
+            self._take(run.port, max(history.serial - 1, 0))
+            run.listen(self._hear, *_MOMENTS)
+
+    def _hear(self, event: Event) -> None:
+        port = self._history.run.port
+        if event.n > self.changes[-1][0] and isinstance(port, Drawable):
+            self._take(port, event.n)
+
+    def _take(self, port: Drawable, serial: int) -> None:
+        text = msgspec.json.encode(pictures.plain(port.picture()))
+        after = msgspec.json.decode(text)
+        if after != self._last:
+            self.changes.append((serial, pictures.change(self._last, after)))
+            self._last = after
+
+    def recorded(self) -> list[Change]:
+        """Return the changes in the trace."""
+        told = self._history.scan(Pictured)
+        return [(one.serial, one.keys["changed"]) for one in told]
+
+    def scene_at(self, cycle: int) -> Scene | None:
+        """Return the drawing of the end of a cycle.
+
+        Returns:
+            The drawing; None if there is no picture, and memory knows no place.
+
+        Raises:
+            LoadError: if the trace has an invalid picture.
+        """
+        facts: dict[str, float] = {}
+        serial, now = -1, number(0)
+        for one in self._history.scan():
+            if one.cycle > cycle:
+                break
+            serial, now = one.serial, one.time
+            if one.kind is FactAsserted:
+                facts[format_list(one.keys["fact"])] = one.time
+            elif one.kind is FactErased:
+                facts.pop(format_list(one.keys["fact"]), None)
+        changes, found = self.recorded() or self.changes, []
+        last = bisect_right(changes, serial, key=lambda change: change[0])
+        picture: dict[str, Any] = {}
+        for _, change in changes[:last]:
+            picture = pictures.changed(picture, change)
+            found.append(picture)
+        try:
+            found = [
+                pictures.plain(pictures.from_plain(one)) for one in found[-PATH - 1 :]
+            ]
+        except ValueError as error:
+            raise LoadError(f"the trace has an invalid picture: {error}") from error
+        present = found.pop() if found else None
+        return scene_of(present, Beliefs(facts, now), found)
