@@ -15,11 +15,13 @@ _CODE = (".py", ".lark")
 def digest_of_code(world: type) -> str:
     """Return a digest of the code of rapc, and of the package of a world.
 
+    A world in another process adds a digest of its own.
+
     Args:
         world: the class of the world.
     """
     package = world.__module__.partition(".")[0]
-    return _digest_of(tuple(sorted({"rapc", package})))
+    return _digest_of(tuple(sorted({"rapc", package}))) + getattr(world, "digest", "")
 
 
 @cache

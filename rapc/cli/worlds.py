@@ -30,6 +30,7 @@ Examples:
   rapc worlds truck --declare > truck-words.rap
   rapc worlds hallway --picture hallway.svg
   rapc worlds lamps --test lamps.rap
+  rapc worlds 'exec:node lamps.js' --test lamps.rap
   rapc worlds lamps --test lamps.rap --requests 5000
 """
 
@@ -73,8 +74,10 @@ def worlds(
 ) -> None:
     """List the installed worlds, or describe the world NAME.
 
-    NAME is the name of an installed world, or `module:Class`. Exit status of --test: 0
-    if all checks passed, 1 if a check failed, 2 if the world cannot be loaded.
+    NAME is the name of an installed world, `module:Class`, or the address of a world in
+    another process: `exec:COMMAND`, `unix:/path`, `tcp:127.0.0.1:PORT`. Exit status of
+    --test: 0 if all checks passed, 1 if a check failed, 2 if the world cannot be
+    loaded.
     """
     width = max(_NARROWEST, min(shutil.get_terminal_size().columns, _WIDEST))
     if name is None and library:

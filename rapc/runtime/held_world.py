@@ -547,9 +547,12 @@ class HeldWorld(Wrapper):
     def _method(self, call: str) -> str:
         """Return the method of a world with its place in the author's code, as text.
 
-        A method that the author's class inherits from rapc is named with this class.
+        A method that the author's class inherits from rapc is named with this class. A
+        world in another process names the answer that brought the value.
         """
         world = innermost(self)
+        if (told_by := getattr(world, "told_by", None)) is not None:
+            return str(told_by(call))
         method = getattr(world, call)
         kind = type(world)
         if _is_own(kind) or not _is_own(method):

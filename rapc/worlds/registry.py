@@ -16,7 +16,7 @@ import sys
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rapc.base.code_places import place_of_error, said_by
 from rapc.base.files import path_named, read_text
@@ -40,6 +40,10 @@ OWN: Mapping[str, str] = {
 GROUP = "rapc.worlds"
 """The entry-point group under which packages offer their worlds."""
 
+PEERS = ("exec", "unix", "tcp")
+"""The kinds of addresses of worlds in other processes: `exec:COMMAND`."""
+
+_REMOTE = "rapc.worlds.remote.world:world_at"
 _MODULE_CLASS = re.compile(r"\w+(\.\w+)*:\w+(\.\w+)*")
 _NUMBER = re.compile(r"[-+]?[0-9]+(\.[0-9]+)?")
 _SYMBOL = re.compile(r"[^\s()\";?]+")
@@ -71,15 +75,19 @@ def find_permitted(name: str, modules: Collection[str]) -> type[World]:
     """Return the world named by a file from any source.
 
     A file may name any installed world, because the user installed it. A file may name
-    `module:Class` only of `modules`, because importing a module runs its code.
+    `module:Class` only of `modules`, because importing a module runs its code; and a
+    peer only if its kind is among `modules`: `exec`.
 
     Raises:
         WorldError: as `find_world`, and for a module that is not permitted.
     """
     module = name.partition(":")[0]
     if ":" in name and module not in modules:
+        what = f"the module `{module}` may not be imported"
+        if module in PEERS:
+            what = f"a world of the form `{module}:` may not be used"
         raise WorldError(
-            f"the module `{module}` may not be imported for a test",
+            f"{what} for a test",
             f"permit it by `--world-module {module}` or by `world-modules` in "
             "`rapc.toml`, under pytest by `rap_world_modules`",
         )
@@ -87,15 +95,20 @@ def find_permitted(name: str, modules: Collection[str]) -> type[World]:
 
 
 def find_world(name: str) -> type[World]:
-    """Return the world of an installed name, or of `module:Class`.
+    """Return the world of an installed name, of `module:Class`, or of a peer.
 
-    Modules are also searched in the working directory.
+    A peer is named `exec:COMMAND`, `unix:/path` or `tcp:127.0.0.1:PORT`. Modules are
+    also searched in the working directory.
 
     Raises:
         WorldError: if the name is unknown or not a world.
     """
     if not isinstance(name, str):
         raise ArgumentError("the name of a world is a text")
+    if ":" in name and name.partition(":")[0] in PEERS:
+        world_at: Any = _load(name, _REMOTE)
+        world: type[World] = world_at(name, find_world)
+        return world
     if ":" in name:
         if not _MODULE_CLASS.fullmatch(name):
             raise WorldError(f"`{name}` cannot be loaded: it is not `module:Class`")
