@@ -1,4 +1,4 @@
-"""Layout of definitions: trees to documents, documents to lines.
+"""Layout of definitions: trees to lines.
 
 A list that does not fit on its line is broken between its operands. In a definition, a
 method and a list of lists the operands continue below the first word, indented by two
@@ -8,10 +8,9 @@ An option stays on the line of its value. Lists in `_BROKEN` are never on one li
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import msgspec
-from wadler_lindig import AbstractDoc, BreakDoc, NestDoc, TextDoc, join, pformat
 
 from rapc.ir import nodes
 from rapc.ir.printer import trees
@@ -42,75 +41,149 @@ def laid_out(node: nodes.Node, width: int = WIDTH) -> str:
 
 def lines(tree: Noted, width: int = WIDTH) -> str:
     """Return a tree as text with lines within `width`; strings stay unchanged."""
-    used = {letter for text in _texts(tree) for letter in text}
-    kept = next(chr(at) for at in _PRIVATE if chr(at) not in used)
-    text: str = pformat(document(_without_lines(tree, kept)), width=width)
-    whole = "\n".join(line.rstrip(" ") for line in text.split("\n"))
-    return whole.replace(kept, "\n")
+    writer = _Writer(width)
+    writer.tree(tree, "", 0, vertical=True)
+    return "".join(writer.parts)
 
 
-def _texts(tree: Noted) -> Iterator[str]:
-    stack = [tree]
-    while stack:
-        one = stack.pop()
-        if isinstance(one, tuple):
-            stack.extend(one)
-        else:
-            yield one if isinstance(one, str) else one.text
+class _Shape(msgspec.Struct, frozen=True, gc=False):
+    """The properties of a tree that determine whether it is written on one line."""
+
+    #: The width on one line, without comments.
+    wide: int
+    #: The tree on one line; None if a list in it is always broken.
+    text: str | None
+    #: Whether the tree has a comment.
+    noted: bool = False
+    #: The operands of a list, each option together with its value.
+    operands: Sequence[Sequence[Noted]] = ()
+    #: Whether the list itself is always broken.
+    broken: bool = False
 
 
-_PRIVATE = range(0xE000, 0x10FFFF)
-"""Candidates for the character that replaces line ends within strings."""
+_NOTE = _Shape(0, None, noted=True)
 
 
-def _without_lines(tree: Noted, kept: str) -> Noted:
-    if isinstance(tree, str):
-        return tree.replace("\n", kept)
-    if isinstance(tree, Note):
-        return Note(tree.text.replace("\n", kept), tree.beside)
-    return tuple([_without_lines(one, kept) for one in tree])
+class _Writer:
+    """The lines of a tree, written from left to right.
 
-
-def document(tree: Noted, after: str = "") -> AbstractDoc:
-    """Return the document of a tree, with its possible line breaks and indentation.
-
-    The atoms of the tree have no line ends. `after` is the text that follows the tree,
-    for example closing parentheses, and must fit on its last line. A list with comments
-    is never on one line.
+    Args:
+        width: the number of columns of a line.
     """
-    if isinstance(tree, str):
-        return TextDoc(tree + after)
-    if isinstance(tree, Note):
-        return TextDoc(tree.text, width=False)
-    word = tree[0] if tree and isinstance(tree[0], str) else ""
-    operands = _together(tree[1:] if word else tree)
-    beside, below = _beside(word, operands), word in _BELOW - _FILLED
-    first = len(word) + (2 if word else 1)
-    broken_at = 2 if below else first
-    said: list[AbstractDoc] = [TextDoc(f"({word}")]
-    column = first
-    noted = False
-    for at, row in enumerate(operands):
-        was, noted = noted, isinstance(row[0], Note)
-        closed = f"){after}" if at == len(operands) - 1 and not noted else ""
-        if isinstance(row[0], Note) and row[0].beside:
-            said.append(TextDoc(f"  {row[0].text}", width=False))
-        elif noted or was or (at >= beside and (at > 0 or below)):
-            operand = _side_by_side(row, broken_at, closed)
-            fresh = NestDoc(BreakDoc(" "), broken_at) + operand
-            filled = not (noted or was) and _is_filled(word, row)
-            said.append(fresh.group() if filled else fresh)
-        else:
-            said.append(TextDoc(" " * bool(word or at)))
-            said.append(_side_by_side(row, column, closed))
-            column += sum(_wide(one) + 1 for one in row)
-    if noted:
-        said.append(NestDoc(BreakDoc(""), broken_at))
-    if noted or not operands:
-        said.append(TextDoc(f"){after}"))
-    lists = sum(map(_holds_list, operands[beside:]))
-    broken = lists > (word in _JOINED) and word in _BROKEN | _JOINED
-    return join(TextDoc(""), said).group(force_vertical=broken or _is_noted(tree))
+
+    def __init__(self, width: int) -> None:
+        self.parts: list[str] = []
+        self._width = width
+        self._column = 0
+        self._shapes: dict[int, _Shape] = {}
+
+    def tree(self, tree: Noted, after: str, column: int, *, vertical: bool) -> None:
+        """Write a tree.
+
+        Args:
+            tree: the tree.
+            after: the text that follows the tree, for example closing parentheses; it
+                must fit on the last line of the tree.
+            column: the column from which the lines of the tree are indented.
+            vertical: whether the list around the tree is broken.
+        """
+        if isinstance(tree, Note):
+            if not tree.text:
+                self.parts[-1] = "\n"  # a blank line has no indentation
+            self.parts.append(tree.text)
+            return
+        shape = self._shape(tree)
+        fits = shape.wide + len(after) <= self._width - self._column
+        if isinstance(tree, str) or (shape.text is not None and (fits or not vertical)):
+            self._write(f"{shape.text}{after}")
+            return
+        self._list(tree, shape, after, column, shape.broken or (vertical and not fits))
+
+    def _list(
+        self,
+        tree: tuple[Noted, ...],
+        shape: _Shape,
+        after: str,
+        column: int,
+        vertical: bool,
+    ) -> None:
+        word = tree[0] if tree and isinstance(tree[0], str) else ""
+        operands = shape.operands
+        beside, below = _beside(word, operands), word in _BELOW - _FILLED
+        first = len(word) + (2 if word else 1)
+        broken_at = column + (2 if below else first)
+        here = column + first
+        self._write(f"({word}")
+        noted = False
+        for at, row in enumerate(operands):
+            was, noted = noted, isinstance(row[0], Note)
+            closed = f"){after}" if at == len(operands) - 1 and not noted else ""
+            if isinstance(row[0], Note) and row[0].beside:
+                self.parts.append(f"  {row[0].text}")
+            elif noted or was or (at >= beside and (at > 0 or below)):
+                inner = vertical
+                if vertical and not (noted or was) and _is_filled(word, row):
+                    wide = sum(self._shape(one).wide + 1 for one in row) + len(closed)
+                    inner = wide > self._width - self._column
+                self._break(" ", broken_at, inner)
+                self._row(row, closed, broken_at, inner)
+            else:
+                self._write(" " * bool(word or at))
+                self._row(row, closed, here, vertical)
+                here += sum(self._shape(one).wide + 1 for one in row)
+        if noted:
+            self._break("", broken_at, vertical)
+        if noted or not operands:
+            self._write(f"){after}")
+
+    def _row(
+        self, row: Sequence[Noted], after: str, column: int, vertical: bool
+    ) -> None:
+        """Write an operand, or an option with its value."""
+        if len(row) > 1:
+            option = str(row[0])
+            self._write(f"{option} ")
+            column += len(option) + 1
+        self.tree(row[-1], after, column, vertical=vertical)
+
+    def _write(self, text: str) -> None:
+        self.parts.append(text)
+        self._column += len(text)
+
+    def _break(self, text: str, column: int, vertical: bool) -> None:
+        """End the line, or write `text` if the list is not broken."""
+        if not vertical:
+            self._write(text)
+            return
+        self.parts.append("\n" + " " * column)
+        self._column = column
+
+    def _shape(self, tree: Noted) -> _Shape:
+        if isinstance(tree, str):
+            return _Shape(len(tree), tree)
+        if isinstance(tree, Note):
+            return _NOTE
+        known = self._shapes.get(id(tree))
+        if known is None:
+            known = self._shapes[id(tree)] = self._measured(tree)
+        return known
+
+    def _measured(self, tree: tuple[Noted, ...]) -> _Shape:
+        word = tree[0] if tree and isinstance(tree[0], str) else ""
+        operands = _together(tree[1:] if word else tree)
+        shapes = [self._shape(one) for one in tree]
+        widths = [one.wide for one in shapes if one is not _NOTE]
+        wide = sum(widths) + max(1, len(widths)) + 1
+        noted = any(one.noted for one in shapes)
+        broken = noted
+        if word in _BROKEN or word in _JOINED:
+            lists = sum(map(_holds_list, operands[_beside(word, operands) :]))
+            broken = broken or lists > (word in _JOINED)
+        texts = [one.text for one in shapes if one.text is not None]
+        text = None
+        if not broken and len(texts) == len(shapes):
+            text = f"({' '.join(texts)})"
+        return _Shape(wide, text, noted, operands, broken)
 
 
 def _is_filled(word: str, row: Sequence[Noted]) -> bool:
@@ -118,26 +191,6 @@ def _is_filled(word: str, row: Sequence[Noted]) -> bool:
     if word.startswith("declare-"):
         return len(row) == 1 and not str(row[0]).startswith('"')
     return not word or word in _FILLED
-
-
-def _wide(tree: Noted) -> int:
-    """Return the width of a tree on one line, without its comments."""
-    if isinstance(tree, tuple):
-        inner = [_wide(one) for one in tree if not isinstance(one, Note)]
-        return sum(inner) + max(1, len(inner)) + 1
-    return 0 if isinstance(tree, Note) else len(tree)
-
-
-def _is_noted(tree: Noted) -> bool:
-    """Return whether a tree has a comment."""
-    stack = [tree]
-    while stack:
-        one = stack.pop()
-        if isinstance(one, Note):
-            return True
-        if isinstance(one, tuple):
-            stack.extend(one)
-    return False
 
 
 def _together(operands: Sequence[Noted]) -> list[Sequence[Noted]]:
@@ -155,16 +208,6 @@ def _together(operands: Sequence[Noted]) -> list[Sequence[Noted]]:
 
 def _is_option(tree: Noted) -> bool:
     return isinstance(tree, str) and tree.startswith(":") and tree not in _ALONE
-
-
-def _side_by_side(row: Sequence[Noted], column: int, after: str) -> AbstractDoc:
-    """Return the document of an operand or an option with its value, at a column."""
-    if len(row) == 1:
-        return document(row[0], after).nest(column)
-    option, value = row
-    word = f"{option} "
-    inner = document(value, after).nest(column + len(word))
-    return TextDoc(word) + inner
 
 
 def _beside(word: str, operands: Sequence[Sequence[Noted]]) -> int:

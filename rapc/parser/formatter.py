@@ -24,8 +24,11 @@ becomes
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import cast
 
-from rapc.base.diagnostics import Diagnostic
+import msgspec
+
+from rapc.base.diagnostics import Diagnostic, Edit
 from rapc.base.source import SourceFile
 from rapc.ir.layout import WIDTH, Note, Noted, lines
 from rapc.parser.reader import read
@@ -54,13 +57,111 @@ def formatted(source: SourceFile, width: int = WIDTH) -> Formatted:
         source: the file.
         width: the number of columns of a line, if the atoms allow it.
     """
+    return Formatter(width).formatted(source)
+
+
+class Formatter:
+    """A formatter of one file that lays out again only the forms that have changed.
+
+    A text is cut where a `(` begins a line. The parts between are formatted by
+    themselves and cached by their text.
+
+    Args:
+        width: the number of columns of a line, if the atoms allow it.
+    """
+
+    def __init__(self, width: int = WIDTH) -> None:
+        self._width = width
+        self._known: dict[str, _Part] = {}
+
+    def formatted(self, source: SourceFile) -> Formatted:
+        """Return a file in its canonical layout."""
+        parts = self._parts(source.text.split(_CUT))
+        if any(part.text is None for part in parts):
+            # A string may contain a line that begins with `(`.
+            parts = [_part(source, self._width)]
+        faults = tuple([fault for part in parts for fault in part.faults])
+        if faults:
+            return Formatted(source.text, faults)
+        texts: list[str] = []
+        before = parts[0]
+        for part in parts:
+            if part.text and texts:
+                apart = before.ends_apart or (part.is_long and before.ends_with_form)
+                texts.append("\n\n" if apart else "\n")
+            if part.text:
+                texts.append(part.text)
+                before = part
+        return Formatted("".join([*texts, "\n"]) if texts else "", ())
+
+    def edits(self, source: SourceFile, start: int, end: int) -> tuple[Edit, ...]:
+        """Return the edits that format the forms in a stretch of a file.
+
+        A form that cannot be read stays unchanged; so do the forms behind an unclosed
+        string or comment.
+        """
+        found: list[Edit] = []
+        texts = source.text.split(_CUT)
+        at = 0
+        for text, part in zip(texts, self._parts(texts), strict=True):
+            if part.is_open or at > end:
+                break
+            to = at + len(text) + (at > 0)
+            kept = source.text[at:to].rstrip() if to >= start else ""
+            if kept and part.text not in (None, kept):
+                found.append(Edit(source.span(at, at + len(kept)), str(part.text)))
+            at = to + 1
+        return tuple(found)
+
+    def _parts(self, texts: Sequence[str]) -> list[_Part]:
+        """Return the parts of a text; all texts but the first lack their `(`."""
+        first, *others = texts
+        known = self._known
+        found = {text: known.get(text) for text in others}
+        for text, part in found.items():
+            if part is None:
+                found[text] = _part(SourceFile("", f"({text}\n"), self._width)
+        self._known = cast(dict[str, _Part], found)
+        begin = _part(SourceFile("", f"{first}\n"), self._width)
+        return [begin, *map(self._known.__getitem__, others)]
+
+
+class _Part(msgspec.Struct, frozen=True):
+    """A part of a text, laid out."""
+
+    #: The forms and comments as text; None if the part cannot be read by itself.
+    text: str | None
+    #: Whether the first form is a definition of several lines.
+    is_long: bool = False
+    #: Whether a blank line follows.
+    ends_apart: bool = False
+    #: Whether the last form has no comment below it.
+    ends_with_form: bool = False
+    #: The findings in the part.
+    faults: tuple[Diagnostic, ...] = ()
+    #: Whether a string or a comment is not closed.
+    is_open: bool = False
+
+
+_CUT = "\n("
+"""The text at which a text is cut into parts."""
+
+
+def _part(source: SourceFile, width: int) -> _Part:
+    """Return a part of a text, or a whole text, laid out."""
     reading = read(source)
-    if reading.diagnostics:
-        return Formatted(source.text, reading.diagnostics)
+    faults = reading.diagnostics
+    if faults:
+        is_open = any(one.rule in _OPEN for one in faults)
+        return _Part(None, faults=faults, is_open=is_open)
     pieces = _Pieces(source.text, reading.comments)
     data = [form.datum for form in reading.forms]
-    rows = pieces.rows(data, 0, len(source.text))
-    return Formatted(_joined(rows, width), ())
+    rows = pieces.rows(data, 0, len(source.text), last=False)
+    return _joined(rows, width)
+
+
+_OPEN = ("unterminated-string", "unterminated-comment")
+"""The faults after which the parts that follow may be text of a string or comment."""
 
 
 class _Pieces:
@@ -76,8 +177,13 @@ class _Pieces:
         self._comments = comments
         self._next = 0
 
-    def rows(self, data: Sequence[Datum], start: int, end: int) -> list[Noted]:
-        """Return some data and the comments between `start` and `end`, in order."""
+    def rows(
+        self, data: Sequence[Datum], start: int, end: int, last: bool = True
+    ) -> list[Noted]:
+        """Return some data and the comments between `start` and `end`, in order.
+
+        Unless `last`, blank lines at the end count.
+        """
         found: list[Noted] = []
         at = start
         for datum in data:
@@ -87,7 +193,7 @@ class _Pieces:
                 found += self._between(at, datum.start, bool(found))
                 found += self._tree(datum)
             at = datum.end
-        found += self._between(at, end, bool(found), last=True)
+        found += self._between(at, end, bool(found), last)
         return [
             Note(one.text) if isinstance(one, Note) and _ends_line(before) else one
             for before, one in zip(["", *found], found, strict=False)
@@ -153,9 +259,10 @@ def _is_beside(row: Noted) -> bool:
 # --- the top level ------------------------------------------------------------------
 
 
-def _joined(rows: Sequence[Noted], width: int) -> str:
+def _joined(rows: Sequence[Noted], width: int) -> _Part:
     """Return forms and comments as text, with blank lines around long definitions."""
     parts: list[str] = []
+    is_first_long = False
     apart = False
     behind_form = False
     for row in rows:
@@ -173,9 +280,11 @@ def _joined(rows: Sequence[Noted], width: int) -> str:
         if parts:
             apart = apart or (is_long and behind_form)
             parts.append("\n\n" if apart else "\n")
+        else:
+            is_first_long = is_long
         parts.append(text)
         apart, behind_form = is_long, is_form
-    return "".join([*parts, "\n"]) if parts else ""
+    return _Part("".join(parts), is_first_long, apart, behind_form)
 
 
 def _is_definition(row: Noted) -> bool:

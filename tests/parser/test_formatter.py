@@ -9,9 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis.strategies import randoms
 
+from rapc.base.diagnostics import edited
 from rapc.base.source import SourceFile
-from rapc.ir.layout import WIDTH
-from rapc.parser.formatter import formatted
+from rapc.ir import layout
+from rapc.ir.layout import WIDTH, Noted
+from rapc.parser.formatter import Formatter, formatted
 from tests.effort import examples
 
 from .layout import hold_layout, laid_out_text
@@ -106,3 +108,50 @@ def test_comments_anywhere_stay(text: str, chance: Random) -> None:
             if piece
         )
     )
+
+
+def test_edited_form_alone_is_laid_out_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    forms = [
+        f"(define-rap (go-{n}) (method (primitive (drive {n}))))" for n in range(9)
+    ]
+    formatter = Formatter()
+    formatter.formatted(SourceFile("f", "\n".join(forms)))
+    forms[4] = forms[4].replace("drive", "fly")
+    source = SourceFile("f", "\n".join(forms))
+    wanted = formatted(source).text
+    made: list[Noted] = []
+
+    def lines(tree: Noted, width: int) -> str:
+        made.append(tree)
+        return layout.lines(tree, width)
+
+    monkeypatch.setattr("rapc.parser.formatter.lines", lines)
+    assert formatter.formatted(source).text == wanted
+    assert [tree[1] for tree in made if isinstance(tree, tuple)] == [
+        ("go-0",),
+        ("go-4",),
+    ]
+
+
+STRETCHES = """\
+(define-rap (one)  (method (primitive (drive 1))))
+; note
+(define-rap (two) (method (primitive (drive 2)))
+
+(define-rap (three)   (method (primitive (drive 3))))
+"""
+
+
+def test_edits_of_a_stretch_leave_other_and_broken_forms() -> None:
+    source = SourceFile("f", STRETCHES)
+    every = Formatter().edits(source, 0, len(STRETCHES))
+    at = STRETCHES.index("(define-rap (three)")
+    assert [edit.span.start for edit in every] == [0, at]
+    assert Formatter().edits(source, at, at) == every[1:]
+    assert edited(STRETCHES, every).startswith("(define-rap (one)\n  (method\n")
+
+
+def test_edits_stop_at_an_unclosed_string() -> None:
+    text = '(declare-event :a () "text\n(b  c)\n")\n(define-query (d)   (e))\n'
+    assert Formatter().edits(SourceFile("f", text), 0, len(text)) == ()
+    assert "(b  c)" in formatted(SourceFile("f", text)).text
