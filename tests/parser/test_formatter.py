@@ -127,10 +127,8 @@ def test_edited_form_alone_is_laid_out_again(monkeypatch: pytest.MonkeyPatch) ->
 
     monkeypatch.setattr("rapc.parser.formatter.lines", lines)
     assert formatter.formatted(source).text == wanted
-    assert [tree[1] for tree in made if isinstance(tree, tuple)] == [
-        ("go-0",),
-        ("go-4",),
-    ]
+    names = {tree[1] for tree in made if isinstance(tree, tuple)}
+    assert names == {("go-0",), ("go-4",)}  # the first form has no `(` before it
 
 
 STRETCHES = """\
