@@ -57,6 +57,8 @@ WATCHDOG = 0.25
 _TICK = 0.01
 _ALIVE = 2.0
 """The seconds of a long call between two notifications `alive`."""
+_ENDING = 5.0
+"""The seconds that `resume` waits for the end of the last connection."""
 _GRACE = 1.0
 """The seconds that a call may take after the end of standard input."""
 
@@ -106,8 +108,11 @@ class Served:
         self.world = world
         self.token = token
         self.halts = hasattr(world, "halt")
-        #: The world of the last connection that has ended, for `resume`.
+        #: The world of the last connection that has ended, for `resume`, and the
+        #: number of connections with a world.
         self.left: World | None = None
+        self.open = 0
+        self.changed = threading.Condition()
         self.description = _description(world, code)
 
 
@@ -204,7 +209,26 @@ class Connection:
         finally:
             self._over.set()
             self._halt()
-            self._served.left = self._world
+            self._leave()
+
+    def _leave(self) -> None:
+        """Keep the world for `resume`."""
+        served = self._served
+        if self._world is not None:
+            with served.changed:
+                served.left = self._world
+                served.open -= 1
+                served.changed.notify_all()
+
+    def _left(self) -> World:
+        """Return the world of the last connection, which may end just now."""
+        served = self._served
+        with served.changed:
+            served.changed.wait_for(lambda: served.left or not served.open, _ENDING)
+            world, served.left = served.left, None
+        if world is None:
+            raise _Refusal("no run goes on")
+        return world
 
     def _write(self, line: bytes) -> None:
         with self._writing:
@@ -301,15 +325,15 @@ class Connection:
         """Carry out a call; return the result with the messages of the world."""
         if not self._trusted:
             raise _Refusal("`describe` with the token must come first")
-        if method == "open":
-            self._world = self._made(params)
-            self._sent = 0
-        elif method == "resume":
-            self._world, self._served.left = self._served.left, None
+        if method in ("open", "resume"):
+            if self._world is not None:
+                raise _Refusal("the connection has a run already")
+            self._world = self._made(params) if method == "open" else self._left()
+            with self._served.changed:
+                self._served.open += 1
         world = self._world
         if world is None:
-            said = "no run goes on" if method == "resume" else "`open` must come first"
-            raise _Refusal(said)
+            raise _Refusal("`open` must come first")
         if params.ack is not None and isinstance(world, Resumable):
             world.acknowledge(params.ack)
         if method in ("perform", "activate"):
