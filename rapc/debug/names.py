@@ -14,18 +14,23 @@ from rapc.ir.walk import through_queries
 from rapc.library.library import KINDS, Library, Named
 
 
-def definitions(program: Program, text: str) -> list[Named]:
+def definitions(program: Program, text: str, *, near: bool = False) -> list[Named]:
     """Return the definitions for NAME, (NAME ...) or FILE:LINE.
 
     A rule has the name of its signal or of its RAP. A line stands for the definition
     around it.
+
+    Args:
+        program: the library.
+        text: the name or the line.
+        near: whether a line between definitions stands for the nearest one.
 
     Raises:
         ArgumentError: if no definition has the name or contains the line.
     """
     file, _, row = text.rpartition(":")
     if file and row.isdecimal():
-        return _at_line(program.library, file, int(row))
+        return _at_line(program.library, file, int(row), near)
     name = text.strip("()").partition(" ")[0].lower()
     found = list(_of_name(program.library, name))
     if not found:
@@ -100,18 +105,22 @@ def _unnamed(library: Library) -> tuple[Named, ...]:
     return (*library.methods, *library.memory_rules, *library.event_rules)
 
 
-def _at_line(library: Library, file: str, row: int) -> list[Named]:
-    found = [
-        form
+def _at_line(library: Library, file: str, row: int, near: bool) -> list[Named]:
+    placed = [
+        (
+            max(source.row(form.span.start) - row, row - source.row(form.span.end), 0),
+            form,
+        )
         for form in _all(library)
         for source in [library.files.get(form.span.file)]
-        if source is not None
-        and _is_file(source, file)
-        and source.row(form.span.start) <= row <= source.row(form.span.end)
+        if source is not None and _is_file(source, file)
+        for first, last in [(source.row(form.span.start), source.row(form.span.end))]
     ]
+    nearest = min((distance for distance, _ in placed), default=0) if near else 0
+    found = [form for distance, form in placed if distance == nearest]
     if not found:
         raise ArgumentError(f"no definition at {file}:{row}")
-    return found
+    return found if not nearest else found[:1]
 
 
 def _is_file(source: SourceFile, file: str) -> bool:

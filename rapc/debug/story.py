@@ -113,7 +113,8 @@ class Story:
 
     def family(self, task: int) -> int:
         """Return the top-level task of a task."""
-        return [*self.parents(task)][-1]
+        made = self.created.get(task)
+        return task if made is None else made.keys["family"]
 
     def choice(self, task: int, before: int) -> ToldEvent | None:
         """Return the last choice of a task before a serial number."""

@@ -10,7 +10,11 @@ from typing import Any
 import pytest
 
 from rapc.debug.history import History
+from rapc.debug.questions.state import source
+from rapc.debug.questions.times import waits
 from rapc.debug.questions.why import why
+from rapc.debug.questions.why_not import why_not
+from rapc.errors import ArgumentError
 from tests.cli.command import rapc
 from tests.debug.planted import FAULTS, LIBRARIES, WORLDS
 from tests.debug.sessions import row, scripted
@@ -143,3 +147,44 @@ def test_fact_that_an_unseen_result_asserts_is_not_named() -> None:
     [line] = [line for line in _of(session) if "never chosen" in line]
     assert line.startswith("small.rap:7: `mend` of `work` was never chosen in ")
     assert "no (broken) was ever asserted, though `press` had stuck" in line
+
+
+def test_waits_of_an_unknown_task_are_refused() -> None:
+    session = scripted("(define-rap (work) (succeed true))", "(work)")
+    session.go()
+    with pytest.raises(ArgumentError, match=r"unknown task \[999\]"):
+        waits(session, "999")
+
+
+def test_source_of_a_line_between_definitions_is_the_nearest() -> None:
+    text = "(define-rap (one) (succeed true))\n\n\n(define-rap (two) (succeed true))"
+    session = scripted(text, "(one)")
+    assert source(session, "small.rap:2").lines[1].endswith("(succeed true))")
+    assert "(one)" in source(session, "small.rap:2").lines[1]
+    assert "(two)" in source(session, "small.rap:3").lines[1]
+
+
+def test_why_failed_of_a_rap_is_its_last_failure() -> None:
+    text = """
+    (declare-primitive press (?key) (okay stuck))
+    (define-rap (hit ?key)
+      (method (primitive (press ?key))))
+    """
+    rows = (row("(press left)", "stuck"), row("(press right)"))
+    session = scripted(text, "(hit left)", "(hit right)", rows=rows)
+    session.go()
+    assert why(session, "failed hit").lines[0].startswith("[1] (hit left) failed ")
+
+
+def test_why_not_of_a_removed_task_evaluates_its_monitor() -> None:
+    text = """
+    (declare-memory-proposition level (?n))
+    (define-rap (both) (method (task-net (t1 (guard)) (t2 (end) (until-end t1)))))
+    (define-rap (guard) (monitor-state (and (level ?n) (< ?n 0))) (succeed nil))
+    (define-rap (end) (succeed true))
+    (define-rap (work) (method (task-net (t1 (guard) (until-end t2)) (t2 (end)))))
+    """
+    session = scripted(text, "(work)")
+    session.go()
+    lines = why_not(session, "2").lines
+    assert any("monitor-state of `guard`" in line for line in lines)

@@ -37,8 +37,11 @@ from rapc.ir.printer import format_formula
 from rapc.runtime.events.report import OF_GOALS
 from rapc.world import OKAY, Time
 
-_MOST_WAITS = 3
-"""The number of waits that are listed for a goal, the longest first."""
+_MOST = 3
+"""The number of failures, and of waits, that are listed for a goal not reached."""
+
+_REACHED = "succeeded"
+"""The outcome of a goal that was reached."""
 
 _MOST_DECISIONS = (2, 4)
 """The numbers of decisions before the end that are listed: the last, the first."""
@@ -201,9 +204,19 @@ def _with_source(told: ToldEvent, source: Source | None) -> str:
 # --- what kept the goals --------------------------------------------------------------
 
 
-def obstacles(account: Account, story: Story, family: int) -> list[Obstacle]:
-    """Return what kept a top-level goal: failed requests and long waits."""
-    return [*_failures(story, family), *_waits(account, story, family)]
+def obstacles(
+    account: Account, story: Story, family: int, most: int = _MOST
+) -> list[Obstacle]:
+    """Return what kept a top-level goal: failed requests and long waits.
+
+    Args:
+        account: the time of the run.
+        story: the run.
+        family: the top-level task.
+        most: the greatest number of each of the two.
+    """
+    failures = sorted(_failures(story, family), key=lambda one: -one.times)
+    return [*failures[:most], *_waits(account, story, family, most)]
 
 
 def _causes(story: Story, family: int) -> Iterator[Obstacle]:
@@ -298,14 +311,16 @@ def _unclaimed_things(story: Story) -> Iterator[Symptom]:
             yield Symptom(where, f"{said}; meanwhile {kept.because}")
 
 
-def _waits(account: Account, story: Story, family: int) -> Iterator[Obstacle]:
+def _waits(
+    account: Account, story: Story, family: int, most: int
+) -> Iterator[Obstacle]:
     """Yield the longest waits of a family, each with the wait of the other family."""
     groups: dict[tuple[str, str], list[Piece]] = {}
     for one in account.of_family[family]:
         if one.kind in (WAITING, SUSPENDED):
             groups.setdefault((one.kind, one.what), []).append(one)
     listed = sorted(groups.items(), key=lambda item: -_duration(item[1]))
-    for (kind, what), pieces in listed[:_MOST_WAITS]:
+    for (kind, what), pieces in listed[:most]:
         said, where = _meanwhile(account, story, pieces)
         yield Obstacle(
             idle_in_words(kind, what), len(pieces), _duration(pieces), said, where
@@ -434,7 +449,8 @@ def goals_of(
     """
     account, story = account_of(told, now), Story(told, program)
     rows: list[tuple[object, ...]] = []
-    for family in account.families.values():
+    ordered = sorted(account.families.values(), key=lambda one: one.outcome == _REACHED)
+    for family in ordered:
         dead = family.background and family.outcome == "failed"
         if not dead and (family.background or not (all_ or family.ended is None)):
             continue
@@ -444,7 +460,8 @@ def goals_of(
         head: tuple[object, ...] = (family.task, family.goal, state)
         kept = [*_causes(story, family.task)]
         if not dead:
-            kept += obstacles(account, story, family.task)
+            most = 2 if family.outcome == _REACHED else _MOST
+            kept += obstacles(account, story, family.task, most)
         for one in kept or [_NOTHING]:
             rows.append((*head, *one))
             head = (family.task, None, None)
@@ -466,11 +483,12 @@ def why_end(history: History) -> Answer:
 def goals(history: History, args: Arguments) -> Answer:
     """List the top-level goals with what kept each, how often and by which task.
 
-    A goal is kept by a failure, by failed requests and by waits. For a failed request,
-    the requests that other tasks began meanwhile are listed, and the method that claims
-    no thing for which the request failed. For a wait, the wait of the task that held
-    the thing is listed, with the line of the condition. Background tasks that failed
-    are listed too, with the cause.
+    The goals that were not reached come first. A goal is kept by a failure, by failed
+    requests and by waits: the worst three of each, or two for a goal that was reached.
+    For a failed request, the requests that other tasks began meanwhile are listed, and
+    the method that claims no thing for which the request failed. For a wait, the wait
+    of the task that held the thing is listed, with the line of the condition.
+    Background tasks that failed are listed too, with the cause.
     """
     told = [*history.scan(*OF_GOALS)]
     return goals_of(told, history.now, program_of(history))

@@ -217,7 +217,8 @@ def _thing(thing: Thing) -> str:
 def source(history: History, args: Arguments) -> Answer:
     """Show the source text of a definition, or of the RAP of a task.
 
-    NAME is a RAP, a query, an agenda, a declared name, or the signal of a rule.
+    NAME is a RAP, a query, an agenda, a declared name, or the signal of a rule. For a
+    line between definitions, the nearest definition is shown.
     """
     program, name = history.library.program, args.peek()
     if not name or name.strip("[]").isdecimal():
@@ -226,7 +227,7 @@ def source(history: History, args: Arguments) -> Answer:
         args.word("name")
     lines = [
         line
-        for form in definitions(program, name)
+        for form in definitions(program, name, near=True)
         for line in _text_of(program.library, form)
     ]
     return Answer(tuple(lines), is_code=True)

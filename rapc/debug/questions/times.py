@@ -25,7 +25,7 @@ from rapc.debug.answer import Answer, question, table
 from rapc.debug.arguments import Arguments
 from rapc.debug.history import History
 from rapc.debug.log import ToldEvent
-from rapc.errors import WorldError
+from rapc.errors import ArgumentError, WorldError
 from rapc.world import Time
 from rapc.worlds.registry import find_world
 
@@ -224,6 +224,8 @@ def waits(history: History, args: Arguments) -> Answer:
 
 def _waits_of(account: Account, task: int) -> Answer:
     """Return the waits of a task and its descendants, by their start."""
+    if task not in account.parents and task not in account.families:
+        raise ArgumentError(f"unknown task [{task}]")
     family = {task}
     for child, parent in account.parents.items():
         if parent in family:

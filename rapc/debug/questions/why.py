@@ -80,6 +80,7 @@ _SETTLES: Mapping[type[Event], str] = {
     ":why 12 in 30",
     ":why failed",
     ":why failed 92",
+    ":why failed fill-order",
     ":why end",
 )
 def why(history: History, args: Arguments) -> Answer:
@@ -95,7 +96,7 @@ def why(history: History, args: Arguments) -> Answer:
     if args.takes("end"):
         return why_end(history)
     if args.takes("failed"):
-        return why_failed(history, args.task(history, ended=True) if args else None)
+        return why_failed(history, _failed_task(history, args) if args else None)
     number = args.task(history, ended=True)
     cycle = args.count("cycle") if args.takes("in") else None
     choice, doing = reasons(history, number, cycle)
@@ -233,6 +234,18 @@ _FAILURES: Mapping[type[Event], str] = {
     events.MethodEnded: "had a failed method",
     events.TaskRemoved: "was removed",
 }
+
+
+def _failed_task(history: History, args: Arguments) -> int:
+    """Take a task: a number, or a RAP for its last task that failed."""
+    name = args.peek().lower()
+    told = history.last(
+        events.TaskFailed, want=lambda told: told.keys["goal"].name == name
+    )
+    if told is None:
+        return args.task(history, ended=True)
+    args.word("task")
+    return int(told.keys["task"])
 
 
 def why_failed(history: History, number: int | None = None) -> Answer:

@@ -23,7 +23,7 @@ from rapc.debug.arguments import Arguments
 from rapc.debug.history import History
 from rapc.debug.sources import Origin, origins
 from rapc.errors import ArgumentError
-from rapc.events import Goal, KnownFact, TaskSelected
+from rapc.events import Goal, KnownFact, TaskCreated, TaskRemoved, TaskSelected
 from rapc.ir import clauses, nodes
 from rapc.parser.parse import parse_formula
 from rapc.runtime.interpreter import Interpreter
@@ -171,7 +171,8 @@ def why_not(history: History, args: Arguments) -> Answer:
     """Explain why a task waits, a method is not chosen, or a query is false.
 
     Each conjunct is listed with the number of solutions up to this conjunct. The answer
-    for an ended task describes the state before its last cycle.
+    for an ended task describes the state before its last cycle, and for a removed task
+    the state before the cycle of its removal.
     """
     if args.peek().startswith("("):
         return say(*why_not_query(history, args.word("query")).lines())
@@ -246,8 +247,21 @@ def task_asked(history: History, number: int) -> TaskAnswer:
             return _answer(history.run, number, history.cycle)
         with history.at() as run:
             return _answer(run, number, history.cycle)
-    with history.at_choice(last_cycle(history, number)) as run:
+    with history.at_choice(_last_moment(history, number)) as run:
         return _answer(run, number, history.cycle)
+
+
+def _last_moment(history: History, number: int) -> int:
+    """Return the cycle in which a task was removed, or else its last cycle."""
+    own = [
+        told.cycle
+        for told in history.scan(
+            *(TaskCreated, TaskRemoved), want=lambda told: told.keys["task"] == number
+        )
+    ]
+    if len(own) == 2 and own[0] < own[1]:
+        return own[1]
+    return last_cycle(history, number)
 
 
 def last_cycle(history: History, number: int) -> int:
