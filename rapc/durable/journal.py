@@ -195,7 +195,7 @@ class Journal:
         """Write the end of the run."""
         run = self.run
         assert run is not None
-        self._write(Ended(run.cycle, run.now, run.reason or ""))
+        self._write(Ended(self._readings, run.cycle, run.now, run.reason or ""))
         if self._sync != "off":
             self._synced()
 

@@ -82,6 +82,7 @@ class Reached(Record, tag="at", frozen=True):
 class Ended(Record, tag="end", frozen=True):
     """The end of the run."""
 
+    readings: Natural
     cycle: Natural
     time: Time
     reason: str

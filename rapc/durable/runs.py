@@ -78,6 +78,7 @@ def past_of(records: Iterable[Record], cycle: int = 0) -> Past:
         elif isinstance(record, Reached):
             readings, cycle = max(readings, record.readings), record.cycle
         elif isinstance(record, Ended):
+            readings = max(readings, record.readings)
             cycle, reason = record.cycle, record.reason
         elif acts:
             acts.pop()

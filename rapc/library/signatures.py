@@ -84,6 +84,13 @@ class Fault(msgspec.Struct, frozen=True):
         return f"{self.message}; {self.help}" if question else self.message
 
 
+OF_INTERPRETER: Mapping[str, int] = {":resumed": 1}
+"""The signals of the interpreter itself, with their numbers of arguments.
+
+`(:resumed SECONDS)` reports that a run was resumed after the end of its process.
+"""
+
+
 class Signatures:
     """All signatures of a library, or of the offer of a world, by name.
 
@@ -143,7 +150,7 @@ class Signatures:
             "primitive": primitives,
             "datum": of_counts("sensor datum", offer.data),
             "skill": of_counts("skill", offer.skills),
-            "event": of_counts("event", offer.events),
+            "event": of_counts("event", {**OF_INTERPRETER, **offer.events}),
         }
         return cls(tables, Kinds({}))
 

@@ -369,6 +369,8 @@ class RecordedWorld(Wrapper):
         if not self.answers.first <= saved.position.at <= self.answers.end:
             raise ValueError("the saved position is not among the kept answers")
         self.answers.position = saved.position
+        if saved.position.at == self.answers.end:  # readings are not always stored
+            self.answers.readings = max(self.answers.readings, saved.position.readings)
         self.requests, self.skills = saved.requests, saved.skills
         self.received = saved.received
         self._restored = saved.position.time

@@ -4,11 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
+
+import pytest
 
 import rapc
 from rapc.base.values import Fact
 from rapc.compiler.program import Program
+from rapc.durable import runs
 from rapc.durable.folder import Options, Writer
+from rapc.durable.journal import Trace
 from rapc.durable.runs import DurableRun, Resumption, begin, enclosed
 from rapc.runtime.interpreter import Interpreter
 from rapc.spec import RunSpec
@@ -19,6 +24,26 @@ FAIL = Options(sync="off")
 
 class Killed(BaseException):
     """The end of a process."""
+
+
+class Traces(list[Trace]):
+    """The files of traces that have been opened; a killed run does not close its file.
+
+    Args:
+        patch: replaces the class of these files.
+    """
+
+    def __init__(self, patch: pytest.MonkeyPatch) -> None:
+        def opened(*args: Any) -> Trace:
+            self.append(Trace(*args))
+            return self[-1]
+
+        patch.setattr(runs, "Trace", opened)
+
+    def close(self) -> None:
+        """Close the files."""
+        while self:
+            self.pop().close()
 
 
 class Run:
@@ -68,7 +93,7 @@ class Run:
         return trace.read_text()
 
 
-def kill_after(writes: int, monkeypatch: object) -> None:
+def kill_after(writes: int, patch: pytest.MonkeyPatch) -> None:
     """End the process after some writes of records from now on."""
     left = writes
     write = Writer.write
@@ -80,4 +105,4 @@ def kill_after(writes: int, monkeypatch: object) -> None:
         if left <= 0:
             raise Killed
 
-    monkeypatch.setattr(Writer, "write", kill)  # type: ignore[attr-defined]
+    patch.setattr(Writer, "write", kill)

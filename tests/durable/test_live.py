@@ -1,0 +1,225 @@
+"""Journals of runs in worlds that cannot be saved: each request is done once."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from msgspec.structs import replace
+
+import rapc
+from rapc.durable import journal
+from rapc.durable.folder import Options, Writer
+from rapc.durable.runs import DurableRun
+from rapc.errors import StateError
+from rapc.spec import RunSpec
+from tests.durable.helpers import Killed, Run, Traces, kill_after
+from tests.durable.peer import Peer, PeerWorld, ResumablePeer, library, of
+
+JOBS = 4
+
+
+@pytest.fixture(autouse=True)
+def _ends(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Let a killed run, which is still in this process, lose its lock and files."""
+    monkeypatch.setattr("rapc.durable.folder.fcntl.flock", lambda *_: None)
+    traces = Traces(monkeypatch)
+    yield
+    traces.close()
+
+
+def _run(folder: Path, peer: Peer, kind: type[PeerWorld], jobs: int = JOBS) -> Run:
+    program = rapc.loads(library(jobs)).program
+    return Run(folder, program, RunSpec(tasks=("(all)",)), lambda: kind(of(peer)))
+
+
+def _kill(run: Run, writes: int) -> None:
+    """Begin or resume a run, and kill it after some records."""
+    with pytest.MonkeyPatch.context() as patch:
+        kill_after(writes, patch)
+        with pytest.raises(Killed):
+            _start(run).go()
+
+
+def _start(run: Run) -> DurableRun:
+    return run.resume() if (run.journal / "meta").exists() else run.begin()
+
+
+def _go(run: Run) -> str:
+    """Resume a run and bring it to its end; return the reason."""
+    durable = run.resume()
+    reason = durable.go()
+    durable.close()
+    return reason
+
+
+def _once(jobs: int) -> Counter[Any]:
+    names = ("look", "work")
+    return Counter((name, n) for name in names for n in range(1, jobs + 1))
+
+
+@pytest.mark.parametrize("sync", ["off", "requests", "always"])
+def test_each_request_is_done_once_whatever_the_last_record(
+    tmp_path: Path, sync: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(journal, "CYCLES", 3)
+    for writes in range(3, 60, 1 if sync == "off" else 7):
+        folder = tmp_path / str(writes)
+        folder.mkdir()
+        peer = Peer()
+        run = _run(folder, peer, ResumablePeer)
+        run.options = Options(sync=sync)
+        _kill(run, writes)
+        assert _go(run) == "done"
+        assert peer.started == peer.done == _once(JOBS), writes
+
+
+def test_each_request_is_done_once_in_a_run_killed_often(tmp_path: Path) -> None:
+    peer = Peer()
+    run = _run(tmp_path, peer, ResumablePeer)
+    for writes in (12, 9, 7, 9, 8, 9):
+        _kill(run, writes)
+    assert _go(run) == "done"
+    assert peer.started == peer.done == _once(JOBS)
+    assert peer.resumed == 6
+    events = [json.loads(line) for line in run.trace.read_text().splitlines()]
+    assert [one["n"] for one in events] == [*range(len(events))]
+    signals = [one for one in events if one["event"] == "signal"]
+    assert [one["what"].split()[0] for one in signals] == ["(:resumed"] * 6
+    # a run that has ended is repeated from its journal alone
+    before = run.trace.read_text()
+    assert _go(run) == "done"
+    assert run.trace.read_text() == before
+    assert peer.resumed == 6
+
+
+class Anew(PeerWorld):
+    """The world of a peer whose clock begins again, and that knows no tickets."""
+
+    def __init__(self, call: Any) -> None:
+        super().__init__(call)
+        self._begun = call("now")
+
+    def now(self) -> Any:
+        return super().now() - self._begun
+
+    def next_time(self) -> Any:
+        due = super().next_time()
+        return None if due is None else due - self._begun
+
+    def advance(self, to: Any) -> None:
+        super().advance(to + self._begun)
+
+
+def _killed_in(
+    folder: Path, request: str, *, answered: bool, kind: type[PeerWorld] = Anew
+) -> tuple[Run, Peer]:
+    """Return a run that was killed before or after the answer to a request."""
+    peer = Peer()
+    run = _run(folder, peer, kind)
+    write = Writer.write
+    wanted = b'"told"' if answered else b'"ask"'
+
+    def kill(self: Writer, data: bytes) -> None:
+        write(self, data)
+        if wanted in data and request.encode() in data:
+            raise Killed
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Writer, "write", kill)
+        with pytest.raises(Killed):
+            run.begin().go()
+    if kind is Anew:  # the robot begins anew, too
+        peer.jobs.clear()
+        peer.messages()
+    return run, peer
+
+
+def _methods(run: Run) -> list[tuple[str, str]]:
+    events = [json.loads(line) for line in run.trace.read_text().splitlines()]
+    return [
+        (one["event"], one.get("because") or one.get("result"))
+        for one in events
+        if one.get("request", "") == "(work 2)" and one["event"] != "request"
+    ]
+
+
+@pytest.mark.parametrize("answered", [False, True])
+@pytest.mark.parametrize(
+    ("request_", "treatment", "times"),
+    [
+        (["look", 2], {}, 2),  # a sensor
+        (["work", 2], {"work": "repeat"}, 2),
+        (["work", 2], {"*": "repeat"}, 2),
+        (["work", 2], {"work": "ask"}, 2),
+    ],
+)
+def test_request_with_unknown_outcome_is_sent_again(
+    tmp_path: Path,
+    request_: list[Any],
+    treatment: dict[str, str],
+    times: int,
+    answered: bool,
+) -> None:
+    text = json.dumps(request_, separators=(",", ":"))
+    run, peer = _killed_in(tmp_path, text, answered=answered)
+    run.options = replace(run.options, after_crash=treatment)
+    run.decide = lambda request: "repeat"
+    assert _go(run) == "done"
+    begun = peer.started[tuple(request_)]
+    # the process ended before the request was sent, or after
+    at_once = request_[0] == "look"
+    assert begun == (1 if at_once or not answered else times)
+    assert peer.started.total() == 2 * JOBS + begun - 1
+
+
+@pytest.mark.parametrize("answered", [False, True])
+@pytest.mark.parametrize("treatment", [{}, {"work": "ask"}])
+def test_request_with_unknown_outcome_fails(
+    tmp_path: Path, treatment: dict[str, str], answered: bool
+) -> None:
+    run, peer = _killed_in(tmp_path, '["work",2]', answered=answered)
+    run.options = replace(run.options, after_crash=treatment)
+    assert _go(run) == "done"
+    told = [one for one in _methods(run) if one[0] == "request-refused"]
+    assert [said for _, said in told] == [
+        "the process of the interpreter ended before the outcome was known"
+    ]
+    # the method fails, and the task chooses again
+    assert peer.started["work", 2] == 1 + answered
+
+
+def test_clock_that_begins_again_goes_on(tmp_path: Path) -> None:
+    run, _ = _killed_in(tmp_path, '["work",3]', answered=True)
+    _go(run)
+    events = [json.loads(line) for line in run.trace.read_text().splitlines()]
+    times = [one["time"] for one in events]
+    assert times == sorted(times)
+
+
+def test_world_that_has_forgotten_messages_is_refused(tmp_path: Path) -> None:
+    run, peer = _killed_in(tmp_path, '["work",3]', answered=True, kind=ResumablePeer)
+    peer.forgotten = 100
+    with pytest.raises(StateError, match="cannot resume: the world `peer` refuses"):
+        run.resume().go()
+
+
+def test_kit_is_told_of_a_resumed_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run, _ = _killed_in(tmp_path, '["work",3]', answered=True)
+    told: list[float] = []
+
+    def resumed(memory: Any, seconds: float) -> None:
+        told.append(seconds)
+        memory.assert_fact("done", 100)
+
+    monkeypatch.setattr(Anew, "kit", replace(PeerWorld.kit, resumed=resumed))
+    durable = run.resume()
+    durable.go()
+    assert told[0] >= 0
+    assert ("done", 100) in set(durable.run.memory)
