@@ -60,6 +60,8 @@ FINDINGS = _kind(
 TABLES = _kind("a table of results", rb"## ")
 RUN_COMMANDS = _kind("a list of commands", rb"# [^\n]*\n[^\n]*\brapc run ")
 SVG = _kind("an SVG picture", _XML + rb"(<![^>]*>\s*)*<svg")
+CHROME = _kind("a Chrome trace", rb'\{"traceEvents":')
+MCAP = _kind("an MCAP file", rb"\x89MCAP0\r\n")
 PAGE = _kind("a page of a run", rb"<!doctype html>\n<!-- a run, by rapc view -->")
 PNG = _kind("a PNG picture", rb"\x89PNG")
 

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import signal
 import webbrowser
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from importlib.util import find_spec
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import click
 import msgspec
 
-from rapc.base.outputs import PAGE, SVG
+from rapc.base.outputs import CHROME, MCAP, PAGE, SVG
 from rapc.base.visible import visible
 from rapc.cli.common import load_checked, refuse_output, write_output
 from rapc.cli.options import command, fail
@@ -22,6 +24,7 @@ from rapc.debug.history import History, Stop
 from rapc.debug.questions.differences import MOST_DURATIONS, library_of
 from rapc.debug.recorded import Replay
 from rapc.debug.recording import Playback, Recording
+from rapc.runtime.events.trace import record
 from rapc.view.page import page
 from rapc.view.pictures import Pictures
 from rapc.view.svg import svg
@@ -34,6 +37,7 @@ Examples:
   rapc view rocks.rap --world truck --task '(rock-order red 1)' -o rocks.html --open
   rapc view yesterday.jsonl --compare today.jsonl
   rapc view run.jsonl --picture moment.svg --at 120
+  rapc view run.jsonl --export perfetto.json --export run.mcap
 """
 
 
@@ -62,6 +66,13 @@ Examples:
     metavar="CYCLE",
     help="Moment of the picture: the end of CYCLE [default: the end].",
 )
+@click.option(
+    "--export",
+    "exports",
+    multiple=True,
+    metavar="FILE",
+    help="Write the run to FILE.json (Perfetto) or FILE.mcap (repeatable).",
+)
 @click.option("--open", "opens", is_flag=True, help="Open the page in a browser.")
 def view(
     path: str,
@@ -70,13 +81,17 @@ def view(
     other: str | None,
     picture: str | None,
     at: int | None,
+    exports: Sequence[str],
     opens: bool,
     **more: Any,
 ) -> None:
     """Write a page that shows a run: one HTML file that needs no network.
 
-    With --picture, write a drawing of the world beside what the robot believes, and no
-    page without -o. A run of a world without a picture shows what the robot believes.
+    With --picture, write a drawing of the world beside what the robot believes. A run
+    of a world without a picture shows what the robot believes. With --export, write the
+    run for other tools: as a Chrome trace for Perfetto (FILE.json), or as an MCAP file
+    for Foxglove and Lichtblick (FILE.mcap). With one of these options, a page is only
+    written with -o, --compare or --open.
 
     PATH is a recorded run (FILE.jsonl), the report of a run (FILE.bug), or a library
     that is run; Ctrl-C ends the run. A recorded run of a simulated world is run again
@@ -90,11 +105,16 @@ def view(
     """
     if at is not None and picture is None:
         raise click.UsageError("--at requires --picture")
+    for name in exports:
+        _check_export(name, path)
     views = [_viewed(path, world_name, more)]
     if picture is not None:
         _draw(views[0], picture, at)
-        if output is None and other is None and not opens:
-            return
+    for name in exports:
+        _export(views[0], name)
+    written = picture is not None or exports
+    if written and output is None and other is None and not opens:
+        return
     if other is not None:
         views.append(_other(other, world_name, views[0]))
         views[0].name, views[1].name = "before", "after"
@@ -110,13 +130,39 @@ def view(
 
 def _draw(viewed: Viewed, file: str, at: int | None) -> None:
     """Write the picture of a moment; default: the end."""
-    history = viewed.history
-    scene = viewed.pictures.scene_at(history.cycle if at is None else at)
+    scene = viewed.scene_at(at)
     if scene is None:
         fail("cannot draw the run: its world has no picture, and memory has no place")
     refuse_output("--picture", file, SVG)
     when = "the end" if at is None else f"cycle {at}"
     write_output(file, svg(scene, f"{viewed.name}, {when}").encode())
+    click.echo(f"wrote {visible(file)}")
+
+
+def _check_export(file: str, path: str) -> None:
+    """End the command if the run cannot be written to a file."""
+    kind = {".json": CHROME, ".mcap": MCAP}.get(Path(file).suffix.lower())
+    if kind is None:
+        fail(f"--export: expected FILE.json or FILE.mcap, not `{file}`")
+    refuse_output("--export", file, kind, ([path], "is an input of the command"))
+    if kind is MCAP and find_spec("mcap") is None:
+        fail("--export: MCAP files require: pip install 'rapc[mcap]'")
+
+
+def _export(viewed: Viewed, file: str) -> None:
+    """Write a run for another tool."""
+    records = (record(told.event()) for told in viewed.events())
+    if file.lower().endswith(".mcap"):
+        from rapc.view.mcap import write_mcap
+
+        stream = BytesIO()
+        write_mcap(stream, records, viewed.pictures.changes)
+        data = stream.getvalue()
+    else:
+        from rapc.view.chrome import chrome_trace
+
+        data = msgspec.json.encode(chrome_trace(records))
+    write_output(file, data)
     click.echo(f"wrote {visible(file)}")
 
 
@@ -182,4 +228,5 @@ def _recorded(path: Path, world_name: str | None) -> Viewed:
         history.goto(recording.last_cycle + 1)
         pictures = Pictures(history)
     library = library_of(recording.begun)
-    return Viewed(path.name, note, path.read_bytes(), history, library, pictures)
+    data = path.read_bytes()
+    return Viewed(path.name, note, data, history, library, pictures, recording)

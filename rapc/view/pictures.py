@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import msgspec
@@ -10,6 +11,7 @@ import msgspec
 from rapc.base import pictures
 from rapc.base.values import format_list, number
 from rapc.debug.history import History
+from rapc.debug.log import ToldEvent
 from rapc.errors import LoadError
 from rapc.events import (
     DataReceived,
@@ -36,7 +38,7 @@ _MOMENTS = (TaskSelected, PrimitiveEnded, DataReceived, SignalReceived, RunEnded
 
 
 class Pictures:
-    """The pictures of a run: those of its trace, or taken as the run goes on.
+    """The pictures of a run, taken as the run goes on if its trace has none.
 
     The picture of a world that cannot be made again is known only at the present, so
     pictures are taken from the moment on at which this object is made.
@@ -69,41 +71,40 @@ class Pictures:
             self.changes.append((serial, pictures.change(self._last, after)))
             self._last = after
 
-    def recorded(self) -> list[Change]:
-        """Return the changes in the trace."""
-        told = self._history.scan(Pictured)
-        return [(one.serial, one.keys["changed"]) for one in told]
 
-    def scene_at(self, cycle: int) -> Scene | None:
-        """Return the drawing of the end of a cycle.
+def scene_at(
+    events: Iterable[ToldEvent], taken: Sequence[Change], cycle: int | None
+) -> Scene | None:
+    """Return the drawing of the end of a cycle of a run; see `Viewed.scene_at`.
 
-        Returns:
-            The drawing; None if there is no picture, and memory knows no place.
-
-        Raises:
-            LoadError: if the trace has an invalid picture.
-        """
-        facts: dict[str, float] = {}
-        serial, now = -1, number(0)
-        for one in self._history.scan():
-            if one.cycle > cycle:
-                break
-            serial, now = one.serial, one.time
-            if one.kind is FactAsserted:
-                facts[format_list(one.keys["fact"])] = one.time
-            elif one.kind is FactErased:
-                facts.pop(format_list(one.keys["fact"]), None)
-        changes, found = self.recorded() or self.changes, []
-        last = bisect_right(changes, serial, key=lambda change: change[0])
-        picture: dict[str, Any] = {}
-        for _, change in changes[:last]:
-            picture = pictures.changed(picture, change)
-            found.append(picture)
-        try:
-            found = [
-                pictures.plain(pictures.from_plain(one)) for one in found[-PATH - 1 :]
-            ]
-        except ValueError as error:
-            raise LoadError(f"the trace has an invalid picture: {error}") from error
-        present = found.pop() if found else None
-        return scene_of(present, Beliefs(facts, now), found)
+    Args:
+        events: the events of the run.
+        taken: the changes of the picture that the trace does not have.
+        cycle: the cycle; None for the end of the run.
+    """
+    facts: dict[str, float] = {}
+    recorded: list[Change] = []
+    serial, now = -1, number(0)
+    for one in events:
+        if cycle is not None and one.cycle > cycle:
+            break
+        serial, now = one.serial, one.time
+        if one.kind is FactAsserted:
+            facts[format_list(one.keys["fact"])] = one.time
+        elif one.kind is FactErased:
+            facts.pop(format_list(one.keys["fact"]), None)
+        elif one.kind is Pictured:
+            recorded.append((serial, one.keys["changed"]))
+    changes = recorded or taken
+    last = bisect_right(changes, serial, key=lambda change: change[0])
+    picture: dict[str, Any] = {}
+    found = []
+    for _, change in changes[:last]:
+        picture = pictures.changed(picture, change)
+        found.append(picture)
+    try:
+        shown = [pictures.plain(pictures.from_plain(one)) for one in found[-PATH - 1 :]]
+    except ValueError as error:
+        raise LoadError(f"the trace has an invalid picture: {error}") from error
+    present = shown.pop() if shown else None
+    return scene_of(present, Beliefs(facts, now), shown)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from io import StringIO
 from typing import Any
 
@@ -11,12 +12,15 @@ from rapc.base.source import Span
 from rapc.base.values import format_list
 from rapc.compiler.program import Program
 from rapc.debug.history import History
+from rapc.debug.log import ToldEvent
 from rapc.debug.questions.differences import compared, first_difference, this_run
 from rapc.debug.questions.times import sensors_of
+from rapc.debug.recording import Recording
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
 from rapc.runtime.events.trace import JsonTrace
-from rapc.view.pictures import Pictures
+from rapc.view.pictures import Pictures, scene_at
+from rapc.view.scene import Scene
 
 
 class Viewed(msgspec.Struct):
@@ -34,6 +38,26 @@ class Viewed(msgspec.Struct):
     #: The library, if it is the library of the run.
     program: Program | None
     pictures: Pictures
+    #: The file of a recorded run. A run again of a recording that was cut off ends
+    #: before the last cycle.
+    recording: Recording | None = None
+
+    def events(self) -> Iterable[ToldEvent]:
+        """Return the events of the run, all that are recorded."""
+        if self.recording is None:
+            return self.history.scan()
+        return self.recording.scan(0, self.recording.rows)
+
+    def scene_at(self, cycle: int | None) -> Scene | None:
+        """Return the drawing of the end of a cycle, or of the run.
+
+        Returns:
+            The drawing; None if there is no picture, and memory knows no place.
+
+        Raises:
+            LoadError: if the trace has an invalid picture.
+        """
+        return scene_at(self.events(), self.pictures.changes, cycle)
 
     def more(self) -> dict[str, Any]:
         """Return what the page knows beside the trace, as plain data."""
