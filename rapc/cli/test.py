@@ -10,6 +10,7 @@ from pathlib import Path
 import click
 
 from rapc.base.files import same_file
+from rapc.base.names import did_you_mean
 from rapc.base.outputs import COVERAGE, JUNIT
 from rapc.base.visible import visible
 from rapc.cli.check_options import nearest_config
@@ -47,6 +48,12 @@ _MOST_JOBS = 1000
 
 @command(EXAMPLES)
 @click.argument("paths", nargs=-1, metavar="PATH...", type=click.Path())
+@click.option(
+    "--only",
+    multiple=True,
+    metavar="NAME",
+    help="Run only the tests of this name (repeatable).",
+)
 @click.option("--seed", type=int, default=0, show_default=True, help="First seed.")
 @click.option(
     "--seeds",
@@ -99,6 +106,7 @@ _MOST_JOBS = 1000
 )
 def test(
     paths: Sequence[str],
+    only: Sequence[str],
     seed: int,
     seeds: int,
     jobs: int,
@@ -121,12 +129,12 @@ def test(
         raise click.UsageError("missing a file or folder with tests")
     gathered = None if coverage is None and least is None else Coverage()
     if jobs > 1:
-        _refuse_with_jobs(paths, gathered)
+        _refuse_with_jobs(paths, gathered, only)
     injected = tuple([read_option("--fault", read_fault, text) for text in faults])
     configured = nearest_config(paths[0])
     permitted = (*modules, *configured.config.world_modules)
     running = TestSession(range(seed, seed + seeds), injected, gathered, permitted)
-    cases = _find(paths)
+    cases = _find(paths, only)
     inputs = {*paths, *(file for case in cases for file in _files(case))}
     told = "is a source file of the tests or of their library"
     for option, file, output in (
@@ -180,16 +188,26 @@ def _falls_short(gathered: Coverage, least: float) -> bool:
     return short
 
 
-def _find(paths: Sequence[str]) -> tuple[Case, ...]:
+def _find(paths: Sequence[str], only: Sequence[str]) -> tuple[Case, ...]:
+    """Return the tests in files and folders; with `only`, those of these names."""
     found = discover.find(paths)
     refuse_faulty(*found.reports)
+    where = ", ".join(f"`{path}`" for path in paths)
     if not found.cases:
-        fail("no tests found in " + ", ".join(f"`{path}`" for path in paths))
-    return found.cases
+        fail(f"no tests found in {where}")
+    names = {case.test.name for case in found.cases}
+    for name in only:
+        if name not in names:
+            fail(f"no test `{name}` in {where}", did_you_mean(name, names))
+    return tuple([one for one in found.cases if not only or one.test.name in only])
 
 
-def _refuse_with_jobs(paths: Sequence[str], gathered: Coverage | None) -> None:
+def _refuse_with_jobs(
+    paths: Sequence[str], gathered: Coverage | None, only: Sequence[str]
+) -> None:
     """Refuse the options that require one process."""
+    if only:
+        raise click.UsageError("cannot combine --jobs and --only")
     if gathered is not None:
         raise click.UsageError("cannot combine --jobs and --coverage")
     if "-" in paths:

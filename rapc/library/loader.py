@@ -452,7 +452,7 @@ def _in_folder(name: str, folder: Path, requiring: Path) -> Path | None:
 
 def unresolved(form: nodes.Require, requiring: Path) -> Diagnostic:
     """Return the finding for a `require` that cannot be resolved."""
-    names = [name for name in _beside(requiring) if name != requiring.stem]
+    names = [name for name in names_beside(requiring) if name != requiring.stem]
     known = [*names, *standard_libraries()]
     without = form.name.removesuffix(SUFFIX)
     close = without if without in known else nearest(form.name, known)
@@ -478,7 +478,7 @@ def _advice(name: str, close: str | None) -> str:
     return f"did you mean `{close}`?"
 
 
-def _beside(requiring: Path) -> list[str]:
+def names_beside(requiring: Path) -> list[str]:
     """Return the names of files and folders beside a file, valid for `require`."""
     try:
         with os.scandir(requiring.parent) as entries:

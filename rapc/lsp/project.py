@@ -10,22 +10,30 @@ from __future__ import annotations
 import os
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping
-from functools import cached_property
+import traceback
+from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property, partial
 from pathlib import Path
 
 import msgspec
 
 from rapc.analysis import baseline, config, registry
+from rapc.analysis.check import Pass
 from rapc.analysis.check_files import loaded_libraries
 from rapc.analysis.config import Configured
 from rapc.analysis.config_file import ConfigError, nearest_config
-from rapc.analysis.driver import CheckReport, check_libraries
-from rapc.analysis.facts.index import Index
+from rapc.analysis.driver import CheckReport, Finding, check_libraries
+from rapc.analysis.facts.index import INDEX, Index
+from rapc.analysis.libraries import LibrarySpec, libraries_of
 from rapc.analysis.selection import Selection, UnknownRuleError, by_default
-from rapc.base.files import names_at, path_of, read_text
+from rapc.base.files import (
+    STANDARD,
+    lies_in,
+    path_of,
+    read_text,
+)
 from rapc.errors import Error, LoadError, in_a_line
-from rapc.library.loader import Loaded, Units
+from rapc.library.loader import Loaded, Names, Units, names_below
 from rapc.library.signatures import Signatures
 from rapc.parser.unit import SourceUnit
 
@@ -43,29 +51,27 @@ class Delays(msgspec.Struct, frozen=True):
     everything: float = 0.4
 
 
-class Member(msgspec.Struct, frozen=True):
-    """A library of the workspace: the paths that `rapc check` would be given."""
-
-    #: Files and folders.
-    paths: tuple[str, ...]
-
-
 class Part:
-    """A linked library; its index and signatures are made when they are needed."""
+    """A linked library; facts about the library are computed when they are needed."""
 
     def __init__(self, loaded: Loaded) -> None:
         self.loaded = loaded
         self.library = loaded.library
 
     @cached_property
-    def index(self) -> Index:
-        """The nodes and names of the library."""
-        return Index(self.library)
+    def run(self) -> Pass:
+        """The facts of the checker about the library."""
+        return Pass(self.library, required=self.loaded.required)
 
-    @cached_property
+    @property
+    def index(self) -> Index:
+        """The nodes of the library."""
+        return self.run.result(INDEX)
+
+    @property
     def signatures(self) -> Signatures:
         """The declared names of the library."""
-        return Signatures.of(self.library)
+        return self.run.signatures
 
     @cached_property
     def units(self) -> Mapping[str, SourceUnit]:
@@ -76,10 +82,11 @@ class Part:
 class Snapshot(msgspec.Struct, frozen=True, eq=False):
     """A library at a moment: its parts, its findings and the state of the buffers."""
 
-    member: Member
+    spec: LibrarySpec
     #: The library, then a library for each group of test files.
     parts: tuple[Part, ...]
-    report: CheckReport
+    #: The findings of each file.
+    findings: Mapping[str, Sequence[Finding]]
     #: Whether all rules were checked, not only those that find errors.
     whole: bool
     #: The number of changes of each open file when the library was read.
@@ -92,12 +99,8 @@ class Snapshot(msgspec.Struct, frozen=True, eq=False):
         return next((one for one in self.parts if name in one.loaded.files), None)
 
     def owns(self, name: str) -> bool:
-        """Return whether a file is below the paths of the library."""
-        real = os.path.realpath(path_of(name))
-        return any(
-            real == folder or real.startswith(folder + os.sep)
-            for folder in map(os.path.realpath, self.member.paths)
-        )
+        """Return whether the library begins with a file, or with a folder above it."""
+        return any(lies_in(name, path) for path in self.spec.paths)
 
 
 class Work(msgspec.Struct, frozen=True):
@@ -112,16 +115,14 @@ class _State:
     """The progress of the checks of a library."""
 
     def __init__(self) -> None:
+        #: The files of the library, and the files that each file requires.
         self.files: frozenset[str] = frozenset()
-        self.done = 0
+        self.required: list[Mapping[str, tuple[str, ...]]] | None = None
         #: The state of the files that the last error check and full check have seen.
         self.errors_at = -1
         self.whole_at = -1
         #: The last change of a file of the library.
         self.changed_at = 0
-
-
-Publish = Callable[[Snapshot], None]
 
 
 class Worker:
@@ -130,6 +131,7 @@ class Worker:
     Args:
         delays: the times to wait after an edit.
         publish: receives each snapshot, in the worker's thread.
+        forget: receives the libraries that are no longer there, in that thread.
         log: receives messages about faults, in the worker's thread.
         clock: the time in seconds.
     """
@@ -137,25 +139,28 @@ class Worker:
     def __init__(
         self,
         delays: Delays,
-        publish: Publish,
+        publish: Callable[[Snapshot], None],
+        forget: Callable[[list[LibrarySpec]], None],
         log: Callable[[str], None],
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self._delays = delays
         self._publish = publish
+        self._forget = forget
         self._log = log
         self._clock = clock
         self._units = Units()
-        self._states: dict[Member, _State] = {}
+        self._states: dict[LibrarySpec, _State] = {}
         self._changed = threading.Condition()
         self._work = Work({}, {}, ())
-        self._opened: dict[str, int] = {}
         #: The number of changes so far, and the time of the last one.
         self._now = 0
         self._last = 0.0
         self._stopped = False
-        self._discovered_at = -1
-        self._moved_at = 0
+        #: The name of each file of the workspace.
+        self._names: Names = {}
+        #: Whether files or `require` forms have changed since the last search.
+        self._are_folders_old = True
         self._thread = threading.Thread(target=self._run, daemon=True, name="checks")
 
     def start(self) -> None:
@@ -168,13 +173,15 @@ class Worker:
             self._stopped = True
             self._changed.notify()
 
-    def tell(self, work: Work, name: str | None = None, *, typed: bool = False) -> None:
+    def tell(
+        self, work: Work, names: Sequence[str] = (), *, typed: bool = False
+    ) -> None:
         """Replace the state of the buffers after a change.
 
         Args:
             work: the buffers.
-            name: the file that has changed; None if any file may have changed, and
-                files may have been added or removed.
+            names: the names of the file that has changed; without names, any file may
+                have changed.
             typed: whether the user has typed, and the check waits for a pause.
         """
         with self._changed:
@@ -183,10 +190,10 @@ class Worker:
             if typed:
                 self._last = self._clock()
             for state in self._states.values():
-                if name is None or name in state.files or not state.files:
+                if not names or not state.files or state.files.intersection(names):
                     state.changed_at = self._now
-            if name is None or not typed:
-                self._moved_at = self._now
+            if not typed:
+                self._are_folders_old = True
             self._changed.notify()
 
     # --- the thread -----------------------------------------------------------------
@@ -198,7 +205,9 @@ class Worker:
             except AbandonedError:
                 continue
             except Error as error:
-                self._log(error.message)
+                self._log(in_a_line(error))
+            except Exception:  # a fault of rapc must not end the server
+                self._log(traceback.format_exc())
 
     def _next(self) -> Callable[[], None] | None:
         """Wait for a job and return it; None when the worker is stopped."""
@@ -213,101 +222,163 @@ class Worker:
     def _due(self) -> tuple[Callable[[], None] | None, float | None]:
         """Return the next job, or the time until one is due."""
         quiet = self._clock() - self._last
-        if self._discovered_at < self._moved_at:
+        if self._are_folders_old:
             return self._discover, None
         opened = self._work.revisions
         states = sorted(
             self._states.items(),
             key=lambda one: not any(name in one[1].files for name in opened),
         )
-        for at_field, delay in (
-            ("errors_at", self._delays.errors),
-            ("whole_at", self._delays.everything),
-        ):
-            for member, state in states:
-                if getattr(state, at_field) < state.changed_at:
+        phases = [(True, self._delays.everything)]
+        if self._delays.errors < self._delays.everything:
+            phases.insert(0, (False, self._delays.errors))
+        for whole, delay in phases:
+            for spec, state in states:
+                if (state.whole_at if whole else state.errors_at) < state.changed_at:
                     if quiet < delay:
                         return None, delay - quiet
-                    whole = at_field == "whole_at"
-                    return (lambda m=member, w=whole: self._check(m, w)), None
+                    return partial(self._check, spec, whole), None
         return None, None
 
     def _discover(self) -> None:
         """Find the libraries of the workspace."""
         with self._changed:
-            work, now = self._work, self._now
-        members = list(members_of(work))
+            work = self._work
+            self._are_folders_old = False
+        names: Names = {}
+        specs: list[LibrarySpec] = []
+        for folder in work.folders:
+            try:
+                names |= names_below(folder)
+                configured = _configuration(folder)
+                specs += libraries_of(folder, configured, work.texts, self._units)
+            except LoadError as error:
+                self._log(error.message)
+        known = {*names.values()}
+        for name in work.revisions:
+            if not name.startswith(STANDARD) and name not in known:
+                specs.append(LibrarySpec((name,)))
         with self._changed:
-            known = self._states
-            self._states = {}
-            for member in members:
-                state = known.get(member) or _State()
-                state.changed_at = max(state.changed_at, 0)
-                self._states[member] = state
-            self._discovered_at = now
+            gone = [spec for spec in self._states if spec not in specs]
+            self._states = {one: self._states.get(one) or _State() for one in specs}
+            self._names = names
+        self._forget(gone)
 
-    def _check(self, member: Member, whole: bool) -> None:
+    def _check(self, spec: LibrarySpec, whole: bool) -> None:
         """Load and check a library, and publish the snapshot."""
         with self._changed:
             work, now = self._work, self._now
-            state = self._states[member]
+            state = self._states[spec]
+            names = dict(self._names)
 
         def going() -> None:
             if state.changed_at > now or self._stopped:
                 raise AbandonedError
 
-        loads, unreadable = self._loads(member, work)
-        state.files = frozenset(name for one in loads for name in one.files)
-        going()
-        configured, selection = _configured(member, unreadable)
-        if not whole:
-            enabled = selection.enabled & registry.errors()
-            selection = msgspec.structs.replace(selection, enabled=enabled)
-        report = check_libraries(loads, selection, member.paths, going)
-        if (file := configured.beside(configured.config.baseline)) is not None:
-            report = baseline.compare(report, file).report
-        parts = tuple(map(Part, loads))
-        snapshot = Snapshot(member, parts, report, whole, work.revisions, unreadable)
-        for part in parts[:1]:
-            _ = part.index, part.signatures
+        try:
+            snapshot = self._snapshot(spec, state, work, names, whole, going)
+        except AbandonedError:
+            raise
+        except Exception:
+            state.errors_at = state.whole_at = now  # do not try again at once
+            raise
         if whole:
             state.whole_at = now
         state.errors_at = now
         self._publish(snapshot)
 
-    def _loads(self, member: Member, work: Work) -> tuple[list[Loaded], dict[str, str]]:
+    def _snapshot(
+        self,
+        spec: LibrarySpec,
+        state: _State,
+        work: Work,
+        names: Names,
+        whole: bool,
+        going: Callable[[], None],
+    ) -> Snapshot:
+        loads, unreadable = self._loads(spec, work, names)
+        state.files = frozenset(name for one in loads for name in one.files)
+        required = [one.required for one in loads]
+        if state.required is not None and required != state.required:
+            self._are_folders_old = True
+        state.required = required
+        going()
+        configured, selection = _configured(spec, unreadable)
+        if not whole:
+            enabled = selection.enabled & registry.errors()
+            selection = msgspec.structs.replace(selection, enabled=enabled)
+        report = check_libraries(loads, selection, work.folders or spec.paths, going)
+        report = _without_known(configured, report, unreadable)
+        parts = tuple(map(Part, loads))
+        _ = parts[0].index, parts[0].signatures
+        found = by_file(report)
+        return Snapshot(spec, parts, found, whole, work.revisions, unreadable)
+
+    def _loads(
+        self, spec: LibrarySpec, work: Work, names: Names
+    ) -> tuple[list[Loaded], dict[str, str]]:
         """Load a library; a file that cannot be read counts as empty."""
+        texts = work.texts
         unreadable: dict[str, str] = {}
         try:
-            return list(loaded_libraries(member.paths, work.texts, self._units)), {}
+            return list(loaded_libraries(spec.paths, texts, self._units, names)), {}
         except LoadError:
-            texts = dict(work.texts)
-            paths = [path for path in member.paths if os.path.exists(path_of(path))]
-            for name in (name for path in paths for name in names_at(path, True)):
+            left = {name: text for name, text in texts.items() if name in spec.paths}
+            every = [*names.values(), *left]
+            texts = dict(texts)
+            for name in every:
                 if name not in texts:
                     try:
                         read_text(path_of(name))
                     except LoadError as error:
                         unreadable[name] = error.message
                         texts[name] = ""
-            return list(loaded_libraries(paths, texts, self._units)), unreadable
+            paths = [one for one in spec.paths if one in texts or _exists(one)]
+            return list(loaded_libraries(paths, texts, self._units, names)), unreadable
+
+
+def _exists(name: str) -> bool:
+    return os.path.exists(path_of(name))
+
+
+def by_file(report: CheckReport) -> dict[str, list[Finding]]:
+    """Return the findings of a report by file."""
+    found: dict[str, list[Finding]] = {}
+    for one in report.findings:
+        found.setdefault(one.diagnostic.span.file, []).append(one)
+    return found
+
+
+def _without_known(
+    configured: Configured, report: CheckReport, unreadable: dict[str, str]
+) -> CheckReport:
+    """Return a report without the findings of the baseline of the configuration."""
+    file = configured.beside(configured.config.baseline)
+    if file is None:
+        return report
+    try:
+        return baseline.compare(report, file).report
+    except (baseline.BaselineError, LoadError) as error:
+        unreadable[str(configured.file)] = in_a_line(error)
+        return report
+
+
+def _configuration(folder: str) -> Configured:
+    """Return the configuration of a folder; an empty one if it is invalid."""
+    try:
+        return nearest_config(folder)
+    except (ConfigError, LoadError):  # the check of each library reports it
+        return Configured()
 
 
 def _configured(
-    member: Member, unreadable: dict[str, str]
+    spec: LibrarySpec, unreadable: dict[str, str]
 ) -> tuple[Configured, Selection]:
     """Return the configuration of a library; note an invalid one as unreadable."""
     try:
-        configured = nearest_config(member.paths[0])
+        configured = nearest_config(spec.paths[0])
         return configured, configured.selection()
     except (ConfigError, LoadError, UnknownRuleError) as error:
-        file = next(config.files(Path(member.paths[0])))
+        file = next(config.files(Path(spec.paths[0])))
         unreadable[str(file)] = in_a_line(error)
         return Configured(), Selection(by_default())
-
-
-def members_of(work: Work) -> Iterator[Member]:
-    """Yield the libraries of the workspace."""
-    folders = {os.path.dirname(name) for name in work.revisions}
-    for folder in sorted(folders):
-        yield Member((folder,))

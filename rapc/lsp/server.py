@@ -14,12 +14,24 @@ from pygls.lsp.server import LanguageServer
 from pygls.protocol import LanguageServerProtocol
 from pygls.protocol.language_server import lsp_method
 
+from rapc.analysis.libraries import LibrarySpec
 from rapc.base.version import VERSION
+from rapc.lsp import (
+    actions,
+    commands,
+    formatting,
+    hints,
+    navigation,
+    outline,
+    tokens,
+    worlds,
+)
+from rapc.lsp.complete import completions
 from rapc.lsp.diagnostics import diagnostics
 from rapc.lsp.hover import hover
-from rapc.lsp.names import declared, definition_of
+from rapc.lsp.positions import Text
 from rapc.lsp.project import Delays, Snapshot, Worker
-from rapc.lsp.workspace import Workspace, name_of
+from rapc.lsp.workspace import View, Workspace, aliases, name_of
 
 
 class Protocol(LanguageServerProtocol):
@@ -79,8 +91,10 @@ class Server(LanguageServer):
         super().__init__("rapc", VERSION, protocol_cls=Protocol)
         #: Whether the client requests diagnostics, rather than receives them.
         self.pulls = False
-        #: The addresses of files with published diagnostics.
-        self._published: set[str] = set()
+        #: Whether the client has the command `hints.SHOW_CALLERS`.
+        self.shows_callers = False
+        #: The last published diagnostics of each file.
+        self._published: dict[str, list[types.Diagnostic]] = {}
 
     # --- the client ---------------------------------------------------------------
 
@@ -95,64 +109,97 @@ class Server(LanguageServer):
         self.rap = Workspace(
             types.PositionEncodingKind.Utf32 not in encodings, map(name_of, folders)
         )
+        self.shows_callers = _flag(params.initialization_options, "showCallers")
+        workspace = params.capabilities.workspace
+        edits = workspace and workspace.workspace_edit
+        self.rap.versions = bool(edits and edits.document_changes)
         loop = asyncio.get_running_loop()
 
         def publish(snapshot: Snapshot) -> None:
             loop.call_soon_threadsafe(self._receive, snapshot)
 
+        def forget(gone: list[LibrarySpec]) -> None:
+            loop.call_soon_threadsafe(self._forget, gone)
+
         def log(message: str) -> None:
             loop.call_soon_threadsafe(self._log, message)
 
-        self.worker = Worker(_delays(params.initialization_options), publish, log)
+        delays = _delays(params.initialization_options)
+        self.worker = Worker(delays, publish, forget, log)
         self.worker.start()
         self.worker.tell(self.rap.work())
 
     def opened(self, document: types.TextDocumentItem) -> None:
         """Add an open file."""
-        self.rap.open(document.uri, document.text, document.version)
-        self.worker.tell(self.rap.work())
+        name = self.rap.open(document.uri, document.text, document.version)
+        self.worker.tell(self.rap.work(), aliases(name))
 
     def edited(self, params: types.DidChangeTextDocumentParams) -> None:
         """Apply edits to an open file."""
         name = name_of(params.text_document.uri)
         document = self.rap.documents[name]
         document.edit(params.content_changes, params.text_document.version)
-        self.worker.tell(self.rap.work(), name, typed=True)
+        self.worker.tell(self.rap.work(), aliases(name), typed=True)
 
     def closed(self, uri: str) -> None:
         """Remove an open file."""
-        self.rap.documents.pop(name_of(uri), None)
-        self.worker.tell(self.rap.work())
+        name = self.rap.close(uri)
+        self.worker.tell(self.rap.work(), aliases(name))
 
     # --- snapshots ----------------------------------------------------------------
 
     def _receive(self, snapshot: Snapshot) -> None:
         """Use a snapshot from now on, and send its findings to the client."""
-        self.rap.snapshots[snapshot.member] = snapshot
-        self.publish()
+        before = self.rap.snapshots.get(snapshot.spec)
+        self.rap.snapshots[snapshot.spec] = snapshot
+        names = files_with_findings(snapshot)
+        self._publish(names if before is None else names | files_with_findings(before))
 
-    def publish(self) -> None:
-        """Send the findings of all files; a client that requests them is notified."""
-        found = {self.rap.uri(name) for name in self._files_with_findings()}
+    def _forget(self, gone: list[LibrarySpec]) -> None:
+        """Remove the snapshots of libraries that are no longer there."""
+        names: set[str] = set()
+        for spec in gone:
+            snapshot = self.rap.snapshots.pop(spec, None)
+            if snapshot is not None:
+                names |= files_with_findings(snapshot)
+        self._publish(names)
+
+    def _publish(self, names: set[str]) -> None:
+        """Send the findings of files and of the open files to the client."""
+        found = {self.rap.uri(name) for name in names}
+        opened = {one.uri for one in self.rap.documents.values()}
         if self.pulls:
-            found -= {one.uri for one in self.rap.documents.values()}
+            found -= opened
             self.workspace_diagnostic_refresh(None)
-        for uri in found | self._published:
-            self.text_document_publish_diagnostics(
-                types.PublishDiagnosticsParams(uri, diagnostics(self.rap, uri))
-            )
-        self._published = found
+        else:
+            found |= opened
+        for uri in sorted(found):
+            told = diagnostics(self.rap, uri)
+            if uri in opened or told != self._published.get(uri, []):
+                self._published[uri] = told
+                version = self.rap.version(uri)
+                params = types.PublishDiagnosticsParams(uri, told, version)
+                self.text_document_publish_diagnostics(params)
 
-    def _files_with_findings(self) -> set[str]:
-        found: set[str] = set()
-        for snapshot in self.rap.snapshots.values():
-            found |= {f.diagnostic.span.file for f in snapshot.report.findings}
-            found |= snapshot.unreadable.keys()
-        return found
+    # --- requests -----------------------------------------------------------------
+
+    def view(self, params: Any) -> View | None:
+        """Return the latest snapshot with the file of a request."""
+        return self.rap.view(params.text_document.uri)
+
+    def text(self, params: Any) -> Text | None:
+        """Return the text of the open file of a request."""
+        document = self.rap.document(name_of(params.text_document.uri))
+        return None if document is None else document.text
 
     def _log(self, message: str) -> None:
         kind = types.MessageType.Warning
         self.window_log_message(types.LogMessageParams(kind, message))
+
+
+def files_with_findings(snapshot: Snapshot) -> set[str]:
+    """Return the names of the files that a snapshot has findings about."""
+    return {*snapshot.findings, *snapshot.unreadable}
 
 
 def _refreshes(client: types.ClientCapabilities) -> bool:
@@ -161,6 +208,10 @@ def _refreshes(client: types.ClientCapabilities) -> bool:
     workspace = client.workspace
     told = workspace is not None and workspace.diagnostics
     return bool(pulls and told and told.refresh_support)
+
+
+def _flag(options: object, name: str) -> bool:
+    return isinstance(options, dict) and options.get(name) is True
 
 
 def _delays(options: object) -> Delays:
@@ -177,28 +228,259 @@ def _delays(options: object) -> Delays:
 def make_server() -> Server:
     """Return a server with all features."""
     server = Server()
+    for add in (_add_texts, _add_names, _add_actions, _add_hints, _add_files):
+        add(server)
+    return server
 
-    @server.feature(types.TEXT_DOCUMENT_DIAGNOSTIC)
+
+def _add_texts(server: Server) -> None:
+    """Add diagnostics, colours, formatting and the structure of files."""
+    feature = server.feature
+
+    @feature(
+        types.TEXT_DOCUMENT_DIAGNOSTIC,
+        types.DiagnosticOptions(
+            inter_file_dependencies=True, workspace_diagnostics=False
+        ),
+    )
     def on_diagnostic(
         params: types.DocumentDiagnosticParams,
     ) -> types.RelatedFullDocumentDiagnosticReport:
         found = diagnostics(server.rap, params.text_document.uri)
         return types.RelatedFullDocumentDiagnosticReport(items=found)
 
-    @server.feature(types.TEXT_DOCUMENT_HOVER)
+    @feature(types.TEXT_DOCUMENT_SEMANTIC_TOKENS_FULL, tokens.LEGEND)
+    @server.thread()
+    def on_tokens(params: types.SemanticTokensParams) -> types.SemanticTokens | None:
+        text = server.text(params)
+        return None if text is None else tokens.semantic_tokens(text)
+
+    @feature(types.TEXT_DOCUMENT_SEMANTIC_TOKENS_RANGE, tokens.LEGEND)
+    @server.thread()
+    def on_some_tokens(
+        params: types.SemanticTokensRangeParams,
+    ) -> types.SemanticTokens | None:
+        text = server.text(params)
+        rows = range(params.range.start.line, params.range.end.line + 1)
+        return None if text is None else tokens.semantic_tokens(text, rows)
+
+    @feature(types.TEXT_DOCUMENT_FORMATTING)
+    @server.thread()
+    def on_format(params: types.DocumentFormattingParams) -> list[types.TextEdit]:
+        text = server.text(params)
+        return [] if text is None else formatting.format_file(text)
+
+    @feature(types.TEXT_DOCUMENT_RANGE_FORMATTING)
+    @server.thread()
+    def on_format_range(
+        params: types.DocumentRangeFormattingParams,
+    ) -> list[types.TextEdit]:
+        text = server.text(params)
+        return [] if text is None else formatting.format_range(text, params.range)
+
+    @feature(
+        types.TEXT_DOCUMENT_ON_TYPE_FORMATTING,
+        types.DocumentOnTypeFormattingOptions("\n"),
+    )
+    def on_typed(
+        params: types.DocumentOnTypeFormattingParams,
+    ) -> list[types.TextEdit]:
+        text = server.text(params)
+        return [] if text is None else formatting.format_typed(text, params.position)
+
+    @feature(types.TEXT_DOCUMENT_DOCUMENT_SYMBOL)
+    def on_symbols(params: types.DocumentSymbolParams) -> list[types.DocumentSymbol]:
+        view = server.view(params)
+        return [] if view is None else outline.document_symbols(view)
+
+    @feature(types.WORKSPACE_SYMBOL)
+    def on_workspace_symbols(
+        params: types.WorkspaceSymbolParams,
+    ) -> list[types.WorkspaceSymbol]:
+        return outline.workspace_symbols(server.rap, params.query)
+
+    @feature(types.TEXT_DOCUMENT_FOLDING_RANGE)
+    def on_folding(params: types.FoldingRangeParams) -> list[types.FoldingRange]:
+        view = server.view(params)
+        return [] if view is None else outline.folding_ranges(view)
+
+    @feature(types.TEXT_DOCUMENT_DOCUMENT_LINK)
+    def on_links(params: types.DocumentLinkParams) -> list[types.DocumentLink]:
+        view = server.view(params)
+        return [] if view is None else navigation.links(view)
+
+
+def _add_names(server: Server) -> None:
+    """Add hover, definitions, uses, renaming and the hierarchy of calls."""
+    feature = server.feature
+
+    @feature(types.TEXT_DOCUMENT_HOVER)
     def on_hover(params: types.HoverParams) -> types.Hover | None:
-        view = server.rap.view(params.text_document.uri)
+        view = server.view(params)
         return None if view is None else hover(view, params.position)
 
-    @server.feature(types.TEXT_DOCUMENT_DEFINITION)
-    def on_definition(params: types.DefinitionParams) -> types.Location | None:
-        view = server.rap.view(params.text_document.uri)
+    @feature(types.TEXT_DOCUMENT_DEFINITION)
+    def on_definition(params: types.DefinitionParams) -> list[types.Location]:
+        uri = params.text_document.uri
+        if uri.endswith(".py"):
+            return worlds.declarations(server.rap, uri, params.position)
+        view = server.view(params)
+        return [] if view is None else navigation.definition(view, params.position)
+
+    @feature(types.TEXT_DOCUMENT_IMPLEMENTATION)
+    def on_implementation(
+        params: types.ImplementationParams,
+    ) -> list[types.Location]:
+        view = server.view(params)
+        return [] if view is None else navigation.implementation(view, params.position)
+
+    @feature(types.TEXT_DOCUMENT_REFERENCES)
+    def on_references(params: types.ReferenceParams) -> list[types.Location]:
+        view = server.view(params)
+        wanted = params.context.include_declaration
+        if view is None:
+            return []
+        return navigation.references(view, params.position, wanted)
+
+    @feature(types.TEXT_DOCUMENT_DOCUMENT_HIGHLIGHT)
+    def on_highlight(
+        params: types.DocumentHighlightParams,
+    ) -> list[types.DocumentHighlight]:
+        view = server.view(params)
+        return [] if view is None else navigation.highlights(view, params.position)
+
+    @feature(types.TEXT_DOCUMENT_PREPARE_RENAME)
+    def on_prepare_rename(
+        params: types.PrepareRenameParams,
+    ) -> types.PrepareRenamePlaceholder | None:
+        view = server.view(params)
+        return (
+            None if view is None else navigation.prepare_rename(view, params.position)
+        )
+
+    @feature(types.TEXT_DOCUMENT_RENAME, types.RenameOptions(prepare_provider=True))
+    def on_rename(params: types.RenameParams) -> types.WorkspaceEdit | None:
+        view = server.view(params)
         if view is None:
             return None
-        found = declared(view.part, view.name, view.then(params.position))
-        return None if found is None else view.location(definition_of(view.part, found))
+        return navigation.rename(view, params.position, params.new_name)
 
-    return server
+    @feature(types.TEXT_DOCUMENT_PREPARE_CALL_HIERARCHY)
+    def on_calls(
+        params: types.CallHierarchyPrepareParams,
+    ) -> list[types.CallHierarchyItem]:
+        view = server.view(params)
+        return [] if view is None else navigation.prepare_calls(view, params.position)
+
+    @feature(types.CALL_HIERARCHY_INCOMING_CALLS)
+    def on_incoming(
+        params: types.CallHierarchyIncomingCallsParams,
+    ) -> list[types.CallHierarchyIncomingCall]:
+        view = server.rap.view(params.item.uri)
+        return [] if view is None else navigation.incoming(view, params.item.name)
+
+    @feature(types.CALL_HIERARCHY_OUTGOING_CALLS)
+    def on_outgoing(
+        params: types.CallHierarchyOutgoingCallsParams,
+    ) -> list[types.CallHierarchyOutgoingCall]:
+        view = server.rap.view(params.item.uri)
+        return [] if view is None else navigation.outgoing(view, params.item.name)
+
+
+def _add_actions(server: Server) -> None:
+    """Add code actions and commands."""
+    kinds = types.CodeActionKind
+    offered = [kinds.QuickFix, kinds.RefactorExtract, kinds.RefactorInline]
+
+    @server.feature(
+        types.TEXT_DOCUMENT_CODE_ACTION,
+        types.CodeActionOptions([*offered, kinds.SourceFixAll]),
+    )
+    def on_actions(params: types.CodeActionParams) -> list[types.CodeAction]:
+        view = server.view(params)
+        wanted = params.context.only
+        return [] if view is None else actions.actions(view, params.range, wanted)
+
+    @server.command(actions.FIX_ALL)
+    async def on_fix_all(uri: str) -> None:
+        await commands.fix_all(server, server.rap, uri)
+
+    @server.command(hints.RUN_TESTS)
+    async def on_run_tests(uri: str, name: str) -> bool:
+        return await commands.run_test(server, server.rap, uri, name)
+
+    @server.command(hints.RUN_AGENDA)
+    async def on_run_agenda(uri: str, agenda: str, world: str) -> bool:
+        return await commands.run_agenda(server, server.rap, uri, agenda, world)
+
+
+def _add_hints(server: Server) -> None:
+    """Add completion, signatures, hints and lenses."""
+
+    @server.feature(
+        types.TEXT_DOCUMENT_COMPLETION,
+        types.CompletionOptions(trigger_characters=["(", "?", ":", '"']),
+    )
+    def on_completion(params: types.CompletionParams) -> types.CompletionList:
+        view = server.view(params)
+        found = [] if view is None else completions(view, params.position)
+        return types.CompletionList(is_incomplete=False, items=found)
+
+    @server.feature(
+        types.TEXT_DOCUMENT_SIGNATURE_HELP,
+        types.SignatureHelpOptions(trigger_characters=[" ", "("]),
+    )
+    def on_signature(params: types.SignatureHelpParams) -> types.SignatureHelp | None:
+        view = server.view(params)
+        return None if view is None else hints.signature_help(view, params.position)
+
+    @server.feature(types.TEXT_DOCUMENT_INLAY_HINT)
+    def on_hints(params: types.InlayHintParams) -> list[types.InlayHint]:
+        view = server.view(params)
+        if view is None:
+            return []
+        start, end = view.then(params.range.start), view.then(params.range.end)
+        return hints.inlay_hints(view, start, end)
+
+    @server.feature(types.TEXT_DOCUMENT_CODE_LENS)
+    def on_lenses(params: types.CodeLensParams) -> list[types.CodeLens]:
+        view = server.view(params)
+        return [] if view is None else hints.lenses(view, server.shows_callers)
+
+
+def _add_files(server: Server) -> None:
+    """Add changes of files and folders outside of the editor."""
+
+    @server.feature(types.WORKSPACE_DID_CHANGE_WATCHED_FILES)
+    def on_files(params: types.DidChangeWatchedFilesParams) -> None:
+        server.worker.tell(server.rap.work())
+
+    @server.feature(types.TEXT_DOCUMENT_DID_SAVE)
+    def on_save(params: types.DidSaveTextDocumentParams) -> None:
+        name = name_of(params.text_document.uri)
+        server.worker.tell(server.rap.work(), aliases(name))
+
+    @server.feature(types.WORKSPACE_DID_CHANGE_WORKSPACE_FOLDERS)
+    def on_folders(params: types.DidChangeWorkspaceFoldersParams) -> None:
+        gone = {name_of(one.uri) for one in params.event.removed}
+        added = [name_of(one.uri) for one in params.event.added]
+        kept = [one for one in server.rap.folders if one not in gone]
+        server.rap.folders = [*kept, *added]
+        server.worker.tell(server.rap.work())
+
+    @server.feature(types.INITIALIZED)
+    def on_initialized(params: types.InitializedParams) -> None:
+        client = server.client_capabilities.workspace
+        watched = client is not None and client.did_change_watched_files
+        if not (watched and watched.dynamic_registration):
+            return
+        patterns = ("**/*.rap", "**/rapc.toml", "**/pyproject.toml")
+        options = types.DidChangeWatchedFilesRegistrationOptions(
+            [types.FileSystemWatcher(one) for one in patterns]
+        )
+        method = types.WORKSPACE_DID_CHANGE_WATCHED_FILES
+        registration = types.Registration("files", method, options)
+        server.client_register_capability(types.RegistrationParams([registration]))
 
 
 def serve() -> None:

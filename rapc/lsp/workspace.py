@@ -8,26 +8,37 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Iterator, Sequence
-from functools import cache
+from functools import cache, cached_property
 
 from lsprotocol import types
 from pygls.uris import from_fs_path, to_fs_path
 
+from rapc.analysis import suppressions
 from rapc.analysis.driver import Finding
-from rapc.base.files import STANDARD, fold_line_ends, path_of
+from rapc.analysis.libraries import LibrarySpec
+from rapc.analysis.naming import Naming
+from rapc.base.files import STANDARD, SUFFIX, fold_line_ends, path_of
 from rapc.base.source import SourceFile, Span
 from rapc.lsp.positions import Change, Text, change, moved, moved_back
-from rapc.lsp.project import Member, Part, Snapshot, Work
+from rapc.lsp.project import Part, Snapshot, Work
+from rapc.parser.names import Named
 
 
 class Document:
     """A file that is open in the editor, with the changes since it was opened."""
 
-    def __init__(self, uri: str, text: Text, version: int) -> None:
+    def __init__(self, uri: str, text: Text, version: int, first: int) -> None:
         self.uri = uri
         self.text = text
         self.version = version
         self.changes: list[Change] = []
+        #: The revision of the text when the file was opened.
+        self.first = first
+
+    @property
+    def revision(self) -> int:
+        """The number of the state of the text, in the order of all states."""
+        return self.first + len(self.changes)
 
     def edit(
         self, events: Iterable[types.TextDocumentContentChangeEvent], version: int
@@ -85,6 +96,49 @@ class View:
         """Return another file of the same part."""
         return View(self.workspace, self.snapshot, self.part, name)
 
+    @cached_property
+    def names(self) -> Names:
+        """The names of all libraries, this snapshot first."""
+        return Names(self.workspace, self.snapshot)
+
+    def named(self, position: types.Position) -> Named | None:
+        """Return the name at a position in the editor."""
+        return self.names.naming.at(self.name, self.then(position))
+
+
+class Names:
+    """The names of all libraries, with their places in the editor.
+
+    A file that several libraries read has the state of the first one.
+    """
+
+    def __init__(self, workspace: Workspace, first: Snapshot) -> None:
+        self._workspace = workspace
+        others = (one for one in workspace.snapshots.values() if one is not first)
+        self._read: dict[str, tuple[Snapshot, Part]] = {}
+        loads = []
+        for snapshot in (first, *others):
+            for part in snapshot.parts:
+                loads.append(part.loaded)
+                for unit in part.loaded.units:
+                    self._read.setdefault(unit.file.name, (snapshot, part))
+        self.naming = Naming(loads)
+
+    def view(self, name: str) -> View:
+        """Return a file by its name in spans."""
+        return View(self._workspace, *self._read[name], name)
+
+    def location(self, span: Span) -> types.Location:
+        """Return the place of a span in the editor."""
+        return self.view(span.file).location(span)
+
+    def unchanged(self, span: Span) -> bool:
+        """Return whether the text of a span is the same in the editor."""
+        view = self.view(span.file)
+        now = view.text
+        start, end = now.stretch(view.range(span))
+        return now.text[start:end] == view.source.text[span.start : span.end]
+
 
 class Workspace:
     """The folders and open files of the editor, and the snapshots of libraries.
@@ -97,8 +151,11 @@ class Workspace:
     def __init__(self, wide: bool, folders: Iterable[str]) -> None:
         self.wide = wide
         self.folders = list(folders)
+        #: Whether the client accepts edits with the versions of files.
+        self.versions = False
         self.documents: dict[str, Document] = {}
-        self.snapshots: dict[Member, Snapshot] = {}
+        self._revisions = 0
+        self.snapshots: dict[LibrarySpec, Snapshot] = {}
 
     # --- files ----------------------------------------------------------------------
 
@@ -106,7 +163,15 @@ class Workspace:
         """Add an open file and return its name."""
         name = name_of(uri)
         made = Text(name, fold_line_ends(text), self.wide)
-        self.documents[name] = Document(uri, made, version)
+        self.documents[name] = Document(uri, made, version, self._revisions)
+        return name
+
+    def close(self, uri: str) -> str:
+        """Remove an open file and return its name."""
+        name = name_of(uri)
+        document = self.documents.pop(name, None)
+        if document is not None:
+            self._revisions = max(self._revisions, document.revision + 1)
         return name
 
     def work(self) -> Work:
@@ -114,9 +179,11 @@ class Workspace:
         texts: dict[str, str] = {}
         revisions: dict[str, int] = {}
         for name, document in self.documents.items():
+            if not name.endswith(SUFFIX):
+                continue  # the Python code of a world, or a configuration
             for alias in aliases(name):
                 texts[alias] = document.text.text
-                revisions[alias] = len(document.changes)
+                revisions[alias] = document.revision
         return Work(texts, revisions, tuple(self.folders))
 
     def document(self, name: str) -> Document | None:
@@ -130,13 +197,31 @@ class Workspace:
             return document.uri
         return from_fs_path(path(name)) or name
 
+    def version(self, uri: str) -> int | None:
+        """Return the version of an open file if all its findings are of this version.
+
+        A library that was checked only for errors has not all findings.
+        """
+        document = self.documents.get(name_of(uri))
+        views = list(self.views(uri))
+        if document is None or not views:
+            return None
+        current = all(
+            view.snapshot.whole
+            and view.snapshot.revisions.get(view.name) == document.revision
+            for view in views
+        )
+        return document.version if current else None
+
     # --- places ---------------------------------------------------------------------
 
     def since(self, snapshot: Snapshot, name: str) -> Sequence[Change]:
         """Return the changes of a file since a snapshot."""
         document = self.document(name)
-        seen = snapshot.revisions.get(name)
-        return [] if document is None or seen is None else document.changes[seen:]
+        if document is None:
+            return []
+        seen = snapshot.revisions.get(name, document.first)
+        return document.changes[max(seen - document.first, 0) :]
 
     def text(self, snapshot: Snapshot, part: Part, name: str) -> Text:
         """Return the text of a file in the editor, or on the disk."""
@@ -159,34 +244,36 @@ class Workspace:
         """Yield the snapshots with a file, those whose own file it is first."""
         names = aliases(name_of(uri))
         found = [
-            (not snapshot.owns(name), at, View(self, snapshot, part, name))
-            for at, snapshot in enumerate(self.snapshots.values())
+            View(self, snapshot, part, name)
+            for snapshot in self.snapshots.values()
             for name in names
             if (part := snapshot.part(name)) is not None
         ]
-        yield from (view for _, _, view in sorted(found, key=lambda one: one[:2]))
+        found.sort(
+            key=lambda view: (
+                not view.snapshot.owns(view.name),
+                -len(view.part.loaded.files),
+            )
+        )
+        yield from found
 
     def view(self, uri: str) -> View | None:
         """Return the snapshot that decides about a file, if there is one yet."""
         return next(self.views(uri), None)
 
     def findings(self, uri: str) -> Iterator[tuple[View, Finding]]:
-        """Yield the findings of a file.
-
-        The libraries that the file belongs to report all their findings, others only
-        errors.
-        """
+        """Yield the findings of a file in all libraries; see `merged_reports`."""
+        views = list(self.views(uri))
         seen: set[tuple[str, Span, str]] = set()
-        first: View | None = None
-        for view in self.views(uri):
-            first = first or view
-            of_all = view.snapshot.owns(view.name) or view is first
-            for finding in view.snapshot.report.findings:
+        for view in views:
+            for finding in view.snapshot.findings.get(view.name, ()):
                 found = finding.diagnostic
-                if found.span.file != view.name:
-                    continue
                 key = (found.rule, found.span, found.message)
-                if key not in seen and (of_all or finding.severity.word == "error"):
+                unused = found.rule == suppressions.UNUSED.name and not all(
+                    finding in other.snapshot.findings.get(other.name, ())
+                    for other in views
+                )
+                if key not in seen and not unused:
                     seen.add(key)
                     yield view, finding
 

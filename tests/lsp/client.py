@@ -8,7 +8,7 @@ from __future__ import annotations
 import asyncio
 import sys
 import threading
-from collections.abc import Callable, Coroutine
+from collections.abc import Coroutine
 from pathlib import Path
 from typing import Any
 
@@ -49,8 +49,10 @@ class Editor:
             general.position_encodings = encodings
             self.capabilities.general = general
         self._published = threading.Condition()
-        #: How often the findings of each file were published.
-        self.times: dict[str, int] = {}
+        #: The version of each file whose findings were published last.
+        self._told: dict[str, int | None] = {}
+        #: The edits that the server has asked for.
+        self.applied: list[types.WorkspaceEdit] = []
         self._versions: dict[str, int] = {}
         self.texts: dict[str, str] = {}
         self._listen()
@@ -77,10 +79,18 @@ class Editor:
         def publish(params: types.PublishDiagnosticsParams) -> None:
             with self._published:
                 self.client.diagnostics[params.uri] = params.diagnostics
-                self.times[params.uri] = self.times.get(params.uri, 0) + 1
+                self._told[params.uri] = params.version
                 self._published.notify_all()
 
         self.client.feature(types.TEXT_DOCUMENT_PUBLISH_DIAGNOSTICS)(publish)
+
+        def apply(
+            params: types.ApplyWorkspaceEditParams,
+        ) -> types.ApplyWorkspaceEditResult:
+            self.applied.append(params.edit)
+            return types.ApplyWorkspaceEditResult(applied=True)
+
+        self.client.feature(types.WORKSPACE_APPLY_EDIT)(apply)
 
     def wait(self, work: Coroutine[Any, Any, Any]) -> Any:
         """Run a coroutine to its end."""
@@ -117,8 +127,9 @@ class Editor:
         """Open a file and return its address."""
         uri = file.as_uri()
         self.texts[uri] = file.read_text() if text is None else text
-        self._versions[uri] = 1
-        item = types.TextDocumentItem(uri, "rap", 1, self.texts[uri])
+        self._versions[uri] = self._versions.get(uri, 0) + 1
+        version = self._versions[uri]
+        item = types.TextDocumentItem(uri, "rap", version, self.texts[uri])
         self.tell(types.TEXT_DOCUMENT_DID_OPEN, types.DidOpenTextDocumentParams(item))
         return uri
 
@@ -175,19 +186,11 @@ class Editor:
 
     # --- findings -------------------------------------------------------------------
 
-    def findings(
-        self, uri: str, want: Callable[[list[str]], bool] | None = None
-    ) -> list[str]:
-        """Return the rules of a file's findings, once they are as wanted.
-
-        Without `want`, the next published findings are returned.
-        """
-        before = self.times.get(uri, 0)
+    def findings(self, uri: str) -> list[str]:
+        """Return the rules of the findings of the present text of an open file."""
 
         def ready() -> bool:
-            if want is None:
-                return self.times.get(uri, 0) > before
-            return uri in self.times and want(self.rules(uri))
+            return self._told.get(uri) == self._versions[uri]
 
         with self._published:
             if not self._published.wait_for(ready, PATIENCE):

@@ -15,8 +15,32 @@ RAPS = """\
 ; Go to a place.
 (define-rap (go ?place)
   (succeed (at robot ?place))
-  (method (primitive (drive ?place))))
+  (method
+    (primitive (drive ?place))))
 
 (define-rap (tour)
-  (method (task-net (t1 (go kitchen)) (t2 (go hall)))))
+  (method
+    (task-net
+      (t1 (go kitchen))
+      (t2 (go hall)))))
+"""
+
+TESTS = """\
+(require "raps")
+
+(define-test drives
+  (script ((drive kitchen) okay :asserts ((at robot kitchen))))
+  (task (go kitchen))
+  (expect (primitives (drive kitchen))))
+"""
+
+PYTHON = """\
+from rapc.world import Handlers
+
+
+def driven(memory, request, result):
+    memory.assert_fact("at", "robot", request[1])
+
+
+HANDLERS = Handlers({"drive": driven})
 """

@@ -74,4 +74,4 @@ def test_findings_hover_and_definition(robot: Path) -> None:
     )
     assert found["codes"] == ["unknown-rap"]
     assert "äöü 🤖" in found["hover"]
-    assert found["place"]["uri"].endswith("world.rap")
+    assert found["place"][0]["uri"].endswith("world.rap")

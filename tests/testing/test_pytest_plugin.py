@@ -22,7 +22,11 @@ BAD = f"""\
 
 
 def _run(pytester: pytest.Pytester, *args: str) -> pytest.RunResult:
-    return pytester.runpytest_inprocess("-p", "no:xdist", "-W", "error", *args)
+    return pytester.runpytest_inprocess(
+        *("-p", "no:xdist", "-p", "no:asyncio", "-p", "no:pytest-lsp"),
+        *("-W", "error"),
+        *args,
+    )
 
 
 def test_each_test_is_an_item(pytester: pytest.Pytester) -> None:
