@@ -42,6 +42,7 @@ from generator.tables import (
     vocabulary,
     world_options,
 )
+from generator.wire import schema, wire
 
 from rapc.analysis.registry import rules
 from rapc.base.diagnostics import Rule
@@ -104,6 +105,7 @@ def pages() -> Iterator[tuple[Path, str]]:
     yield DOCS / "index.md", NOTE.format("README.md") + front_page()
     yield DOCS / "figures" / "cycle.svg", cycle()
     yield DOCS / "figures" / "repl.svg", session()
+    yield DOCS / "reference" / "remote-worlds.schema.json", schema()
     for rule in rules().values():
         note = NOTE.format(f"rapc/rules/{rule.name}.md")
         yield DOCS / "reference" / "rules" / f"{rule.name}.md", note + rule_page(rule)
@@ -114,12 +116,12 @@ def pages() -> Iterator[tuple[Path, str]]:
 SECTIONS: Mapping[str, str] = {
     "Tutorials": "first-robot standard-library debugger compare skills",
     "How-to": "index behaviour-trees claims sensing maintenance-goals choosing "
-    "similar-items write-a-world add-skills drive-a-machine test ci experiments embed "
-    "compile",
+    "similar-items write-a-world worlds-in-any-language add-skills drive-a-machine "
+    "test ci experiments embed compile",
     "Explanation": "index how-raps-work memory rap-or-tree checker determinism",
     "Language": "index words",
-    "Reference": "index cli rules repl tests trace python-api worlds-api settings "
-    "formats limits truck hallway courier laboratory glossary",
+    "Reference": "index cli rules repl tests trace python-api worlds-api "
+    "remote-worlds settings formats limits truck hallway courier laboratory glossary",
     "Libraries": "index truck truck-beyond hallway",
     "Research": "index chapter6 rounds hallway fidelity",
     "Developers": "index architecture performance slips",
@@ -172,6 +174,7 @@ PARTS: Mapping[str, Callable[..., str]] = {
     "stored": stored,
     "targets": targets,
     "vocabulary": vocabulary,
+    "wire": wire,
     "world-options": world_options,
 }
 """The functions that write parts of pages, by the names in markers."""

@@ -172,7 +172,7 @@ class Answer(_Part, frozen=True):
     ended: str | None = None
 
 
-class Replied(_Part, frozen=True):
+class WireReply(_Part, frozen=True):
     """The reply to a request, as in `rapc.world.Reply`."""
 
     result: str
@@ -197,7 +197,7 @@ class Opened(Answer, frozen=True):
 class Performed(Answer, frozen=True):
     """The result of `perform`; without `reply` and `refused` the end comes later."""
 
-    reply: Replied | None = None
+    reply: WireReply | None = None
     refused: Refusal | None = None
 
 
@@ -215,7 +215,7 @@ class Known(_Part, frozen=True):
     """
 
     ticket: int
-    reply: Replied | None = None
+    reply: WireReply | None = None
     refused: Refusal | None = None
 
 
@@ -250,7 +250,7 @@ class Measured(Answer, frozen=True, kw_only=True):
     figures: Mapping[str, int | float | str]
 
 
-class True_(Answer, frozen=True, kw_only=True):  # `True` is a keyword
+class ToldTruth(Answer, frozen=True, kw_only=True):
     """The result of `truth`."""
 
     facts: Mapping[str, tuple[Fact, ...]]
@@ -349,7 +349,7 @@ METHODS: Mapping[str, tuple[type, type]] = {
     "usual-time": (UsualTimeParams, UsualTime),
     "picture": (Params, Pictured),
     "figures": (Params, Measured),
-    "truth": (Params, True_),
+    "truth": (Params, ToldTruth),
     "save": (Params, Saved),
     "restore": (RestoreParams, Answer),
     "resume": (ResumeParams, Resumed),

@@ -398,7 +398,7 @@ class Connection:
 
     def _truth(self, world: Any, params: Any) -> Any:
         told = {name: tuple(facts) for name, facts in world.truth().items()}
-        return protocol.True_, {"facts": told}
+        return protocol.ToldTruth, {"facts": told}
 
     def _save(self, world: Any, params: Any) -> Any:
         state = base64.b64encode(world.save()).decode()
@@ -436,7 +436,7 @@ def _plain(options: Mapping[str, Any]) -> dict[str, Any]:
 def _outcome(told: Reply | Refused | None) -> dict[str, Any]:
     """Return the fields of an answer to a request."""
     if isinstance(told, Reply):
-        return {"reply": protocol.Replied(told.result, told.data, told.memory)}
+        return {"reply": protocol.WireReply(told.result, told.data, told.memory)}
     if isinstance(told, Refused):
         return {"refused": protocol.Refusal(told.conflicts, told.reason)}
     return {}

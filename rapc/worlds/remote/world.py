@@ -516,7 +516,7 @@ def _changes(memory: tuple[Change, ...] | None) -> tuple[Change, ...] | None:
     return None if memory is None else tuple(map(_fact, memory))
 
 
-def _reply(told: protocol.Replied | protocol.WireFinished) -> Reply:
+def _reply(told: protocol.WireReply | protocol.WireFinished) -> Reply:
     return Reply(told.result, tuple(map(_fact, told.data)), _changes(told.memory))
 
 
