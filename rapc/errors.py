@@ -46,6 +46,10 @@ class FactError(Error, ValueError):
     """A fact that the declarations of the library do not allow."""
 
 
+class PlanError(Error, ValueError):
+    """A goal that cannot be planned for, or a RAP that a plan cannot use."""
+
+
 class SettingError(Error, ValueError):
     """An unknown setting, or a setting with an invalid value."""
 

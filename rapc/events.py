@@ -601,6 +601,32 @@ class SolverCalled(Event, frozen=True, kw_only=True):
         return f"    ... problem solver for {self.goal}: {self.methods} methods"
 
 
+class PlanMade(Event, frozen=True, kw_only=True):
+    """The planner has looked for a method of a RAP with `(plan)` [L 10].
+
+    `outcome` is `solved`, `unsolvable` or `limit`; `text` is the whole method.
+    `expanded` is the number of states that the planner looked at, `left_out` the number
+    of parts of RAPs that it did not see. `unreachable` has the parts of the goal that
+    nothing brings about.
+    """
+
+    task: int
+    goal: Goal
+    outcome: str
+    method: str | None
+    text: str
+    steps: int
+    expanded: int
+    left_out: int
+    unreachable: tuple[str, ...]
+
+    def line(self) -> str:  # noqa: D102  # see `Event`
+        if self.method is None:
+            missing = "".join(f" {one}" for one in self.unreachable)
+            return f"    ... no plan for {self.goal}: {self.outcome}{missing}"
+        return f"    ... {self.method} for {self.goal}: {self.steps} steps"
+
+
 class TaskResult(msgspec.Struct, frozen=True, omit_defaults=True):
     """The end of a top-level task: `succeeded`, `failed`, `cancelled`, `unfinished`."""
 

@@ -10,7 +10,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Container, Iterable, Mapping, Sequence
+from importlib import import_module
 from itertools import count
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import msgspec
@@ -44,6 +46,7 @@ from rapc.runtime.arguments import (
 )
 from rapc.runtime.events.recorder import Listener
 from rapc.runtime.interpreter import Interpreter
+from rapc.runtime.planner import Planned, PlanRequest
 from rapc.runtime.settings import Settings
 from rapc.runtime.task_request import TaskRequest, as_text
 from rapc.spec import RunSpec
@@ -198,6 +201,7 @@ class CheckedLibrary:
             functions=functions,
             solvers=solvers,
             comparators=comparators,
+            planner=find_plan,
         )
         for listener in listeners:
             run.listen(listener)
@@ -322,6 +326,17 @@ def run(
     going = library.start(world, agenda=agenda, tasks=tasks, **more)
     reason = going.run(until=until, cycles=cycles)
     return RunResult(reason, going.now, going.results(), going)
+
+
+def find_plan(request: PlanRequest) -> Planned:
+    """Return a method for a RAP with `(plan)`: the planner of each run of a host."""
+    planned: Planned = _planning().plan_for_task(request)
+    return planned
+
+
+def _planning() -> ModuleType:
+    """Return the module that makes plans, imported for the first plan."""
+    return import_module("rapc.planning.solver")
 
 
 def rap_text(run: Interpreter, name: str) -> str:

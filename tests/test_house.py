@@ -119,7 +119,7 @@ def _sentences() -> set[str]:
 def test_references_name_sentences_of_the_language() -> None:
     """L with two numbers is a sentence of docs/language, with one a page."""
     sentences = _sentences()
-    known = sentences | {page.name[0] for page in LANGUAGE.glob("[0-9]*.md")}
+    known = sentences | {page.name.partition("-")[0] for page in LANGUAGE.glob("[0-9]*.md")}
     unknown = [
         f"{path.relative_to(CHECKOUT).as_posix()}: [L {number}]"
         for path in _python_files()

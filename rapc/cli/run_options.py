@@ -193,9 +193,11 @@ def prepared(
         found = find_world(world_name)
         options = registry.check_options(found, spec.options)
         world = registry.build_world(found, spec.seed, options)
+    from rapc.host import find_plan
+
     world = enclose(_with_faults(world, library.library, spec))
     try:
-        return Interpreter.prepared(library, world, spec)
+        return Interpreter.prepared(library, world, spec, planner=find_plan)
     except RefusedError as refused:
         fail(*refused.reasons, *registry.meant(refused))
     except FactError as error:

@@ -10,7 +10,7 @@ from rapc.compiler.query.query import Query
 from rapc.compiler.query.term_value import TermValue
 from rapc.ir import nodes
 from rapc.ir.walk import steps
-from rapc.library.library import Library
+from rapc.library.library import Library, usable_in_plans
 from rapc.library.signatures import Signatures
 
 
@@ -54,7 +54,8 @@ class Recursion:
     def _calls(self, name: str) -> dict[str, None]:
         """Return the RAPs that the methods of a RAP call, each once, in order."""
         methods = self._raps[name].methods
-        goals = (step.goal.name for method in methods for step in steps(method))
+        goals = [step.goal.name for method in methods for step in steps(method)]
+        goals += usable_in_plans(self._raps, self._raps[name])
         return dict.fromkeys(called for called in goals if called in self._raps)
 
 

@@ -281,6 +281,7 @@ class RapPlan:
         self.sole: MethodPlan | None = None
         if (
             len(self.methods) == 1
+            and node.plan is None
             and self.repeat_while is None
             and not self.methods[0].things_vary
         ):

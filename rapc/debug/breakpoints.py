@@ -177,7 +177,8 @@ class Breakpoints:
         raps = self.raps_with(name)
         if rap:
             self._see_rap(rap)
-        if not raps and not name.startswith("#"):  # solver methods have numbers
+        # Methods of solvers have numbers, those of the planner are called `plan-N`.
+        if not raps and not name.startswith(("#", "plan-")):
             known = self._methods()
             raise ArgumentError(f"unknown method `{name}`{hint(name, known)}")
         if rap and raps and rap not in raps:

@@ -14,7 +14,7 @@ from rapc.compiler.program import Program
 from rapc.debug.acts import ForcedWorld
 from rapc.debug.reload import TakeUp
 from rapc.errors import Error, StateError
-from rapc.host import linked
+from rapc.host import find_plan, linked
 from rapc.library.loader import load_sources
 from rapc.library.signatures import Signatures
 from rapc.runtime.interpreter import Interpreter
@@ -124,7 +124,9 @@ class SavedState:
         saved = library if is_same else self._library()
         spec = RunSpec(seed=self.seed, settings=self._record.settings.named())
         world = self._with_faults(world)
-        run = Interpreter.prepared(saved, world, spec, functions=functions)
+        run = Interpreter.prepared(
+            saved, world, spec, functions=functions, planner=find_plan
+        )
         run.restore(self._contents.run)
         return run if is_same else TakeUp(library, ()).do(run)
 

@@ -24,6 +24,7 @@ from rapc.errors import Error
 from rapc.events import DeadlineMissed, QueryFaulted, TaskSucceeded
 from rapc.experiments.draws import Draws, drawn, with_draws
 from rapc.experiments.measures import Measures, tasks_told
+from rapc.host import find_plan
 from rapc.library.loader import load_sources
 from rapc.runtime.events.report import RunReport
 from rapc.runtime.interpreter import Interpreter
@@ -157,7 +158,7 @@ def measure(config: PointConfig, seed: int, observe: Observe | None = None) -> M
         raise OtherCode("the worker has another version of rapc or of the world")
     world = registry.world_of(spec)
     library = _compiled(spec.library, config.sources, threading.get_ident())
-    interpreter = Interpreter.prepared(library, world, spec)
+    interpreter = Interpreter.prepared(library, world, spec, planner=find_plan)
     report = RunReport()
     interpreter.listen(report, *RunReport.kinds, TaskSucceeded)
     account = Account(world.kit.offer.sensors)

@@ -270,8 +270,14 @@ class DeclaredEffect(Node, frozen=True, eq=False):
 
     pattern: Proposition
     negated: bool
-    #: Whether the effect is possible, but not certain; always false for RAPs.
+    #: Whether the effect is possible, but not certain.
     possible: bool
+
+
+class Plan(Node, frozen=True, eq=False):
+    """`(plan rap...)`: the planner may find methods; without names, of all RAPs."""
+
+    raps: tuple[str, ...]
 
 
 class Goal(Node, frozen=True, eq=False):
@@ -426,6 +432,7 @@ class DefineRap(Node, frozen=True, eq=False):
     constraints: Formula | None
     resources: tuple[Resource, ...]
     effects: tuple[DeclaredEffect, ...]
+    plan: Plan | None
     methods: tuple[Method, ...]
     name_span: Span = NOWHERE
 

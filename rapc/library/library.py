@@ -80,6 +80,15 @@ class Library(msgspec.Struct, frozen=True):
     tests: tuple[DefineTest, ...] = ()
 
 
+def usable_in_plans(
+    raps: Mapping[str, nodes.DefineRap], rap: nodes.DefineRap
+) -> tuple[str, ...]:
+    """Return the names of the RAPs that the plans of a RAP may use."""
+    if rap.plan is None:
+        return ()
+    return rap.plan.raps or tuple([one.name for one in raps.values() if one.effects])
+
+
 KINDS: Mapping[type[nodes.Node], tuple[str, str, str]] = {
     nodes.DefineRap: ("raps", "RAP", "RAP"),
     nodes.DeclareProposition: ("propositions", "predicate", "proposition"),

@@ -51,6 +51,7 @@ from rapc.runtime.events.recorder import Listener, Recording
 from rapc.runtime.held_world import HeldWorld
 from rapc.runtime.host_query import HandlerQuestions, HostQuery
 from rapc.runtime.memory.access import Evidence, MemoryView, Pattern
+from rapc.runtime.planner import Planner
 from rapc.runtime.run import ContextListener, Run
 from rapc.runtime.saving.save import restore, save
 from rapc.runtime.settings import Settings, read_settings
@@ -104,6 +105,7 @@ class Interpreter(Run):
             returns methods (T 7.4.1).
         comparators: comparators of descriptions by registered name (T A.5), besides
             those of the world: see `rapc.world.Kit`.
+        planner: finds methods for RAPs with `(plan)`: see `rapc.runtime.planner`.
 
     Attributes:
         library: the compiled library; `extend` replaces it.
@@ -126,6 +128,7 @@ class Interpreter(Run):
         functions: Mapping[str, Callable[..., Any]] | None = None,
         solvers: Mapping[str, Callable[..., Any]] | None = None,
         comparators: Mapping[str, Callable[..., Any]] | None = None,
+        planner: Planner | None = None,
     ) -> None:
         need_program(library, "`library`")
         need_world(world)
@@ -147,6 +150,7 @@ class Interpreter(Run):
         refuse_other_world(library, world)
         try:
             super().__init__(library, port, seed, settings)
+            self.planner = planner
             _wire(self)
             found = refusals(library, port)
         except BaseException as error:
@@ -164,6 +168,7 @@ class Interpreter(Run):
         functions: Callables | None = None,
         solvers: Callables | None = None,
         comparators: Callables | None = None,
+        planner: Planner | None = None,
     ) -> Interpreter:
         """Return a run that can begin, after all checks of library, world and spec.
 
@@ -177,6 +182,7 @@ class Interpreter(Run):
             functions: Python code besides that of the world, like the two following.
             solvers: see `functions`.
             comparators: see `functions`.
+            planner: finds methods for RAPs with `(plan)`: see `rapc.runtime.planner`.
 
         Raises:
             ArgumentError: for an argument of the wrong type.
@@ -192,7 +198,8 @@ class Interpreter(Run):
         tasks = (*agenda, *map(read_task_request, spec.tasks))
         facts = tuple([parse_fact(text) for text in spec.facts])
         settings = read_settings(spec.settings)
-        run = cls(library, world, spec.seed, settings, functions, solvers, comparators)
+        code = functions, solvers, comparators, planner
+        run = cls(library, world, spec.seed, settings, *code)
         run.check([*tasks, *later])
         for fact in facts:
             run.check_fact(*fact)
@@ -679,9 +686,8 @@ class Interpreter(Run):
     ) -> Interpreter:
         """Return a run that has not begun, with the callables of this run."""
         functions, solvers, comparators = self._registered
-        return Interpreter(
-            library, world, self.seed, settings, functions, solvers, comparators
-        )
+        code = functions, solvers, comparators, self.planner
+        return Interpreter(library, world, self.seed, settings, *code)
 
     # --- the end ------------------------------------------------------------------
 

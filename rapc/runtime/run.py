@@ -25,10 +25,12 @@ from rapc.runtime.events.recorder import Recorder
 from rapc.runtime.held_world import HeldWorld
 from rapc.runtime.memory.access import MemoryAccess
 from rapc.runtime.monitors.monitors import Monitors
+from rapc.runtime.planner import Planned, Planner
 from rapc.runtime.query_context import QueryContext
 from rapc.runtime.settings import Settings
 from rapc.runtime.state.agenda import Agenda
 from rapc.runtime.state.run_state import RunState
+from rapc.runtime.state.task import Task
 from rapc.runtime.state.things import Things
 from rapc.world import ResultHandler, Time
 
@@ -80,6 +82,10 @@ class Run:
         self.access.observe(self.monitors.listeners)
         #: The kept answers of solvers and of a world that cannot be saved, if wanted.
         self.answers: Answers | None = None
+        #: Finds methods for RAPs with `(plan)`; None without a planner.
+        self.planner: Planner | None = None
+        #: The task that has last asked the planner, and the answer.
+        self.planned: tuple[Task, Planned] | None = None
         #: The host's actions at times: a heap by time, then by order.
         self.host_timers: list[tuple[Time, int, Callable[[], None]]] = []
         #: The host's actions at the end of the run, and at each wait.

@@ -37,6 +37,10 @@ class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     max_layers: _Count = 8
     #: The time to wait for a world that cannot state its next time.
     patience: _Cost = 3600
+    #: The states that one search for a plan looks at [L 10.11].
+    plan_limit: _Count = 20_000
+    #: The states that a search looks at for a cheaper plan.
+    plan_tries: Annotated[int, msgspec.Meta(ge=0)] = 0
     #: Whether handlers are checked against their declarations.
     strict: bool = False
     #: Whether the trace has each change of the world's picture (`pictured`).
@@ -56,6 +60,7 @@ class Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 _TAKES = {
     "cycle-cost": "0 or more",
     "patience": "0 or more",
+    "plan-tries": "a whole number, 0 or more",
     "strict": "true or false",
     "pictures": "true or false",
 }

@@ -25,6 +25,7 @@ from rapc.errors import (
     WorldError,
     in_a_line,
 )
+from rapc.host import find_plan
 from rapc.ir import nodes
 from rapc.runtime.events.recorder import Listener
 from rapc.runtime.interpreter import Interpreter
@@ -206,7 +207,7 @@ class _Run:
                 facts=tuple([format_list(flat(fact)) for fact in test.facts]),
             )
             self.interpreter = Interpreter.prepared(
-                library, world, spec, later=later, functions=known
+                library, world, spec, later=later, functions=known, planner=find_plan
             )
             return
         self.interpreter.port.enclose(world)

@@ -210,7 +210,8 @@ def problems(
         if isinstance(expected, nodes.MethodChosen) and expected.rap not in solved:
             rap = library.raps.get(expected.rap)
             names = () if rap is None else [one.traced_name for one in rap.methods]
-            if rap is not None and expected.method not in names:
+            planned = rap is not None and rap.plan is not None
+            if rap is not None and not planned and expected.method not in names:
                 message = f"`{rap.name}` has no method called `{expected.method}`"
                 found.append(Unmet(expected.span, (message,)))
     return found

@@ -210,6 +210,8 @@ def _denied(rap: nodes.DefineRap) -> Iterator[Diagnostic]:
     asked = {one.formula: one for one in literals(rap.succeed)}
     first: dict[nodes.Proposition, nodes.DeclaredEffect] = {}
     for effect in rap.effects:
+        if effect.possible:
+            continue
         other = first.setdefault(effect.pattern, effect)
         if other.negated is not effect.negated:
             yield EMPTY.at(
@@ -231,7 +233,7 @@ def _denied(rap: nodes.DefineRap) -> Iterator[Diagnostic]:
 def _against_each_way(rap: nodes.DefineRap) -> Iterator[Diagnostic]:
     """Yield an effect if the effects deny each of the ways to succeed."""
     every = rap.succeed.parts if isinstance(rap.succeed, nodes.Or) else ()
-    told = {effect.pattern: effect for effect in rap.effects}
+    told = {effect.pattern: effect for effect in rap.effects if not effect.possible}
     denied = [
         (told[one.formula], one)
         for way in every

@@ -371,7 +371,7 @@ def unknown_method(run: Pass) -> Iterator[Diagnostic]:
         if history.query == "last-result" or not isinstance(rap, nodes.DefineRap):
             continue
         asked = history.args[0]
-        if isinstance(asked, nodes.Const) and rap.methods:
+        if isinstance(asked, nodes.Const) and rap.methods and rap.plan is None:
             if id(rap) not in known:
                 known[id(rap)] = _methods(rap)
             word = format_atom(asked.value)
@@ -379,8 +379,11 @@ def unknown_method(run: Pass) -> Iterator[Diagnostic]:
     traced: dict[int, Suggestions] = {}
     for chosen in index.of(nodes.MethodChosen):
         named, test = run.library.raps.get(chosen.node.rap), chosen.owner
-        # A world may have a solver, with methods that are not known in advance.
-        if named is not None and isinstance(test, nodes.DefineTest) and not test.world:
+        # A world may have a solver, with methods that are not known in advance, as the
+        # planner.
+        if named is None or named.plan is not None:
+            continue
+        if isinstance(test, nodes.DefineTest) and not test.world:
             if id(named) not in traced:
                 traced[id(named)] = _names_in_traces(named)
             place = word_span(run.library.files, chosen.node.span, 2)

@@ -493,7 +493,7 @@ def done(library: Library, goal: nodes.Goal) -> list[Literal]:
     rap = library.raps.get(goal.name)
     if rap is None:
         return []
-    found = [_literal(effect) for effect in rap.effects]
+    found = [_literal(effect) for effect in rap.effects if not effect.possible]
     found += [one for one in literals(rap.succeed) if fact_name(one)]
     if rap.succeed is None:
         found += _of_methods(library, rap)

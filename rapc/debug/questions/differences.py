@@ -29,7 +29,7 @@ from rapc.debug.recording import Playback, Recording
 from rapc.debug.reload import differing
 from rapc.debug.story import Story
 from rapc.errors import ArgumentError, Error, StateError
-from rapc.host import load
+from rapc.host import find_plan, load
 from rapc.runtime.events.trace import record
 from rapc.runtime.interpreter import Interpreter
 from rapc.spec import RunSpec
@@ -186,7 +186,7 @@ def _begun_again(history: History, seed: int | None = None, library: str = "") -
     if seed is not None:
         spec = msgspec.structs.replace(spec, seed=seed)
     program = history.library.program if not library else load(library).program
-    run = Interpreter.prepared(program, world_of(spec), spec)
+    run = Interpreter.prepared(program, world_of(spec), spec, planner=find_plan)
     until = spec.until
     if not history.over:
         until = history.now

@@ -47,7 +47,7 @@ SPECIAL: Mapping[str, Read] = {
     # clauses
     **{clause.field: formulas.lone_formula for clause in (*RAP, *METHOD)},
     "resources": rap.resources,
-    "effects": lambda ctx, clause: declarations.effects(ctx, clause.items[1:], ["not"]),
+    "effects": lambda ctx, clause: declarations.effects(ctx, clause.items[1:]),
     "task_net": steps.task_net,
     "primitive": method.primitive,
     # formulas, terms and lists with arguments

@@ -24,7 +24,7 @@ from rapc.runtime.settings import Settings
 from rapc.runtime.state import agenda, run_state, task, things
 from rapc.world import Time
 
-FORMAT = 16
+FORMAT = 17
 """The version of the format; changes of the state's fields or of the IR change it."""
 
 _HEAD = re.compile(rb"rapc-run (\d{1,9}) ([0-9a-f]{64})\n")

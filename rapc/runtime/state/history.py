@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from rapc.base.resources import Value
-from rapc.base.values import Atom
+from rapc.base.values import Atom, Fact
 from rapc.compiler.rap_plan import MethodPlan
 from rapc.events import Cause
 from rapc.runtime.fields import Fields
@@ -24,6 +24,7 @@ class History:
         "before": MethodPlan | None,
         "results": dict[Atom | None, str | None],
         "failures": dict[int, int],
+        "failed_steps": dict[Fact, int],
         "failure": str | None,
         "because": Cause | None,
         "success": dict[str, Value] | None,
@@ -44,9 +45,16 @@ class History:
         self.results: dict[object, str | None] = {}
         #: How often each method has failed, by index.
         self.failures: dict[int, int] = {}
+        #: How often each step of a plan has failed, by goal [L 10.7].
+        self.failed_steps: dict[Fact, int] = {}
         #: The last failure symbol from the world.
         self.failure: str | None = None
         #: The cause of the last method's failure; None without failure or listeners.
         self.because: Cause | None = None
         #: The environment of the last successful method, for outputs.
         self.success: dict[str, Value] | None = None
+
+    def note_failed_step(self, goal: Fact | None) -> None:
+        """Count the failure of a step of a plan; None for an incomplete goal."""
+        if goal is not None:
+            self.failed_steps[goal] = self.failed_steps.get(goal, 0) + 1

@@ -14,7 +14,7 @@ from functools import cache
 from typing import Any, ClassVar
 
 from rapc.base.resources import Counter, SetResource, Value
-from rapc.base.values import Fact
+from rapc.base.values import Fact, Text
 from rapc.compiler.net_plan import StepPlan
 from rapc.compiler.rap_plan import MethodPlan, RapPlan
 from rapc.events import Cause, Goal
@@ -382,6 +382,12 @@ class Task:
         if self.bound and not self.has_resources():
             self.told = goal
         return goal
+
+    def goal_fact(self) -> Fact | None:
+        """Return the RAP and its inputs; None if an input is unknown or a resource."""
+        inputs = [v for v in self.goal_args if isinstance(v, str | int | float | Text)]
+        whole = len(inputs) == len(self.plan.inputs)
+        return (self.plan.name, *inputs) if whole else None
 
     def has_resources(self) -> bool:
         """Return whether the task has or was passed sets or counters."""

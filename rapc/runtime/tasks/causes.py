@@ -179,6 +179,11 @@ def of_no_method(run: Run, task: Task) -> Cause | None:
     methods = _excluded(run, task)
     asked = plan.name in run.solvers
     note = "none, from the solver neither" if asked else "" if methods else "none"
+    if run.planned is not None and run.planned[0] is task:
+        planned = run.planned[1]
+        missing = ", ".join(planned.unreachable)
+        reason = f"nothing brings about {missing}" if missing else planned.outcome
+        note = f"no plan: {reason}"
     cause = _cause(run, f"methods of `{plan.name}`", plan.node.name_span, note=note)
     return following(msgspec.structs.replace(cause, methods=methods), before)
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
-from itertools import islice
+from itertools import count, islice
 from typing import TypeVar
 
 from rapc.base.chance import below
@@ -15,9 +15,11 @@ from rapc.base.code_places import place_of
 from rapc.base.resources import frozen
 from rapc.compiler.rap_plan import MethodPlan, RapPlan
 from rapc.errors import PortError
-from rapc.events import SolverCalled
-from rapc.ir import nodes
+from rapc.events import PlanMade, SolverCalled
+from rapc.ir import nodes, walk
+from rapc.ir.printer import format_node
 from rapc.library.saved_check import UnsoundError
+from rapc.runtime.planner import PlanRequest
 from rapc.runtime.run import Run
 from rapc.runtime.state.task import Env, Task
 from rapc.runtime.tasks.hold_things import must_wait
@@ -42,11 +44,12 @@ The latter are empty if the things of the method are available.
 """
 
 
-def choose(run: Run, task: Task, asked: bool = False) -> Choice | None:
+def choose(run: Run, task: Task, asked: int = 0) -> Choice | None:
     """Return the method to try, or None if there is none.
 
-    If no method holds, ask the problem solver, unless the caller has `asked` before. A
-    sole method is not compared with others: its context alone decides.
+    If no method holds, ask the problem solver, then the planner, unless the caller has
+    `asked` so many of them before. A sole method is not compared with others: its
+    context alone decides.
     """
     context, sole = run.context, task.plan.sole
     context.task = task
@@ -70,9 +73,10 @@ def choose(run: Run, task: Task, asked: bool = False) -> Choice | None:
         return _draw(run, task, holding)
     if holding:
         return (*holding[0], ())
-    if asked or not _ask_solver(run, task):
-        return None
-    return choose(run, task, asked=True)
+    for number, ask in enumerate((_ask_solver, _ask_planner), 1):
+        if number > asked and ask(run, task):
+            return choose(run, task, number)
+    return None
 
 
 def _draw(run: Run, task: Task, holding: list[Held]) -> Choice:
@@ -147,6 +151,63 @@ def _ask_solver(run: Run, task: Task) -> bool:
             SolverCalled, task=task.number, goal=task.goal(), methods=len(returned)
         )
     return bool(returned)
+
+
+_MOST_FAILURES = 2
+"""The number of failures after which a step is not planned with any more [L 10.7]."""
+
+
+def _ask_planner(run: Run, task: Task) -> bool:
+    """Ask the planner for a method of a RAP with `(plan)`; return whether it has one.
+
+    The last plan of the task goes with the request: its steps are used where they still
+    apply.
+    """
+    rap, planner = task.plan, run.planner
+    if rap.node.plan is None or planner is None:
+        return False
+    added, last = run.state.added_methods.get(rap.name, ()), task.method
+    taken = {method.node.name for method in run.state.methods(rap)}
+    failed = {} if task.history is None else task.history.failed_steps
+    view = run.context.view
+    request = PlanRequest(
+        library=run.library,
+        rap=rap.node,
+        values={name: task.env[name] for name in rap.inputs},
+        memory=view,
+        name=next(n for at in count(1) if (n := f"plan-{at}") not in taken),
+        last=None if last is None or last not in added else last.node,
+        failed=[
+            view.canonical(goal) for goal, n in failed.items() if n >= _MOST_FAILURES
+        ],
+        limit=run.settings.plan_limit,
+        tries=run.settings.plan_tries,
+    )
+    ask = partial(planner, request)
+    answers = run.answers
+    if answers is None:
+        planned = ask()
+    else:
+        goal = ("plan", rap.name, *request.values.values())
+        planned = answers.solve(run.recorder.cycle, goal, ask)
+    if planned.method is not None:
+        _add_method(run, rap, planned.method, planner)
+    run.planned = task, planned
+    if run.recorder.on:
+        steps = () if planned.method is None else walk.steps(planned.method)
+        run.recorder.emit(
+            PlanMade,
+            task=task.number,
+            goal=task.goal(),
+            outcome=planned.outcome,
+            method=request.name if planned.method else None,
+            text=format_node(planned.method) if planned.method else "",
+            steps=len(steps),
+            expanded=planned.expanded,
+            left_out=planned.left_out,
+            unreachable=planned.unreachable,
+        )
+    return planned.method is not None
 
 
 def _add_method(run: Run, rap: RapPlan, node: nodes.Method, solver: object) -> None:

@@ -258,6 +258,8 @@ def fail(run: Run, task: Task, reason: str, because: Cause | None = None) -> Non
         return
     if world_failure is not None:
         method_run.task.remember().failure = world_failure
+    if method_run.task.plan.node.plan is not None:
+        method_run.task.remember().note_failed_step(task.goal_fact())
     end_method(run, method_run, result, causes.of_child(run, task, result, because))
 
 

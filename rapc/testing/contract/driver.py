@@ -15,6 +15,7 @@ import msgspec
 
 from rapc.base.values import Atom, Fact, Text, format_list, number
 from rapc.compiler.program import Program
+from rapc.host import find_plan
 from rapc.ir import nodes
 from rapc.library.kinds import Kinds
 from rapc.runtime.held_world import HeldWorld
@@ -72,7 +73,7 @@ class Driver:
     ) -> None:
         spec = RunSpec(seed=seed, settings={"strict": True})
         driven = world if handled else _Unheard(world)
-        self._run = run = Interpreter.prepared(program, driven, spec)
+        self._run = run = Interpreter.prepared(program, driven, spec, planner=find_plan)
         #: The world, checked against the declarations of the library.
         self.world = run.port
         self.history: History = []

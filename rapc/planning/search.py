@@ -1,0 +1,434 @@
+"""The search for a sequence of actions: best first, guided by relaxed plans.
+
+A relaxed plan ignores what actions spoil; its cost estimates the distance to the goal,
+and its first actions are tried before all others. A state is a number with a bit for
+each atom that can change.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from heapq import heappop, heappush
+from typing import Literal, NamedTuple
+
+from rapc.base.values import Number
+from rapc.ir import nodes
+from rapc.planning.ground import Action, Problem, Way
+
+Outcome = Literal["solved", "unsolvable", "limit"]
+
+
+class Found(NamedTuple):
+    """The result of a search."""
+
+    outcome: Outcome
+    actions: tuple[Action, ...] = ()
+    #: The number of states whose distance to the goal was estimated.
+    expanded: int = 0
+
+
+class _Operation(NamedTuple):
+    """An action over bits."""
+
+    action: Action
+    needs: int
+    adds: int
+    keeps: int
+    cost: Number
+
+
+class _Node(NamedTuple):
+    state: int
+    cost: Number
+    before: _Node | None
+    operation: int
+
+
+class _Estimate(NamedTuple):
+    """The cost of a relaxed plan, and the operations that it begins with."""
+
+    cost: Number
+    helpful: tuple[int, ...]
+
+
+Goal = Sequence[Sequence[Sequence[Way]]]
+
+
+class Search:
+    """The search in one problem.
+
+    Args:
+        problem: the problem.
+        limit: the greatest number of states to estimate.
+        steps: the steps of an earlier plan, which are used where they apply.
+    """
+
+    def __init__(
+        self, problem: Problem, limit: int, steps: Sequence[nodes.Goal] = ()
+    ) -> None:
+        self._limit = limit
+        self.expanded = 0
+        added = {at for action in problem.actions for at in action.adds}
+        lost = {at for action in problem.actions for at in action.deletes}
+        #: The atoms that hold always, and those that never hold.
+        always = problem.state - lost
+        never = frozenset(range(len(problem.literals))) - problem.state - added
+        self._goal = _simplified(problem.goal, always, never)
+        actions = [one for one in problem.actions if never.isdisjoint(one.needs)]
+        actions = _relevant(actions, self._goal, always)
+        atoms = [at for part in self._goal for ways in part for w in ways for at in w]
+        needed = [at for one in actions for at in one.needs if at not in always]
+        numbers = {at: n for n, at in enumerate(dict.fromkeys([*atoms, *needed]))}
+        self._size = len(numbers)
+        self._operations: list[_Operation] = []
+        self._needs: list[tuple[int, ...]] = []
+        self._adds: list[tuple[int, ...]] = []
+        for one in actions:
+            needs = [numbers[at] for at in one.needs if at in numbers]
+            adds = [numbers[at] for at in one.adds if at in numbers]
+            gone = [numbers[at] for at in one.deletes if at in numbers]
+            self._needs.append(tuple(needs))
+            self._adds.append(tuple(adds))
+            cost = one.operator.cost
+            bits = _bits(needs), _bits(adds), ~_bits(gone)
+            self._operations.append(_Operation(one, *bits, cost))
+        self._users: list[list[int]] = [[] for _ in numbers]
+        for at, own in enumerate(self._needs):
+            for atom in own:
+                self._users[atom].append(at)
+        self._free = [at for at, own in enumerate(self._needs) if not own]
+        self._start = _bits([numbers[at] for at in problem.state if at in numbers])
+        self._goal = tuple(
+            [
+                tuple(
+                    [
+                        tuple([tuple([numbers[a] for a in w]) for w in ways])
+                        for ways in part
+                    ]
+                )
+                for part in self._goal
+            ]
+        )
+        self._masks = [
+            [[_bits(way) for way in ways] for ways in part] for part in self._goal
+        ]
+        self._earlier = [self._instances_of(step) for step in steps]
+
+    def run(self, tries: int = 0) -> Found:
+        """Return a plan; spend `tries` further states on a cheaper one."""
+        if not self._goal:
+            return Found("unsolvable")
+        try:
+            node = self._greedy()
+        except _LimitReached:
+            return Found("limit", (), self.expanded)
+        if node is None:
+            return Found("unsolvable", (), self.expanded)
+        rest = self._finished(node.state) or []
+        path = self._shortened([*_path(node), *rest])
+        if tries:
+            path = self._cheaper(path, tries)
+        actions = tuple([self._operations[at].action for at in path])
+        return Found("solved", actions, self.expanded)
+
+    # --- states ----------------------------------------------------------------------
+
+    def _reached(self, state: int) -> bool:
+        """Return whether the goal holds in a state."""
+        return any(
+            all(any(way & state == way for way in ways) for ways in part)
+            for part in self._masks
+        )
+
+    def _instances_of(self, step: nodes.Goal) -> list[int]:
+        """Return the operations that a step of an earlier plan may stand for."""
+        return [
+            at
+            for at, one in enumerate(self._operations)
+            if one.action.goal[0] == step.name
+            and all(
+                not isinstance(arg, nodes.Const) or arg.value == value
+                for arg, value in zip(step.args, one.action.goal[1:], strict=False)
+            )
+        ]
+
+    def _finished(self, state: int) -> list[int] | None:
+        """Return the steps of the earlier plan that lead from a state to the goal."""
+        taken: list[int] = []
+        for instances in self._earlier:
+            for at in instances:
+                if self._is_applicable(at, state):
+                    state = self._after(state, at)
+                    taken.append(at)
+                    break
+        return taken if self._reached(state) else None
+
+    def _applicable(self, state: int) -> Iterator[int]:
+        for at, one in enumerate(self._operations):
+            if one.needs & state == one.needs:
+                yield at
+
+    def _after(self, state: int, at: int) -> int:
+        one = self._operations[at]
+        return state & one.keeps | one.adds
+
+    # --- relaxed plans ---------------------------------------------------------------
+
+    def _estimate(self, state: int) -> _Estimate | None:
+        """Return the cost of a relaxed plan from a state; None if there is none.
+
+        Raises:
+            _LimitReached: after the greatest number of estimates.
+        """
+        if self.expanded >= self._limit:
+            raise _LimitReached
+        self.expanded += 1
+        costs, reasons = self._relaxed_costs(state)
+        wanted = self._cheapest_goal(costs)
+        if wanted is None:
+            return None
+        total: Number = 0
+        chosen: dict[int, None] = {}
+        seen = set[int]()
+        stack = list(wanted)
+        while stack:
+            atom = stack.pop()
+            if atom in seen:
+                continue
+            seen.add(atom)
+            at = reasons[atom]
+            if at is None:
+                continue
+            if at not in chosen:
+                chosen[at] = None
+                total += self._operations[at].cost
+                stack.extend(self._needs[at])
+        begun = [at for at in chosen if self._is_applicable(at, state)]
+        return _Estimate(total, tuple(sorted(begun)))
+
+    def _is_applicable(self, at: int, state: int) -> bool:
+        needs = self._operations[at].needs
+        return needs & state == needs
+
+    def _relaxed_costs(self, state: int) -> tuple[list[Number], list[int | None]]:
+        """Return the cost of each atom, and the operation that brings it about.
+
+        The cost is -1 for an atom that cannot be reached; an atom of the state has no
+        operation.
+        """
+        costs: list[Number] = [-1] * self._size
+        reasons: list[int | None] = [None] * self._size
+        missing = [len(needs) for needs in self._needs]
+        sums = [one.cost for one in self._operations]
+        queue: list[tuple[Number, int]] = []
+        rest = state
+        while rest:
+            low = rest & -rest
+            atom = low.bit_length() - 1
+            rest ^= low
+            costs[atom] = 0
+            queue.append((0, atom))
+        adds, users = self._adds, self._users
+
+        def done(at: int) -> None:
+            cost = sums[at]
+            for atom in adds[at]:
+                known = costs[atom]
+                if known < 0 or cost < known:
+                    costs[atom] = cost
+                    reasons[atom] = at
+                    heappush(queue, (cost, atom))
+
+        for at in self._free:
+            done(at)
+        while queue:
+            cost, atom = heappop(queue)
+            if cost != costs[atom]:
+                continue
+            for at in users[atom]:
+                missing[at] -= 1
+                sums[at] += cost
+                if not missing[at]:
+                    done(at)
+        return costs, reasons
+
+    def _cheapest_goal(self, costs: Sequence[Number]) -> list[int] | None:
+        """Return the atoms of the cheapest way to the goal."""
+        best: tuple[Number, list[int]] | None = None
+        for part in self._goal:
+            total: Number = 0
+            atoms: list[int] = []
+            for ways in part:
+                cheapest: tuple[Number, Way] | None = None
+                for way in ways:
+                    own = [costs[atom] for atom in way]
+                    if all(one >= 0 for one in own):
+                        cost = sum(own)
+                        if cheapest is None or cost < cheapest[0]:
+                            cheapest = cost, way
+                if cheapest is None:
+                    break
+                total += cheapest[0]
+                atoms.extend(cheapest[1])
+            else:
+                if best is None or total < best[0]:
+                    best = total, atoms
+        return None if best is None else best[1]
+
+    # --- best first ------------------------------------------------------------------
+
+    def _greedy(self) -> _Node | None:
+        """Return a node from which the earlier plan leads to the goal, or None.
+
+        Without an earlier plan the goal holds in the node.
+
+        A node that comes nearer to the goal is followed at once. The actions outside
+        the relaxed plan are tried after those in it.
+        """
+        root = _Node(self._start, 0, None, -1)
+        if self._finished(root.state) is not None:
+            return root
+        estimate = self._estimate(root.state)
+        if estimate is None:
+            return None
+        order = 0
+        waiting = [(estimate.cost, 0, order, root, iter(estimate.helpful))]
+        seen = {root.state}
+        while waiting:
+            near, phase, _, node, left = heappop(waiting)
+            for at in left:
+                if phase and not self._is_applicable(at, node.state):
+                    continue
+                state = self._after(node.state, at)
+                if state in seen:
+                    continue
+                seen.add(state)
+                child = _Node(state, node.cost + self._operations[at].cost, node, at)
+                if self._finished(state) is not None:
+                    return child
+                estimate = self._estimate(state)
+                if estimate is None:
+                    continue
+                order += 1
+                row = (estimate.cost, 0, order, child, iter(estimate.helpful))
+                heappush(waiting, row)
+                if estimate.cost < near:
+                    order += 1
+                    heappush(waiting, (near, phase, order, node, left))
+                    break
+            else:
+                if not phase:
+                    order += 1
+                    rest = iter(range(len(self._operations)))
+                    heappush(waiting, (near, 1, order, node, rest))
+        return None
+
+    def _cheaper(self, path: list[int], tries: int) -> list[int]:
+        """Return a cheaper path, if weighted A* finds one with so many estimates."""
+        limit, self._limit = self._limit, min(self._limit, self.expanded + tries)
+        best = sum(self._operations[at].cost for at in path)
+        root = _Node(self._start, 0, None, -1)
+        waiting: list[tuple[Number, int, _Node]] = [(0, 0, root)]
+        costs: dict[int, Number] = {root.state: 0}
+        order = 0
+        try:
+            while waiting:
+                _, _, node = heappop(waiting)
+                if node.cost > costs[node.state]:
+                    continue
+                for at in self._applicable(node.state):
+                    state = self._after(node.state, at)
+                    cost = node.cost + self._operations[at].cost
+                    if cost >= best or cost >= costs.get(state, best):
+                        continue
+                    costs[state] = cost
+                    child = _Node(state, cost, node, at)
+                    if self._reached(state):
+                        best, path = cost, _path(child)
+                        continue
+                    estimate = self._estimate(state)
+                    if estimate is not None:
+                        order += 1
+                        row = (cost + 3 * estimate.cost, order, child)
+                        heappush(waiting, row)
+        except _LimitReached:
+            pass
+        self._limit = limit
+        return path
+
+    def _shortened(self, path: list[int]) -> list[int]:
+        """Return a path without the actions that the goal does not need."""
+        at = 0
+        while at < len(path):
+            kept = path[:at]
+            state = self._start
+            for operation in kept:
+                state = self._after(state, operation)
+            for operation in path[at + 1 :]:
+                if self._is_applicable(operation, state):
+                    state = self._after(state, operation)
+                    kept.append(operation)
+            if self._reached(state):
+                path = kept
+            else:
+                at += 1
+        return path
+
+
+class _LimitReached(Exception):
+    """The greatest number of estimates is reached."""
+
+
+def _path(node: _Node) -> list[int]:
+    found = []
+    here: _Node | None = node
+    while here is not None and here.before is not None:
+        found.append(here.operation)
+        here = here.before
+    return found[::-1]
+
+
+def _bits(atoms: Sequence[int]) -> int:
+    found = 0
+    for atom in atoms:
+        found |= 1 << atom
+    return found
+
+
+def _simplified(goal: Goal, always: frozenset[int], never: frozenset[int]) -> Goal:
+    """Return a goal without atoms that always hold, and ways that never do."""
+    branches = []
+    for branch in goal:
+        parts = []
+        for ways in branch:
+            left = {
+                tuple([at for at in way if at not in always]): None
+                for way in ways
+                if never.isdisjoint(way)
+            }
+            if () not in left:
+                parts.append(tuple(left))
+        if all(parts):
+            branches.append(tuple(parts))
+    return tuple(branches)
+
+
+def _relevant(
+    actions: Sequence[Action], goal: Goal, always: frozenset[int]
+) -> list[Action]:
+    """Return the actions that bring about anything on a way to the goal."""
+    makers: dict[int, list[int]] = {}
+    for number, action in enumerate(actions):
+        for at in action.adds:
+            makers.setdefault(at, []).append(number)
+    stack = [at for branch in goal for ways in branch for w in ways for at in w]
+    seen = set(stack)
+    kept = set[int]()
+    while stack:
+        for number in makers.get(stack.pop(), ()):
+            if number not in kept:
+                kept.add(number)
+                new = [at for at in actions[number].needs if at not in always]
+                stack.extend([at for at in new if at not in seen])
+                seen.update(new)
+    return [actions[number] for number in sorted(kept)]
