@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from rapc.errors import Error as Error
     from rapc.errors import FactError as FactError
     from rapc.errors import LoadError as LoadError
+    from rapc.errors import PlanError as PlanError
     from rapc.errors import PortError as PortError
     from rapc.errors import RefusedError as RefusedError
     from rapc.errors import SavedError as SavedError
@@ -44,8 +45,10 @@ if TYPE_CHECKING:
     from rapc.host import loads as loads
     from rapc.host import methods as methods
     from rapc.host import methods_text as methods_text
+    from rapc.host import plan as plan
     from rapc.host import rap_text as rap_text
     from rapc.host import run as run
+    from rapc.planning.plan import Plan as Plan
     from rapc.runtime.events.trace import JsonTrace as JsonTrace
     from rapc.runtime.events.trace import TextTrace as TextTrace
     from rapc.runtime.interpreter import Interpreter as Interpreter
@@ -61,14 +64,15 @@ __version__ = _VERSION
 
 _NAMES = {
     "rapc.errors": (
-        "ArgumentError Error FactError LoadError PortError "
+        "ArgumentError Error FactError LoadError PlanError PortError "
         "RefusedError SavedError SettingError StateError TextError "
         "WorldError"
     ),
     "rapc.host": (
         "CheckError CheckedLibrary RunResult check load loads methods methods_text "
-        "rap_text run"
+        "plan rap_text run"
     ),
+    "rapc.planning.plan": "Plan",
     "rapc.runtime.interpreter": "Interpreter",
     "rapc.runtime.events.trace": "JsonTrace TextTrace",
     "rapc.analysis.driver": "CheckReport",

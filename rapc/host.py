@@ -33,8 +33,10 @@ from rapc.ir.nodes import DefineMethod, DefineRap, Method, Node, Require
 from rapc.ir.printer import format_node
 from rapc.language.atoms import kind, need_fact
 from rapc.library import loader, saved, saved_check
+from rapc.library.kinds import UNKNOWN
 from rapc.library.loader import Loaded
 from rapc.parser.parse import parse
+from rapc.runtime.achieve import achieving
 from rapc.runtime.arguments import (
     need_count,
     need_program,
@@ -58,6 +60,7 @@ from rapc.worlds.registry import (
     plain_values,
     refuse_incomplete,
 )
+from rapc.worlds.scripted import ScriptedWorld
 
 PLAN = "<plan>"
 """The file name of text for `CheckedLibrary.extend`, in findings and faults."""
@@ -67,6 +70,8 @@ Task = str | TaskRequest
 
 if TYPE_CHECKING:
     import networkx
+
+    from rapc.planning.plan import Plan
 
 
 class CheckError(Error):
@@ -330,13 +335,59 @@ def run(
 
 def find_plan(request: PlanRequest) -> Planned:
     """Return a method for a RAP with `(plan)`: the planner of each run of a host."""
-    planned: Planned = _planning().plan_for_task(request)
+    planned: Planned = _planning("solver").plan_for_task(request)
     return planned
 
 
-def _planning() -> ModuleType:
-    """Return the module that makes plans, imported for the first plan."""
-    return import_module("rapc.planning.solver")
+def plan(  # all but two have defaults and go by name
+    library: CheckedLibrary,
+    goal: str,
+    *,
+    facts: str | Iterable[str | Fact] = (),
+    run: Interpreter | None = None,
+    use: Iterable[str] = (),
+    limit: int = 20_000,
+    tries: int = 0,
+) -> Plan:
+    """Return a plan for a goal, or the reason why there is none; nothing is run.
+
+    Args:
+        library: the library; a plan uses its RAPs with `effects`.
+        goal: a formula as text: `"(and (delivered linen ward-1) (docked))"`.
+        facts: the facts that hold, if there is no `run`.
+        run: a run of the library; the plan begins with its memory.
+        use: the names of the RAPs that the plan may use; all with `effects` if empty.
+        limit: the greatest number of states to look at.
+        tries: the number of further states to look at for a cheaper plan.
+
+    Raises:
+        TextError: for a text that is no formula or fact, or with undeclared names.
+        FactError: for a fact that the declarations do not allow.
+        PlanError: for a RAP in `use` that has no `effects`.
+    """
+    if not isinstance(library, CheckedLibrary):
+        raise ArgumentError(f"`library` is {kind(library)}, no library")
+    names = tuple(use)
+    program = library.program if run is None else run.library
+    rap = achieving(program, _text(goal), names)
+    if run is None:
+        unknown = dict.fromkeys(program.library.functions, _unknown)
+        world = ScriptedWorld([], declared=program.library)
+        run = library.start(world, facts=facts, functions=unknown)
+    planned: Plan = _planning("plan").plan(
+        program, rap, run.memory, use=names, limit=limit, tries=tries
+    )
+    return planned
+
+
+def _unknown(*args: object) -> str:
+    """Stand for a function of a world: a plan does not depend on functions."""
+    return UNKNOWN
+
+
+def _planning(name: str) -> ModuleType:
+    """Return a module that makes plans, imported for the first plan."""
+    return import_module(f"rapc.planning.{name}")
 
 
 def rap_text(run: Interpreter, name: str) -> str:

@@ -76,6 +76,7 @@ def test_no_import_hides_in_a_function(modules: Sequence[Module]) -> None:
 BY_NAME = {
     "rapc/__init__.py": "a public name is imported when it is asked for",
     "rapc/analysis/registry.py": "a pass is imported when one of its rules is wanted",
+    "rapc/host.py": "the planner is imported when a plan is wanted",
     "rapc/cli/main.py": "a command is imported when it is typed",
     "rapc/testing/pytest_plugin.py": "pytest loads the plug-in in every run",
     "rapc/worlds/registry.py": "a world is a module of anybody's",
@@ -119,7 +120,9 @@ def _sentences() -> set[str]:
 def test_references_name_sentences_of_the_language() -> None:
     """L with two numbers is a sentence of docs/language, with one a page."""
     sentences = _sentences()
-    known = sentences | {page.name.partition("-")[0] for page in LANGUAGE.glob("[0-9]*.md")}
+    known = sentences | {
+        page.name.partition("-")[0] for page in LANGUAGE.glob("[0-9]*.md")
+    }
     unknown = [
         f"{path.relative_to(CHECKOUT).as_posix()}: [L {number}]"
         for path in _python_files()

@@ -48,23 +48,37 @@ def keep(file: str, interpreter: Interpreter, library: str) -> None:
     """
     requires = list(_requires(library, file))
     with interrupts_held():
-        text = formatted(SourceFile(file, methods_text(interpreter, requires))).text
+        text = methods_text(interpreter, requires)
+        if not text:
+            note = f"note: no method was found; `{file}` is not written"
+            click.echo(visible(note), err=True)
+            return
         head = f";;; Methods found in a run in the world `{interpreter.port.name}`."
+        number = sum(map(len, interpreter.added_methods.values()))
+        _write(file, head, text, number, checked=bool(requires))
+
+
+def keep_plan(file: str, rap: str, library: str) -> None:
+    """Write a RAP with its plan; the arguments are as for `keep`."""
+    requires = list(_requires(library, file))
+    lines = [f'(require "{name}")\n' for name in requires]
+    head = ";;; A plan for a goal."
+    _write(file, head, f"{''.join(lines)}{rap}", 1, checked=bool(requires))
+
+
+def _write(file: str, head: str, forms: str, number: int, checked: bool) -> None:
+    """Write forms with a number of methods to a new file; check the file."""
+    text = formatted(SourceFile(file, forms)).text
+    with interrupts_held():
         try:
-            if text and os.path.lexists(file):
+            if os.path.lexists(file):
                 raise WriteError(f"cannot write `{file}`: the file exists")
-            if text:
-                write_whole(file, f"{visible(head)}\n\n{text}".encode())
+            write_whole(file, f"{visible(head)}\n\n{text}".encode())
         except WriteError as error:
             click.echo(text)
             fail(f"--keep: {error.message}; standard output has the methods")
-    if not text:
-        note = f"note: no method was found; `{file}` is not written"
-        click.echo(visible(note), err=True)
-        return
-    number = sum(map(len, interpreter.added_methods.values()))
     click.echo(visible(f"kept {plural(number, 'method')} in {file}"), err=True)
-    if requires:
+    if checked:
         try:
             load(file)
         except CheckError as found:

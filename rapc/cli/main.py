@@ -34,6 +34,7 @@ COMMANDS = {
     "run": "Run tasks of a library against a world.",
     "repl": "Debug a run interactively.",
     "view": "Write a page that shows a run.",
+    "plan": "Find a plan for a goal.",
     "bug": "Write a run to one file, to be repeated elsewhere.",
     "compare": "Compare two runs, or two libraries over seeds.",
     "experiment": "Run a batch of seeded runs and summarise the results.",

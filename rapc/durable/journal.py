@@ -38,6 +38,7 @@ from rapc.durable.records import (
 from rapc.errors import StateError, WriteError, reason
 from rapc.runtime.answers import Answer, Answers, Goal, RecordedWorld
 from rapc.runtime.interpreter import Interpreter
+from rapc.runtime.planner import Planned
 
 CYCLES = 1_000
 """The number of cycles between two snapshots."""
@@ -173,7 +174,10 @@ class Journal:
     def solved(self, cycle: int, goal: Goal, methods: Any) -> None:
         """Write the methods of a solver; invalid ones end the run."""
         try:
-            record = Solved(cycle, str(goal[0]), tuple(methods))
+            if isinstance(methods, Planned):
+                record = Solved(cycle, str(goal[0]), (), methods)
+            else:
+                record = Solved(cycle, str(goal[0]), tuple(methods))
             data = framed(record)
         except TypeError:
             return

@@ -17,6 +17,7 @@ from rapc.base.messages import Resumed
 from rapc.base.values import Atom, Fact
 from rapc.ir.nodes import Method
 from rapc.runtime.fields import Natural
+from rapc.runtime.planner import Planned
 from rapc.world import NOT_KNOWN, Message, Picture, Refused, Reply, Time
 
 _HEAD = struct.Struct("<II")
@@ -49,11 +50,12 @@ class Told(Record, tag="told", frozen=True):
 
 
 class Solved(Record, tag="solved", frozen=True):
-    """The methods that a solver has returned."""
+    """The methods that a solver has returned, or the answer of the planner."""
 
     cycle: Natural
     rap: str
     methods: tuple[Method, ...]
+    planned: Planned | None = None
 
 
 class Acted(Record, tag="act", frozen=True):

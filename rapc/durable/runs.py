@@ -70,7 +70,8 @@ def past_of(records: Iterable[Record], cycle: int = 0) -> Past:
         elif isinstance(record, Asking):
             readings, sent = record.readings, Sent(record.call, record.asked)
         elif isinstance(record, Solved):
-            solved.append((record.cycle, record.rap, record.methods))
+            found = record.planned or record.methods
+            solved.append((record.cycle, record.rap, found))
         elif isinstance(record, Acted):
             readings = max(readings, record.readings)
             act = _act(record.act)

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
 from rapc.base.values import Fact, Number
-from rapc.compiler.program import Program
-from rapc.errors import PlanError
 from rapc.ir import nodes
 from rapc.library.library import usable_in_plans
 from rapc.planning.ground import Grounding, Situation, TooLargeError
@@ -104,22 +102,3 @@ def plan_for_task(request: PlanRequest) -> Planned:
     outcome = found.outcome if made or found.sketch is None else "unsolvable"
     left_out = len(found.left_out)
     return Planned(outcome, made, found.expanded, left_out, found.unreachable)
-
-
-def operators(
-    program: Program, use: Iterable[str] | None, what: str = "`use`"
-) -> Model:
-    """Return the operators of a library.
-
-    Raises:
-        PlanError: for a name in `use` that is no RAP with `effects`.
-    """
-    library = program.library
-    names = None if use is None else list(use)
-    for name in names or ():
-        rap = library.raps.get(name)
-        if rap is None:
-            raise PlanError(f"{what}: unknown RAP `{name}`")
-        if not rap.effects:
-            raise PlanError(f"{what}: `{name}` has no `effects`")
-    return Model(library, program.signatures, names)

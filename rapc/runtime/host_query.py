@@ -160,6 +160,16 @@ def _with_names(node: Any, name_of: Callable[[Atom], Atom]) -> Any:
     return node
 
 
+def check_formula(formula: Formula, signatures: Signatures) -> None:
+    """Refuse undeclared names, and constants of a wrong kind.
+
+    Raises:
+        TextError: for the first fault.
+    """
+    _check_names(formula, signatures)
+    _check_kinds(formula, signatures)
+
+
 def _check_names(formula: Formula, signatures: Signatures) -> None:
     for part in subformulas(formula):
         if isinstance(part, nodes.Proposition):

@@ -25,6 +25,7 @@ from rapc.language.atoms import kind, need_atoms, need_fact
 from rapc.language.results import INTERFERENCE
 from rapc.parser.parse import parse_fact, parse_formula
 from rapc.runtime import snapshot, strict
+from rapc.runtime.achieve import achieving, with_rap
 from rapc.runtime.admission import (
     misfitting,
     refusals,
@@ -388,6 +389,30 @@ class Interpreter(Run):
             self.monitors.look_by(task.at)
         else:
             create_top(self, task)
+
+    def achieve(
+        self,
+        goal: str,
+        priority: int = 0,
+        deadline: Time | None = None,
+        use: Sequence[str] = (),
+    ) -> str:
+        """Add a RAP with a goal and `(plan)`, submit its task, and return its name.
+
+        Args:
+            goal: the goal, a formula as text.
+            priority: the priority of the task.
+            deadline: its deadline.
+            use: the names of the RAPs that a plan may use; empty for all operators.
+
+        Raises:
+            TextError: for a text that is no formula, or with undeclared names.
+            PlanError: for a RAP in `use` that is no operator.
+        """
+        rap = achieving(self.library, goal, use)
+        self.extend(with_rap(self.library, rap))
+        self.submit(TaskRequest((rap.name,), priority, deadline))
+        return rap.name
 
     def cancel(self, goal: Fact) -> int:
         """Cancel every live top-level task that a goal matches; return their number.

@@ -16,6 +16,9 @@ from rapc.compiler.program import Program
 from rapc.ir import nodes
 from rapc.runtime.memory.access import MemoryView
 
+PLAN = "(plan)"
+"""The beginning of the goals by which the answers of planners are kept."""
+
 
 class PlanRequest(NamedTuple):
     """A task that needs a plan, and what its planner may know."""

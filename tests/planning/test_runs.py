@@ -80,3 +80,28 @@ def test_task_without_a_planner_fails(courier: rapc.CheckedLibrary) -> None:
     run.planner = None
     run.run(until=100)
     assert run.results()[1].result == "no-method"
+
+
+GOAL = "(and (delivered medicine ward-3) (docked))"
+
+
+def test_run_achieves_a_goal_without_a_rap() -> None:
+    run = rapc.load("examples/courier").start("courier", seed=1)
+    assert run.achieve(GOAL, priority=2) == "achieve-1"
+    assert run.achieve("(docked)") == "achieve-2"
+    run.run(until=1000)
+    assert [one.outcome for one in run.results()] == ["succeeded", "succeeded"]
+
+
+def test_plan_is_false_without_steps_to_the_goal() -> None:
+    library = rapc.load("examples/courier")
+    plan = rapc.plan(library, GOAL, facts=["(robot-at kitchen)"])
+    assert plan
+    assert plan.steps[0] == "(fetch medicine ward-3)"
+    assert plan.links[-1] == ("the goal: (docked)",)
+    assert not rapc.plan(library, GOAL, use=["travel-to"])
+
+
+def test_plan_refuses_what_is_no_operator() -> None:
+    with pytest.raises(rapc.PlanError, match="`deliver`: it has no `effects`"):
+        rapc.plan(rapc.load("examples/courier"), GOAL, use=["deliver"])

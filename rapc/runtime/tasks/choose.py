@@ -19,7 +19,7 @@ from rapc.events import PlanMade, SolverCalled
 from rapc.ir import nodes, walk
 from rapc.ir.printer import format_node
 from rapc.library.saved_check import UnsoundError
-from rapc.runtime.planner import PlanRequest
+from rapc.runtime.planner import PLAN, PlanRequest
 from rapc.runtime.run import Run
 from rapc.runtime.state.task import Env, Task
 from rapc.runtime.tasks.hold_things import must_wait
@@ -188,7 +188,7 @@ def _ask_planner(run: Run, task: Task) -> bool:
     if answers is None:
         planned = ask()
     else:
-        goal = ("plan", rap.name, *request.values.values())
+        goal = (PLAN, rap.name, *request.values.values())
         planned = answers.solve(run.recorder.cycle, goal, ask)
     if planned.method is not None:
         _add_method(run, rap, planned.method, planner)

@@ -1,0 +1,238 @@
+"""`rapc plan GOAL PATH`: find a plan for a goal that no RAP has."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rapc.base.names import plural
+from rapc.base.source import SourceFile
+from rapc.base.visible import visible
+from rapc.cli.common import load_checked
+from rapc.cli.options import Amount, WholeNumber, command, fail, settings
+from rapc.cli.run_options import (
+    end_time,
+    prepared,
+    read_spec,
+    run_options,
+    until_option,
+)
+from rapc.errors import FactError, PlanError, TextError
+from rapc.runtime.interpreter import Interpreter
+from rapc.runtime.settings import read_settings
+
+if TYPE_CHECKING:
+    from rapc.planning.plan import Plan
+
+EXAMPLES = """\b
+Examples:
+  rapc plan '(docked)' examples/courier --world courier
+  rapc plan '(and (delivered medicine ward-3) (docked))' examples/courier \\
+      --world courier --format steps
+  rapc plan '(docked)' examples/courier --fact '(robot-at kitchen)' --explain
+"""
+
+_MOST_STATES = 10_000_000
+
+
+@command(EXAMPLES)
+@click.argument("goal")
+@click.argument("path", type=click.Path())
+@click.option("--world", "world_name", help="World whose facts hold.")
+@run_options
+@click.option(
+    "--after",
+    type=Amount(min=0),
+    metavar="TIME",
+    help="Plan for the facts in a run at TIME.",
+)
+@click.option(
+    "--use",
+    multiple=True,
+    metavar="RAP",
+    help="Use only these RAPs with `effects` (repeatable).",
+)
+@click.option(
+    "--limit",
+    type=WholeNumber(_MOST_STATES),
+    metavar="N",
+    help="Look at N states at most [default: rapc.plan-limit].",
+)
+@click.option(
+    "--explain", is_flag=True, help="Also list the parts that the planner leaves out."
+)
+@click.option(
+    "--format",
+    "output_format",
+    type=click.Choice(["rap", "steps", "json"]),
+    default="rap",
+    show_default=True,
+    help="Format of the plan.",
+)
+@click.option(
+    "--keep",
+    "kept",
+    type=click.Path(dir_okay=False),
+    metavar="FILE",
+    help="Write the RAP with its plan to a new RAP file.",
+)
+@click.option("--run", "execute", is_flag=True, help="Also run the plan.")
+@click.option("--priority", type=int, default=0, help="Priority of the run's task.")
+@until_option
+def plan(
+    goal: str,
+    path: str,
+    world_name: str | None,
+    after: float | None,
+    use: tuple[str, ...],
+    limit: int | None,
+    explain: bool,
+    output_format: str,
+    kept: str | None,
+    execute: bool,
+    priority: int,
+    until: float | None,
+    **more: Any,
+) -> None:
+    """Find a plan for GOAL with the RAPs of the library at PATH that have `effects`.
+
+    The plan begins with the facts of the world and of --fact; with --after, with the
+    facts in memory at that time of a run.
+
+    With --run, the run continues with a task for the goal; the planner is asked again
+    if the plan fails.
+
+    Exit status: 0 for a plan, 1 without one, or if the run did not achieve the goal, 2
+    if the search could not start.
+    """
+    from rapc.cli.keep import keep_plan, refuse_kept
+    from rapc.host import CheckedLibrary
+    from rapc.host import plan as find
+    from rapc.parser.formatter import formatted
+
+    if (execute or after is not None) and world_name is None:
+        fail("--run and --after require --world")
+    if kept is not None:
+        refuse_kept(kept)
+    library = load_checked(path)
+    spec = read_spec(world_name, **more)
+    run = None if world_name is None else prepared(library, spec, world_name)
+    if run is not None:
+        _advance(run, after)
+    limits = read_settings(spec.settings)
+    try:
+        found = find(
+            CheckedLibrary(library),
+            goal,
+            facts=spec.facts,
+            run=run,
+            use=use,
+            limit=limits.plan_limit if limit is None else limit,
+            tries=limits.plan_tries,
+        )
+    except (TextError, FactError, PlanError) as error:
+        fail(error.message)
+    text = formatted(SourceFile("plan", found.text)).text
+    _print(found, text, output_format)
+    if explain:
+        for part in found.left_out:
+            click.echo(visible(f"left out: {part}"))
+    if not found:
+        raise SystemExit(1)
+    if kept is not None:
+        keep_plan(kept, text, path)
+    if execute and run is not None and not _achieved(run, goal, priority, use, until):
+        raise SystemExit(1)
+
+
+def _advance(run: Interpreter, after: float | None) -> None:
+    """Start a run, and continue to a time."""
+    run.start()
+    if after is not None:
+        run.call_at(after, lambda: None)
+        while run.now < after and run.step():
+            pass
+
+
+def _achieved(
+    run: Interpreter,
+    goal: str,
+    priority: int,
+    use: Sequence[str],
+    until: float | None,
+) -> bool:
+    """Run a task for the goal, print the trace, and return whether it succeeded."""
+    from rapc.runtime.events.trace import TextTrace
+
+    if not settings().quiet:
+        run.listen(TextTrace(sys.stdout))
+    name = run.achieve(goal, priority, use=use)
+    run.run(until=end_time(until))
+    outcome = next(one.outcome for one in run.results() if one.goal.name == name)
+    click.echo(visible(f"{goal}: {outcome}"))
+    return outcome == "succeeded"
+
+
+def _print(found: Plan, text: str, output_format: str) -> None:
+    """Print a plan in a format, or the reason why there is none."""
+    if output_format == "json":
+        click.echo(_json(found))
+    elif not found:
+        click.echo(visible(_missing(found)))
+    elif output_format == "rap":
+        click.echo(text, nl=False)
+    else:
+        for line in _steps(found):
+            click.echo(visible(line))
+
+
+def _missing(found: Plan) -> str:
+    """Return the reason why there is no plan."""
+    if found.unreachable:
+        return f"no plan: nothing brings about {', '.join(found.unreachable)}"
+    if found.reason == "limit":
+        return f"no plan: limit of {plural(found.expanded, 'state')} reached"
+    return "no plan: the operators cannot bring about all parts of the goal"
+
+
+def _steps(found: Plan) -> list[str]:
+    """Return a line for each step with what it serves, and a line of figures."""
+    width = max(map(len, found.steps), default=0)
+    linked = {
+        (at, int(text.partition(":")[0]))
+        for at, links in enumerate(found.links, 1)
+        for text in links
+        if text[0].isdigit()
+    }
+    lines = []
+    for at, (step, links) in enumerate(zip(found.steps, found.links, strict=True), 1):
+        serves = [f"for {text}" for text in links]
+        later = [str(b) for a, b in found.order if a == at and (a, b) not in linked]
+        if later:
+            serves.append(f"before {', '.join(later)}")
+        lines.append(f"{at} {step:<{width}}  {'; '.join(serves)}".rstrip())
+    steps, states = plural(len(lines), "step"), plural(found.expanded, "state")
+    return [*lines, f"{steps} of {plural(found.operators, 'operator')}, {states}"]
+
+
+def _json(found: Plan) -> str:
+    """Return a plan as JSON."""
+    import msgspec
+
+    said = {
+        "reason": found.reason,
+        "steps": [
+            {"goal": step, "for": links}
+            for step, links in zip(found.steps, found.links, strict=True)
+        ],
+        "order": found.order,
+        "cost": found.cost,
+        "expanded": found.expanded,
+        "unreachable": found.unreachable,
+        "left-out": found.left_out,
+        "text": found.text if found else "",
+    }
+    return msgspec.json.encode(said).decode()

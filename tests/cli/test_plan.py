@@ -1,0 +1,89 @@
+"""`rapc plan`: a plan for a goal that no RAP has."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import rapc as package
+from tests.cli.command import rapc
+
+COURIER = "examples/courier"
+GOAL = "(and (delivered medicine ward-3) (docked))"
+
+
+def test_plan_is_printed_as_steps_with_links() -> None:
+    done = rapc("plan", GOAL, COURIER, "--world", "courier", "--format", "steps")
+    assert done.returncode == 0
+    assert done.stdout.splitlines() == [
+        "1 (fetch medicine ward-3)  for 2: (on-tray medicine ward-3)",
+        "2 (bring medicine ward-3)  for the goal: (delivered medicine ward-3); "
+        "before 3",
+        "3 (travel-to base)         for 4: (robot-at base)",
+        "4 (go-into-dock)           for the goal: (docked)",
+        "4 steps of 5 operators, 4 states",
+    ]
+
+
+def test_plan_begins_with_the_given_facts() -> None:
+    fact = "(on-tray medicine ward-3)"
+    done = rapc("plan", GOAL, COURIER, "--fact", fact, "--format", "json")
+    plan = json.loads(done.stdout)
+    assert [step["goal"] for step in plan["steps"]] == [
+        "(bring medicine ward-3)",
+        "(travel-to base)",
+        "(go-into-dock)",
+    ]
+    assert plan["reason"] == "solved"
+
+
+def test_unreachable_parts_of_the_goal_are_named() -> None:
+    done = rapc("plan", GOAL, COURIER, "--use", "travel-to")
+    assert done.returncode == 1
+    wanted = "(delivered medicine ward-3), (docked)"
+    assert done.stdout == f"no plan: nothing brings about {wanted}\n"
+
+
+def test_parts_that_the_planner_leaves_out_are_listed(tmp_path: Path) -> None:
+    library = tmp_path / "a.rap"
+    library.write_text(
+        "(declare-memory-proposition warm ())\n"
+        "(declare-memory-property heat (?level) 0)\n"
+        "(define-rap (wait-long)\n"
+        "  (preconditions (and (heat ?level) (> ?level 3)))\n"
+        "  (effects (warm)))\n"
+    )
+    done = rapc("plan", "(warm)", str(library), "--explain")
+    said = "preconditions of `wait-long`: (> ?level 3): a comparison of numbers"
+    assert f"left out: {library}:4:37: {said}\n" in done.stdout
+
+
+def test_kept_plan_is_a_library(tmp_path: Path) -> None:
+    kept = tmp_path / "kept.rap"
+    done = rapc("plan", GOAL, COURIER, "--world", "courier", "--keep", str(kept))
+    assert done.returncode == 0
+    assert "achieve-1" in package.load(kept).raps
+
+
+def test_plan_is_run() -> None:
+    done = rapc("-q", "plan", GOAL, COURIER, "--world", "courier", "--run")
+    assert done.returncode == 0
+    assert done.stdout.splitlines()[-1] == f"{GOAL}: succeeded"
+
+
+def test_later_situation_is_that_of_a_run() -> None:
+    task = ("--task", "(fetch medicine ward-3)")
+    options = ("--world", "courier", *task, "--after", "60", "--format", "steps")
+    done = rapc("plan", GOAL, COURIER, *options)
+    assert done.stdout.startswith("1 (bring medicine ward-3)")
+
+
+def test_invalid_input_is_refused() -> None:
+    for options, said in (
+        (("(delivred a b)", COURIER), "unknown predicate `delivred`"),
+        ((GOAL, COURIER, "--use", "deliver"), "cannot use `deliver`"),
+        ((GOAL, COURIER, "--run"), "--run and --after require --world"),
+    ):
+        done = rapc("plan", *options)
+        assert done.returncode == 2
+        assert said in done.stderr
