@@ -248,6 +248,8 @@ class Connection:
         try:
             for line in self._reader:
                 self._heard, self._halted = time.monotonic(), False
+                if self._busy is not None and b'"heartbeat"' not in line:
+                    self._halt()  # Ctrl-C has interrupted the call under way
                 put(line)
         except OSError:
             pass  # the connection has ended

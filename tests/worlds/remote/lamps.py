@@ -214,6 +214,7 @@ perform_faults: Mapping[str, Fault] = {
 }
 
 advance_faults: Mapping[str, Fault] = {
+    "stuck": lambda number, answer: time.sleep(60),
     "clock-back": field(now=1),
     "next-in-the-past": field(next=1),
     "no-message-announced": field(messages=[], next=7),
