@@ -64,7 +64,7 @@ def references(
     found = view.names.naming.occurrences(named)
     places = [_place(view, one) for one in found if declaration or not one.defines]
     if named.space in ("primitive", "datum"):
-        places += handlers(view.workspace, named.name)
+        places += handlers(view.workspace, named.name, worlds=False)
     return places
 
 

@@ -29,12 +29,15 @@ Place = tuple[int, int, int, int]
 """Row and column, from 0, of the start and the end of a word; columns in bytes."""
 
 
-def handlers(workspace: Workspace, name: str) -> list[types.Location]:
+def handlers(
+    workspace: Workspace, name: str, worlds: bool = True
+) -> list[types.Location]:
     """Return the handlers of a primitive or datum; without handlers, its offers.
 
-    The Python files of the workspace count, and, without a result, the worlds of rapc.
+    The Python files of the workspace count. If they have no result, the worlds of rapc
+    count, unless `worlds` is false.
     """
-    for folders in (workspace.folders, [str(_WORLDS)]):
+    for folders in (workspace.folders, [str(_WORLDS)] if worlds else []):
         called: list[types.Location] = []
         offered: list[types.Location] = []
         for file in _python_files(folders):

@@ -91,6 +91,7 @@ class Editor:
             return types.ApplyWorkspaceEditResult(applied=True)
 
         self.client.feature(types.WORKSPACE_APPLY_EDIT)(apply)
+        self.client.feature(types.CLIENT_REGISTER_CAPABILITY)(lambda params: None)
 
     def wait(self, work: Coroutine[Any, Any, Any]) -> Any:
         """Run a coroutine to its end."""
@@ -144,11 +145,14 @@ class Editor:
     def edit(self, uri: str, old: str, new: str) -> None:
         """Replace the first occurrence of a text in an open file."""
         start = self.texts[uri].index(old)
-        change = types.TextDocumentContentChangePartial(
-            types.Range(self.at(uri, start), self.at(uri, start + len(old))), new
-        )
-        self.texts[uri] = self.texts[uri].replace(old, new, 1)
-        self._change(uri, change)
+        self.change(uri, start, start + len(old), new)
+
+    def change(self, uri: str, start: int, end: int, new: str) -> None:
+        """Replace the text between two offsets of an open file."""
+        place = types.Range(self.at(uri, start), self.at(uri, end))
+        text = self.texts[uri]
+        self.texts[uri] = f"{text[:start]}{new}{text[end:]}"
+        self._change(uri, types.TextDocumentContentChangePartial(place, new))
 
     def replace(self, uri: str, text: str) -> None:
         """Replace the whole text of an open file."""
@@ -196,6 +200,13 @@ class Editor:
             if not self._published.wait_for(ready, PATIENCE):
                 raise TimeoutError(f"the findings are {self.rules(uri)}")
             return self.rules(uri)
+
+    def messages(self, uri: str) -> list[str]:
+        """Return the messages about a file that is not open, once there are some."""
+        with self._published:
+            if not self._published.wait_for(lambda: uri in self._told, PATIENCE):
+                raise TimeoutError(f"no findings of {uri}")
+            return [one.message for one in self.client.diagnostics[uri]]
 
     def rules(self, uri: str) -> list[str]:
         """Return the rules of the last findings of a file."""

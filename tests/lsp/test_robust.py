@@ -1,0 +1,208 @@
+"""The server with texts that are no programs, and with edits at random."""
+
+from __future__ import annotations
+
+import random
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.lsp.client import Editor  # before lsprotocol: it skips without it
+
+from lsprotocol import types  # isort: skip
+
+from rapc.analysis.config import Configured
+from rapc.analysis.libraries import check_workspace
+from tests.lsp.programs import RAPS, WORLD
+
+ROOT = Path(__file__).parents[2]
+
+pytestmark = pytest.mark.xdist_group("lsp-robust")
+
+
+@pytest.fixture
+def editor(tmp_path: Path) -> Iterator[Editor]:
+    (tmp_path / "world.rap").write_text(WORLD)
+    (tmp_path / "raps.rap").write_text(RAPS)
+    made = Editor(tmp_path)
+    yield made
+    assert made.close() == 0
+
+
+def ask_all(editor: Editor, uri: str) -> None:
+    """Ask for all that an editor asks about a file by itself."""
+    document = types.TextDocumentIdentifier(uri)
+    start = types.Position(0, 0)
+    everything = types.Range(start, types.Position(100_000, 0))
+    options = types.FormattingOptions(2, True)
+    context = types.CodeActionContext([])
+    for method, params in (
+        (types.TEXT_DOCUMENT_HOVER, types.HoverParams(document, start)),
+        (types.TEXT_DOCUMENT_COMPLETION, types.CompletionParams(document, start)),
+        (types.TEXT_DOCUMENT_DEFINITION, types.DefinitionParams(document, start)),
+        (
+            types.TEXT_DOCUMENT_SIGNATURE_HELP,
+            types.SignatureHelpParams(document, types.Position(5, 20)),
+        ),
+        (types.TEXT_DOCUMENT_DOCUMENT_SYMBOL, types.DocumentSymbolParams(document)),
+        (types.TEXT_DOCUMENT_FOLDING_RANGE, types.FoldingRangeParams(document)),
+        (
+            types.TEXT_DOCUMENT_SEMANTIC_TOKENS_FULL,
+            types.SemanticTokensParams(document),
+        ),
+        (
+            types.TEXT_DOCUMENT_FORMATTING,
+            types.DocumentFormattingParams(document, options),
+        ),
+        (types.TEXT_DOCUMENT_CODE_LENS, types.CodeLensParams(document)),
+        (types.TEXT_DOCUMENT_INLAY_HINT, types.InlayHintParams(document, everything)),
+        (
+            types.TEXT_DOCUMENT_CODE_ACTION,
+            types.CodeActionParams(document, everything, context),
+        ),
+    ):
+        editor.ask(method, params)
+
+
+TEXTS = {
+    "bytes": random.Random(1).randbytes(3000).decode("latin-1"),
+    "surrogates": "(define-rap (🤖 ?x) \u2028 \x0b \x0c (method (task-net)))\n🤖",
+    "string": '(require "world\n(define-rap (go) (method (primitive (drive a))))',
+    "comment": "#| (define-rap",
+    "open": "(" * 10_000,
+    "closed": ")" * 10_000,
+    "empty": "",
+    "returns": RAPS.replace("\n", "\r\n"),
+}
+
+
+@pytest.mark.parametrize("text", TEXTS.values(), ids=TEXTS)
+def test_any_text_is_answered(editor: Editor, text: str) -> None:
+    uri = editor.open(editor.folders[0] / "raps.rap")
+    editor.replace(uri, text)
+    ask_all(editor, uri)
+    editor.findings(uri)
+    ask_all(editor, uri)
+    editor.replace(uri, RAPS)
+    assert editor.findings(uri) == []
+
+
+def test_file_that_cannot_be_read_has_a_finding(editor: Editor) -> None:
+    (editor.folders[0] / "odd.rap").write_bytes(b"\xff\xfe\x00")
+    uri = editor.open(editor.folders[0] / "raps.rap")
+    assert editor.findings(uri) == []
+    (found,) = editor.messages((editor.folders[0] / "odd.rap").as_uri())
+    assert "binary file" in found
+
+
+def test_removed_files_are_forgotten(editor: Editor) -> None:
+    uri = editor.open(editor.folders[0] / "raps.rap")
+    (editor.folders[0] / "world.rap").unlink()
+    editor.edit(uri, "; Go", "; Drive")
+    assert "unresolved-require" in editor.findings(uri)
+    (editor.folders[0] / "raps.rap").unlink()
+    editor.shut(uri)
+    other = editor.open(editor.folders[0] / "new.rap", "(define-rap (wait))")
+    assert editor.findings(other) == []
+
+
+def test_folders_of_one_name_are_apart(tmp_path: Path) -> None:
+    folders = [tmp_path / side / "robot" for side in ("left", "right")]
+    for folder in folders:
+        folder.mkdir(parents=True)
+        (folder / "world.rap").write_text(WORLD)
+    (folders[0] / "raps.rap").write_text(RAPS)
+    (folders[1] / "raps.rap").write_text(RAPS.replace("(go hall)", "(goo hall)"))
+    editor = Editor(*folders)
+    assert editor.findings(editor.open(folders[0] / "raps.rap")) == []
+    right = editor.open(folders[1] / "raps.rap")
+    assert editor.findings(right) == ["unknown-rap"]
+    params = types.DefinitionParams(**editor.of(right, "drive"))
+    (found,) = editor.ask(types.TEXT_DOCUMENT_DEFINITION, params)
+    assert found.uri == (folders[1] / "world.rap").as_uri()
+    assert editor.close() == 0
+
+
+def test_folder_with_200_libraries(tmp_path: Path) -> None:
+    (tmp_path / "world.rap").write_text(WORLD)
+    for number in range(200):
+        (tmp_path / f"raps-{number}.rap").write_text(RAPS)
+    editor = Editor(tmp_path)
+    uri = editor.open(tmp_path / "raps-150.rap")
+    assert editor.findings(uri) == []
+    world = editor.open(tmp_path / "world.rap")
+    params = types.ReferenceParams(
+        context=types.ReferenceContext(include_declaration=False),
+        **editor.of(world, "drive"),
+    )
+    assert editor.findings(world) == []
+    found = editor.ask(types.TEXT_DOCUMENT_REFERENCES, params)
+    assert len({one.uri for one in found}) == 200
+    assert editor.close() == 0
+
+
+def test_positions_in_utf_32_if_the_client_accepts_them(tmp_path: Path) -> None:
+    units = types.PositionEncodingKind
+    text = '(define-rap (go) (method (task-net (t "🤖" (wait)))))'
+    for encodings in ([units.Utf16, units.Utf32], [units.Utf8, units.Utf16]):
+        editor = Editor(tmp_path, encodings=encodings)
+        uri = editor.open(tmp_path / "raps.rap", text)
+        editor.findings(uri)
+        wide = units.Utf32 not in encodings
+        assert (editor.server.capabilities.position_encoding == units.Utf16) is wide
+        found = editor.client.diagnostics[uri][-1]
+        at = editor.at(uri, text.index("(t "))
+        assert found.range.start >= at
+        editor.edit(uri, "(wait)", "(go)")
+        editor.findings(uri)
+        assert editor.close() == 0
+
+
+# --- edits at random ------------------------------------------------------------------
+
+PIECES = ("(", ")", " ", "\n", "?x", "go", '"', "; ", "(method", "😀", "#|", "and")
+
+
+def random_edits(editor: Editor, files: list[Path], count: int, seed: int) -> None:
+    """Make edits at random, and compare the findings with those of a fresh check."""
+    rng = random.Random(seed)
+    uris = [editor.open(file) for file in files]
+    for number in range(count):
+        uri = rng.choice(uris)
+        text = editor.texts[uri]
+        start = rng.randrange(len(text) + 1)
+        end = min(len(text), start + rng.choice((0, 0, 0, 1, 3, 20)))
+        editor.change(
+            uri, start, end, rng.choice((*PIECES, "", text[start : start + 9]))
+        )
+        if number % 50 == 49:
+            back = rng.choice(range(len(uris)))
+            editor.replace(uris[back], files[back].read_text())
+    texts = {
+        str(file): editor.texts[uri] for file, uri in zip(files, uris, strict=True)
+    }
+    report = check_workspace(str(editor.folders[0]), Configured(), None, texts)
+    for file, uri in zip(files, uris, strict=True):
+        expected = sorted(
+            (one.rule.name, one.diagnostic.message)
+            for one in report.findings
+            if one.diagnostic.span.file == str(file)
+        )
+        editor.findings(uri)
+        found = [
+            (str(one.code), one.message.partition("\n")[0])
+            for one in editor.client.diagnostics[uri]
+        ]
+        assert sorted(found) == expected
+
+
+@pytest.mark.parametrize("count", [300, pytest.param(10_000, marks=pytest.mark.slow)])
+def test_findings_after_edits_are_those_of_a_fresh_check(
+    tmp_path: Path, count: int
+) -> None:
+    shutil.copytree(ROOT / "examples" / "courier", tmp_path / "courier")
+    editor = Editor(tmp_path)
+    random_edits(editor, sorted((tmp_path / "courier").glob("*.rap")), count, seed=1)
+    assert editor.close() == 0
