@@ -36,7 +36,7 @@ _TOKEN = re.compile(
     re.S,
 )
 
-_HEADS = {
+HEADS = {
     **{
         head: "clause" for rule in RULES if is_list(RULES[rule]) for head in heads(rule)
     },
@@ -45,9 +45,7 @@ _HEADS = {
 }
 """The kinds of names after an opening bracket."""
 
-_WORDS = {word for shape in RULES.values() for word in words_of_shape(shape)} - {
-    *_HEADS
-}
+WORDS = {word for shape in RULES.values() for word in words_of_shape(shape)} - {*HEADS}
 """The words of the language that are not names after an opening bracket."""
 
 
@@ -83,8 +81,8 @@ def tokens(text: str) -> Iterator[tuple[str, str]]:
             if defining and word != "index":
                 kind = "defined"
             elif opened:
-                kind = _HEADS.get(word, "head")
-            elif word in _WORDS:
+                kind = HEADS.get(word, "head")
+            elif word in WORDS:
                 kind = "word"
             defining = word in _NAMED or (defining and word == "index")
         elif kind not in ("comment", "space"):
