@@ -23,6 +23,7 @@ from rapc.language.grammar import TERMINALS
 _BRACKETS = ("LPAR", "RPAR")
 _NAME = re.compile(TERMINALS["_NAME"])
 _FORM = re.compile(r"^\(", re.M)
+_DEFINITION = re.compile(r"\((?:define|declare)-", re.I)
 
 NOTHING: Final = frozenset[str]()
 
@@ -53,7 +54,7 @@ def fits(text: str, *, start: str = START) -> Fits:
         start: the start rule of the grammar, from `rapc.language.build.STARTS`; the
             default is a program.
     """
-    code = blanked(text)
+    code = blanked(text[last_form(text) :] if start == START else text)
     if code is None:
         return Fits(len(text), "")
     at = _word_start(code)
@@ -81,6 +82,22 @@ def fits(text: str, *, start: str = START) -> Fits:
         opens="LPAR" in accepted and not prefix,
         closes="RPAR" in accepted and not prefix,
     )
+
+
+def last_form(text: str) -> int:
+    """Return the start of the last form that begins in column 1; if none, 0.
+
+    A string may contain a line that begins with `(`, but hardly one that begins with
+    `(define-` or `(declare-`. A text with `#| |#` comments is not cut, because such
+    comments often contain forms.
+    """
+    if "#|" in text:
+        return 0
+    at = len(text)
+    while (at := text.rfind("\n(", 0, at)) >= 0:
+        if _DEFINITION.match(text, at + 1):
+            return at + 1
+    return 0
 
 
 def _word_start(code: str) -> int:
