@@ -74,7 +74,7 @@ class Named(msgspec.Struct, frozen=True, gc=False):
     may_be_value: bool = False
 
 
-_SPACES: Mapping[str, Space] = {
+SPACE_OF: Mapping[str, Space] = {
     "RAP": "RAP",
     "METHOD": "method",
     "TAG": "tag",
@@ -263,7 +263,7 @@ class _Walk:
         self.scope = outer
 
     def _name(self, terminal: str, datum: Datum, rule: str) -> None:
-        space = _SPACES.get(terminal)
+        space = SPACE_OF.get(terminal)
         if space is None or isinstance(datum, List | String):
             return
         name = str(datum.value) if isinstance(datum, Numeral) else datum.name
