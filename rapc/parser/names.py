@@ -10,8 +10,8 @@ Not here: the definition and all occurrences of a name (`rapc.analysis.naming`).
 
 from __future__ import annotations
 
-from collections.abc import Container, Mapping, Sequence
-from functools import cache
+from collections.abc import Container, Iterable, Mapping, Sequence
+from functools import cache, cached_property
 from typing import Literal
 
 import msgspec
@@ -19,7 +19,7 @@ import msgspec
 from rapc.base.source import Span
 from rapc.language.grammar import RULES
 from rapc.language.heads import SLIPS
-from rapc.language.shapes import Shape, is_rule, is_terminal, is_word
+from rapc.language.shapes import Shape, is_rule, is_word
 from rapc.parser.context import head_of
 from rapc.parser.syntax import (
     Arrow,
@@ -144,6 +144,7 @@ _SHAPES: Mapping[str, Shape] = {
     "count": ("list", '"count"', ("or", "CLASS", "term"), "term", "term"),
     "default": ("or", "FUNCTION", "NUMBER"),
     "bare_signal": ("list", "BARE_SIGNAL", ("*", "term")),
+    "listed": ("list",),
     "event_pattern": (
         *("list", "EVENT"),
         (
@@ -178,7 +179,7 @@ def names_in(file: str, form: Datum) -> list[Named]:
         form: the data of the form.
     """
     walk = _Walk(file, form)
-    walk.take("_form", (form,), 0, "")
+    walk.take(_part("_form"), (form,), 0, "")
     wide = {one.name for one in walk.found if one.scope == walk.form}
     if head_of(form) == "define-method":
         wide = set()
@@ -207,58 +208,51 @@ class _Walk:
         scope = None if of_rap else one.scope
         return msgspec.structs.replace(one, scope=scope, rap=one.rap or self.owner)
 
-    def take(self, shape: Shape, items: Sequence[Datum], at: int, rule: str) -> int:
-        """Walk the data that fit a shape; return the position after the data.
+    def take(self, part: _Part, items: Sequence[Datum], at: int, rule: str) -> int:
+        """Walk the data that fit a part of a rule; return the position after the data.
 
         Args:
-            shape: the shape.
+            part: the part.
             items: the data of a list.
             at: the position of the first datum.
-            rule: the rule of the shape.
+            rule: the rule of the part.
         """
-        if not _rank(shape, items, at):
+        if at >= len(items) or not part.rank(items[at]):
             return at
-        if is_rule(shape):
-            name = str(shape)
-            return self.take(_SHAPES[name], items, at, rule if name[0] == "_" else name)
-        if isinstance(shape, tuple) and shape[0] != "list":
-            return self._several(shape, items, at, rule)
-        datum = items[at]
-        if isinstance(shape, tuple):
-            assert isinstance(datum, List)
-            self._list(shape[1:], datum, rule)
-        elif is_terminal(shape):
-            self._name(shape, datum, rule)
+        match part.operator:
+            case "rule":
+                return self.take(part.parts[0], items, at, part.name or rule)
+            case "list":
+                self._list(part, items[at], rule)
+            case "or":
+                best = max(part.parts, key=lambda one: one.rank(items[at]))
+                return self.take(best, items, at, rule)
+            case "seq" | "?":
+                for one in part.parts:
+                    at = self.take(one, items, at, rule)
+                return at
+            case "*" | "+":
+                (one,) = part.parts
+                while (after := self.take(one, items, at, rule)) > at:
+                    at = after
+                return at
+            case "terminal":
+                self._name(part.name, items[at], rule)
         return at + 1
 
-    def _several(
-        self, shape: tuple[Shape, ...], items: Sequence[Datum], at: int, rule: str
-    ) -> int:
-        """Walk the data that fit a shape with an operator other than `list`."""
-        operator, *parts = shape
-        if operator == "or":
-            parts = [max(parts, key=lambda part: _rank(part, items, at))]
-        repeats = operator in ("*", "+")
-        before = -1
-        while before < at:
-            before = at if repeats else len(items)
-            for part in parts:
-                at = self.take(part, items, at, rule)
-        return at
-
-    def _list(self, parts: Sequence[Shape], datum: List, rule: str) -> None:
+    def _list(self, part: _Part, datum: Datum, rule: str) -> None:
         """Walk a list; data that fit no part are skipped."""
+        assert isinstance(datum, List)
         outer = self.scope
         if rule in ("method", "define_method"):
             self.scope = Span(self.file, datum.start, datum.end)
         at, items = 0, datum.items
-        for part in parts:
-            at = self.take(part, items, at, rule)
-        first = next((n for n, one in enumerate(parts) if _may_repeat(one)), len(parts))
+        for one in part.parts:
+            at = self.take(one, items, at, rule)
         while at < len(items):
             before = at
-            for part in parts[first:]:
-                at = self.take(part, items, at, rule)
+            for one in part.loose:
+                at = self.take(one, items, at, rule)
             at += at == before
         self.scope = outer
 
@@ -285,52 +279,96 @@ class _Walk:
         self.found.append(found)
 
 
-def _rank(shape: Shape, items: Sequence[Datum], at: int) -> int:
-    """Return how well data fit the start of a shape: 2 for a word, 1, or 0."""
-    if at >= len(items):
-        return 0
-    if isinstance(shape, str):
-        return _rank_of_name(shape, items, at)
-    if shape[0] == "or":
-        return max(_rank(part, items, at) for part in shape[1:])
-    if shape[0] == "list":
-        datum = items[at]
-        return _rank_of_parts(shape[1:], datum.items, 0) if type(datum) is List else 0
-    return _rank_of_parts(shape[1:], items, at)
+class _Begin(msgspec.Struct, frozen=True):
+    """The data with which a part of a rule may begin."""
+
+    #: The words and the types of atoms.
+    words: frozenset[str] = frozenset()
+    types: frozenset[type] = frozenset()
+    #: The first words of lists, and the types of their first items.
+    heads: frozenset[str] = frozenset()
+    firsts: frozenset[type] = frozenset()
+
+    @classmethod
+    def of_any(cls, parts: Iterable[_Part]) -> _Begin:
+        """Return the data with which any of some parts may begin."""
+        rows = [msgspec.structs.astuple(part.begin) for part in parts]
+        return cls(*[frozenset().union(*column) for column in zip(*rows, strict=True)])
 
 
-def _rank_of_name(shape: str, items: Sequence[Datum], at: int) -> int:
-    datum = items[at]
-    if is_word(shape):
-        name = datum.name if isinstance(datum, Symbol | Keyword | Arrow) else ""
-        return 2 if shape[1:-1] in (name, SLIPS.get(name)) else 0
-    if is_rule(shape):
-        return _rank(_SHAPES[shape], items, at)
-    return 1 if type(datum) in _TYPES.get(shape, (Symbol,)) else 0
+class _Part:
+    """A part of a rule; rules contain each other, so its parts are made when needed.
 
-
-def _rank_of_parts(parts: Sequence[Shape], items: Sequence[Datum], at: int) -> int:
-    """Return the rank of a sequence: that of the first part that fits.
-
-    Optional parts may be missing. A word after the first part must follow, too: a
-    formula begins many lists, but only `for` makes it a condition of a step.
+    Args:
+        shape: the shape of the part.
     """
-    for number, part in enumerate(parts):
-        found = _rank(part, items, at)
-        if _may_be_missing(part):
-            if found:
-                return found
-        elif found and number + 1 < len(parts) and is_word(parts[number + 1]):
-            return min(found, _rank(parts[number + 1], items, at + 1))
+
+    def __init__(self, shape: Shape) -> None:
+        self._shape = shape
+        self.operator = "terminal"
+        #: The name of a rule or terminal; none for a group of rules.
+        self.name = ""
+        if not isinstance(shape, str):
+            self.operator = str(shape[0])
+        elif is_word(shape):
+            self.operator = "word"
+        elif is_rule(shape):
+            self.operator = "rule"
+            self.name = "" if shape[0] == "_" else shape
         else:
+            self.name = shape
+
+    @cached_property
+    def parts(self) -> tuple[_Part, ...]:
+        """The parts of a list, choice or sequence, or of a rule its only part."""
+        shape = self._shape
+        if isinstance(shape, str):
+            return (_part(_SHAPES[shape]),)
+        return tuple(map(_part, shape[1:]))
+
+    @cached_property
+    def begin(self) -> _Begin:
+        """The data with which the part may begin."""
+        if self.operator == "word":
+            return _Begin(words=frozenset((str(self._shape)[1:-1],)))
+        if self.operator == "terminal":
+            return _Begin(types=frozenset(_TYPES.get(self.name, (Symbol,))))
+        if self.operator not in ("list", "seq"):
+            return _Begin.of_any(self.parts)
+        needed = [n for n, one in enumerate(self.parts) if not one.is_optional]
+        found = _Begin.of_any(self.parts[: needed[0] + 1] if needed else self.parts)
+        if self.operator == "seq":
             return found
-    return 1 if at >= len(items) else 0
+        lists = {List} if found.heads or found.firsts else set()
+        return _Begin(heads=found.words, firsts=found.types | lists)
+
+    @property
+    def is_optional(self) -> bool:
+        """Whether the part may be missing."""
+        return self.operator in ("?", "*")
+
+    @cached_property
+    def loose(self) -> tuple[_Part, ...]:
+        """The parts of a list from the first one that may be missing or repeated."""
+        at = [n for n, one in enumerate(self.parts) if one.operator in _LOOSE]
+        return self.parts[at[0] :] if at else ()
+
+    def rank(self, datum: Datum) -> int:
+        """Return how well a datum fits the start: 2 for a word, 1 for a type, or 0."""
+        begin, first = self.begin, datum
+        words, types = begin.words, begin.types
+        if isinstance(datum, List):
+            words, types = begin.heads, begin.firsts
+            if not datum.items:
+                return bool(words or types)
+            first = datum.items[0]
+        name = first.name if isinstance(first, Symbol | Keyword | Arrow) else ""
+        if name in words or SLIPS.get(name) in words:
+            return 2
+        return type(first) in types
 
 
-@cache
-def _may_be_missing(shape: Shape) -> bool:
-    return isinstance(shape, tuple) and shape[0] in ("*", "?")
+_LOOSE = ("*", "+", "?", "or")
 
-
-def _may_repeat(shape: Shape) -> bool:
-    return isinstance(shape, tuple) and shape[0] in ("*", "+", "?", "or")
+_part = cache(_Part)
+"""The part of a shape."""
