@@ -8,7 +8,7 @@ messages that the run then receives.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 from rapc.base.messages import Resumed
@@ -83,6 +83,10 @@ class ResumedWorld(Wrapper):
         behind = super().now()
         self._offset = number(last - behind) if behind < last else 0
 
+    def facts(self) -> Iterable[Fact]:
+        """Return the initial facts; none before the resumption, which are known."""
+        return () if self._begun is not None else super().facts()
+
     def now(self) -> Time:
         """Return the time of the clock."""
         if self._begun is not None:
@@ -150,7 +154,8 @@ def go_on(
     assert isinstance(recorded, RecordedWorld)
     assert isinstance(world, ResumedWorld)
     under_way: dict[int, Fact | Skills] = {**recorded.requests, **recorded.skills}
-    world.go_on(run.now)
+    # The clock of a resumable world is known after `resume`, and has gone on.
+    world.go_on(0 if isinstance(world, Resumable) else run.now)
     first: list[Message | Resumed] = [Resumed(round(seconds, 3))]
     if isinstance(world, Resumable):
         tickets = sorted({*under_way, *([sent.ticket] if sent else ())})

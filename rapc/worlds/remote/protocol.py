@@ -223,6 +223,8 @@ class Resumed(Answer, frozen=True):
     """The result of `resume`."""
 
     requests: tuple[Known, ...] = ()
+    #: The initial facts of the robot.
+    facts: tuple[Fact, ...] = ()
 
 
 class Saved(Answer, frozen=True, kw_only=True):

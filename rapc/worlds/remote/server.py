@@ -417,7 +417,7 @@ class Connection:
         requests = tuple(
             protocol.Known(ticket, **_outcome(told)) for ticket, told in known.items()
         )
-        return protocol.Resumed, {"requests": requests}
+        return protocol.Resumed, {"requests": requests, "facts": tuple(world.facts())}
 
     def _adjustable(self, world: Any, params: Any) -> Any:
         return protocol.Adjusted, {"options": _plain(world.adjustable())}

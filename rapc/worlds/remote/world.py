@@ -317,6 +317,7 @@ class _Optional(RemoteWorld):
             raise ValueError(error.said) from error
         self._open, self._sent, self._received = True, received, []
         self._take("resume", answer)
+        self._facts = [_fact(fact) for fact in answer.facts]
         return {known.ticket: _outcome(known) for known in answer.requests}
 
     def acknowledge(self, received: int) -> None:
