@@ -11,7 +11,8 @@ A page may have generated parts:
     <!-- end -->
 
 `PARTS` lists the names. The front page and the page of each rule are generated as a
-whole (`pages`), and so is the navigation of the site in mkdocs.yml. Graphviz draws the
+whole (`pages`), and so are the navigation of the site in mkdocs.yml and the colours of
+VS Code in editors/vscode. Graphviz draws the
 figures of graphs (`generator.figures`).
 """
 
@@ -42,6 +43,7 @@ from generator.tables import (
     vocabulary,
     world_options,
 )
+from generator.textmate import textmate
 from generator.wire import schema, wire
 
 from rapc.analysis.registry import rules
@@ -51,6 +53,7 @@ from rapc.cli.rule import advice
 DOCS = Path(__file__).parent
 ROOT = DOCS.parent
 CONFIG = ROOT / "mkdocs.yml"
+TEXTMATE = ROOT / "editors" / "vscode" / "rap.tmLanguage.json"
 
 # --- Whole pages ----------------------------------------------------------------------
 
@@ -195,7 +198,7 @@ def written(page: str) -> str:
 def stale() -> dict[Path, str | None]:
     """Return the new texts of stale pages; None for pages to remove."""
     found: dict[Path, str | None] = {}
-    whole = {**dict(pages()), CONFIG: configuration()}
+    whole = {**dict(pages()), CONFIG: configuration(), TEXTMATE: textmate()}
     for path in sorted({*DOCS.rglob("*.md"), *whole}):
         text = path.read_text(encoding="utf-8") if path.exists() else ""
         if path in whole:

@@ -30,6 +30,9 @@ HEAVY = {"rapc.console.experiments.plots": "experiment"}
 LEFT_OUT = ("rapc.cli.start", "rapc.experiments.cluster")
 """Modules that are not imported ahead: the beginning itself, and an extra."""
 
+NOT_FORKED = ("rapc.lsp", "pytest")
+"""Parts of the names of modules that no forked command wants."""
+
 
 class Request(TypedDict):
     """What to run: the command with its arguments, in a folder and an environment."""
@@ -44,7 +47,8 @@ def _import_all() -> None:
     import rapc  # noqa: PLC0415  # by whom this module is imported has it already
 
     for _, name, _ in pkgutil.walk_packages(rapc.__path__, "rapc."):
-        if name not in HEAVY and name not in LEFT_OUT and "pytest" not in name:
+        wanted = not any(part in name for part in NOT_FORKED)
+        if wanted and name not in HEAVY and name not in LEFT_OUT:
             import_module(name)
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -18,16 +18,11 @@ MOST = 300_000
 """The number of bytes of the package."""
 
 
-def test_grammar_is_made_of_the_language() -> None:
-    spec = importlib.util.spec_from_file_location("textmate", FOLDER / "grammar.py")
-    assert spec is not None
-    assert spec.loader is not None
-    textmate = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(textmate)
+def test_grammar_has_the_words_of_the_language() -> None:
+    """`docs/generate.py` writes the grammar."""
     written = (FOLDER / "rap.tmLanguage.json").read_text()
-    assert written == textmate.text()
     for word in (*FORMS, *QUERIES):
-        assert json.dumps(word.replace("-", "\\-"))[1:-1] in written
+        assert json.dumps(re.escape(word))[1:-1] in written
 
 
 def test_manifest_names_the_files_of_the_extension() -> None:

@@ -1,14 +1,10 @@
-"""Generator of `rap.tmLanguage.json` from the tables that are made of `rap.lark`.
-
-`python editors/vscode/grammar.py` writes the file; a test compares the file.
-"""
+"""The TextMate grammar of the extension for VS Code, from the grammar of RAP."""
 
 from __future__ import annotations
 
 import json
 import re
 from collections.abc import Iterable
-from pathlib import Path
 from typing import Any
 
 from rapc.language.highlight import HEADS, WORDS
@@ -100,11 +96,6 @@ def _any(words: Iterable[str]) -> str:
     return "|".join(re.escape(one) for one in sorted(words, key=lambda w: (-len(w), w)))
 
 
-def text() -> str:
+def textmate() -> str:
     """Return the grammar as JSON."""
     return json.dumps(grammar(), indent=2, ensure_ascii=False) + "\n"
-
-
-if __name__ == "__main__":
-    file = Path(__file__).with_name("rap.tmLanguage.json")
-    file.write_text(text(), encoding="utf-8")
