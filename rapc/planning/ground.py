@@ -50,11 +50,14 @@ class Placeholder(str):
     """An item that a step will find: the value of an output until then."""
 
     kind: str | None
+    #: The placeholder that is used before this one.
+    before: str | None
 
-    def __new__(cls, name: str, kind: str | None) -> Placeholder:
-        """Return the placeholder of an output with its declared kind."""
-        made = super().__new__(cls, name)
-        made.kind = kind
+    def __new__(cls, name: str, number: int, kinds: Mapping[str, str]) -> Placeholder:
+        """Return a placeholder; its name begins with that of the output."""
+        made = super().__new__(cls, f"{name} {number}")
+        made.kind = kinds.get(name.partition(" ")[0])
+        made.before = f"{name} {number - 1}" if number else None
         return made
 
 
@@ -182,7 +185,8 @@ class Grounding:
                 self._ages.setdefault(name, {})[age] = None
         self._begin(situation)
         self._objects = self._known_objects(situation, patterns)
-        self._placeholders = self._make_placeholders()
+        wanted = {name for branch in goal for name in _variables(branch)}
+        self._copies = max(2, len(wanted))
         self._reach()
 
     # --- the beginning ---------------------------------------------------------------
@@ -256,24 +260,26 @@ class Grounding:
                 found.update(values)
         return sorted(found, key=format_atom)
 
-    def _make_placeholders(self) -> dict[tuple[str, str], list[Placeholder]]:
-        """Return the placeholders of each output: as many as the goal has variables."""
-        wanted = {
-            arg.name
-            for pattern in _patterns(self._goal)
-            for arg in pattern.args
-            if isinstance(arg, nodes.Var)
-        }
-        self._copies = max(2, len(wanted))
-        found: dict[tuple[str, str], list[Placeholder]] = {}
-        for operator in self._model.operators:
-            for output in operator.rap.outputs:
-                name, kind = output.name, operator.kinds.get(output.name)
-                found[operator.rap.name, name] = [
-                    Placeholder(f"{name}-{operator.rap.name}-{at + 1}", kind)
-                    for at in range(self._copies)
-                ]
-        return found
+    def _placeholders(self, operator: Operator, values: Bindings) -> list[Bindings]:
+        """Return the placeholders that a goal may have for its outputs.
+
+        Each goal has its own, as many as the goal of the plan has variables, and at
+        least two: items of different goals are different.
+        """
+        rap = operator.rap
+        if not rap.outputs:
+            return [{}]
+        inputs = " ".join([format_atom(values[one.name]) for one in rap.inputs])
+        return [
+            {
+                one.name: Placeholder(
+                    f"{one.name} {rap.name} {inputs}", number, operator.kinds
+                )
+                for one in rap.outputs
+                if one.name not in values
+            }
+            for number in range(self._copies)
+        ]
 
     # --- reachability ----------------------------------------------------------------
 
@@ -359,14 +365,10 @@ class Grounding:
                 return
         free = [one.name for one in rap.inputs if one.name not in bindings]
         choices: list[Sequence[Atom]] = [self._of_kind(kinds.get(n)) for n in free]
-        outputs = [one.name for one in rap.outputs if one.name not in bindings]
-        numbers = range(self._copies if outputs else 1)
         for values in product(*choices):
-            for number in numbers:
-                found = dict(bindings)
-                found.update(zip(free, values, strict=True))
-                for name in outputs:
-                    found[name] = self._placeholders[rap.name, name][number]
+            inputs = {**bindings, **dict(zip(free, values, strict=True))}
+            for outputs in self._placeholders(operator, inputs):
+                found = {**inputs, **outputs}
                 if self._bind_equal(operator.conditions, found):
                     self._instance(operator, found)
 
@@ -431,7 +433,6 @@ class Grounding:
             lost = tuple([at for at in deleted if at not in added])
             gained = tuple(added)
             for output in operator.rap.outputs:
-                mine = self._placeholders[operator.rap.name, output.name]
                 value = values[output.name]
                 if not isinstance(value, Placeholder):
                     continue
@@ -442,8 +443,8 @@ class Grounding:
                 state.add(unused)
                 needs[unused] = None
                 lost, gained = (*lost, unused), (*gained, used)
-                if value != mine[0]:
-                    before = Literal(True, (_USED, mine[mine.index(value) - 1]))
+                if value.before is not None:
+                    before = Literal(True, (_USED, value.before))
                     needs[numbers.setdefault(before, len(numbers))] = None
             actions.append(Action(operator, values, tuple(needs), gained, lost))
         literals_found = list(numbers)

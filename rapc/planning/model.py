@@ -91,6 +91,8 @@ class LeftOut(NamedTuple):
         return self.part.span
 
     def __str__(self) -> str:
+        if isinstance(self.part, nodes.DefineRap):
+            return f"`{self.rap}`: {self.reason}"
         return f"{self.clause} of `{self.rap}`: {format_node(self.part)}: {self.reason}"
 
 
@@ -156,6 +158,11 @@ class Model:
         branches = [Conjunction()]
         if rap.preconditions is not None:
             branches = self._clause_of(rap.name, "preconditions", rap.preconditions)
+        missing = self._unused_input(rap)
+        if missing is not None:
+            reason = f"the operator is left out: no condition or effect has `{missing}`"
+            self.left_out.append(LeftOut(rap.name, "index", rap, reason))
+            return
         bound = given.union(*[_names(branch) for branch in branches])
         own = (*self._achieved(rap, given), *self._declared(rap, bound))
         effects = tuple(dict.fromkeys(own))
@@ -176,6 +183,13 @@ class Model:
         ]
         for branch in useful or branches:
             yield Operator(rap, branch, effects, cost, kinds)
+
+    def _unused_input(self, rap: nodes.DefineRap) -> str | None:
+        """Return an input whose value no condition and no effect determines."""
+        clauses = [rap.preconditions, rap.constraints, rap.succeed]
+        asked = [one for one in clauses if one is not None]
+        named = variable_names(*asked, *[one.pattern for one in rap.effects])
+        return next((v.name for v in rap.inputs if v.name not in named), None)
 
     def _achieved(self, rap: nodes.DefineRap, given: set[str]) -> Iterator[Effect]:
         """Yield the effects of the first branch of `succeed` that consists of facts."""

@@ -86,15 +86,19 @@ def plan_for_task(request: PlanRequest) -> Planned:
     use = usable_in_plans(program.library.raps, rap)
     model = Model(program.library, program.signatures, use)
     goal = model.goal(rap, request.values)
-    found = solve(
-        model,
-        situation(request.memory),
-        goal,
-        limit=request.limit,
-        tries=request.tries,
-        excluded=request.failed,
-        last=request.last,
-    )
+    facts, found = situation(request.memory), None
+    for excluded in (request.avoided, request.failed):
+        if found is None or (found.sketch is None and excluded != request.avoided):
+            found = solve(
+                model,
+                facts,
+                goal,
+                limit=request.limit,
+                tries=request.tries,
+                excluded=excluded,
+                last=request.last,
+            )
+    assert found is not None
     made = None
     if found.sketch is not None and found.sketch.actions:
         inputs = constants_of(request.values)

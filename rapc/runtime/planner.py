@@ -32,6 +32,8 @@ class PlanRequest(NamedTuple):
     name: str
     #: The last plan of the task, whose steps may still be useful.
     last: nodes.Method | None
+    #: The goals of steps that have failed, used only if there is no other plan.
+    avoided: Sequence[Fact]
     #: The goals of steps that have failed too often.
     failed: Sequence[Fact]
     #: The greatest number of states to look at, and of those for a cheaper plan.

@@ -153,8 +153,8 @@ def _ask_solver(run: Run, task: Task) -> bool:
     return bool(returned)
 
 
-_MOST_FAILURES = 2
-"""The number of failures after which a step is not planned with any more [L 10.7]."""
+_RELUCTANT, _HOPELESS = 2, 4
+"""The numbers of failures after which a step is avoided, and not used [L 10.7]."""
 
 
 def _ask_planner(run: Run, task: Task) -> bool:
@@ -177,9 +177,8 @@ def _ask_planner(run: Run, task: Task) -> bool:
         memory=view,
         name=next(n for at in count(1) if (n := f"plan-{at}") not in taken),
         last=None if last is None or last not in added else last.node,
-        failed=[
-            view.canonical(goal) for goal, n in failed.items() if n >= _MOST_FAILURES
-        ],
+        avoided=[view.canonical(one) for one, n in failed.items() if n >= _RELUCTANT],
+        failed=[view.canonical(one) for one, n in failed.items() if n >= _HOPELESS],
         limit=run.settings.plan_limit,
         tries=run.settings.plan_tries,
     )
