@@ -62,6 +62,9 @@ RUN_COMMANDS = _kind("a list of commands", rb"# [^\n]*\n[^\n]*\brapc run ")
 SVG = _kind("an SVG picture", _XML + rb"(<![^>]*>\s*)*<svg")
 CHROME = _kind("a Chrome trace", rb'\{"traceEvents":')
 MCAP = _kind("an MCAP file", rb"\x89MCAP0\r\n")
+RESULTS_PAGE = _kind(
+    "a page of results", rb"<!doctype html>\n<!-- an experiment, by rapc view -->"
+)
 PAGE = _kind("a page of a run", rb"<!doctype html>\n<!-- a run, by rapc view -->")
 PNG = _kind("a PNG picture", rb"\x89PNG")
 

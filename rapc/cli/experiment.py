@@ -10,13 +10,24 @@ from pathlib import Path
 import click
 
 from rapc.base.interrupts import INTERRUPTED
-from rapc.base.outputs import COVERAGE, PNG, RUN_COMMANDS, SVG, TABLES, check_output
+from rapc.base.names import plural
+from rapc.base.outputs import (
+    COVERAGE,
+    PAGE,
+    PNG,
+    RESULTS_PAGE,
+    RUN_COMMANDS,
+    SVG,
+    TABLES,
+    check_output,
+)
 from rapc.base.visible import visible
 from rapc.cli.common import (
     load_checked,
     print_line,
     refuse_output,
     width_of,
+    write_output,
 )
 from rapc.cli.options import WholeNumber, command, fail, say, settings
 from rapc.cli.run_options import processes_option
@@ -40,10 +51,17 @@ Examples:
   rapc experiment chapter6 --part one --seeds 10
   rapc experiment my-experiment.toml --jobs 4 --out results
   rapc experiment my-experiment.toml --against ../yesterday/my-library
+  rapc experiment my-experiment.toml --view --pages 20
   rapc experiment my-experiment.toml --coverage
   rapc experiment my-experiment.toml --cluster tcp://10.0.0.5:8786
 """
 
+
+INDEX = "index.html"
+"""The file of the page of the results."""
+
+_PAGES, _MOST_PAGES = 10, 10_000
+"""The default and highest number of pages of runs."""
 
 _MOST_FAULTS = 10
 """The highest number of printed runs without a result."""
@@ -89,6 +107,15 @@ _MOST_FAULTS = 10
     metavar="ADDRESS",
     help="Run on the workers of the Dask scheduler at ADDRESS.",
 )
+@click.option(
+    "--view", "viewed", is_flag=True, help="Write a page of the results: index.html."
+)
+@click.option(
+    "--pages",
+    type=click.IntRange(0, _MOST_PAGES),
+    metavar="N",
+    help=f"Pages of runs to write (with --view) [default: {_PAGES}].",
+)
 def experiment(
     name: str,
     parts: Sequence[str],
@@ -98,6 +125,8 @@ def experiment(
     against: str | None,
     coverage: str | None,
     cluster: str | None,
+    viewed: bool,
+    pages: int | None,
 ) -> None:
     """Run the experiment NAME of rapc, or the experiment in FILE.toml.
 
@@ -107,6 +136,10 @@ def experiment(
     With --against, each seed is also run with LIBRARY. The table of changes has the
     figures whose average differs, with the 95 % confidence interval of the difference.
 
+    With --view, DIR/index.html shows all runs in plots. The least usual run of each
+    point in turn has a page in DIR/runs; for other runs, index.html has the command
+    that writes the page.
+
     Exit status: 0 if every run has a result, 1 if a run has none, 2 if no run could
     start.
     """
@@ -115,6 +148,8 @@ def experiment(
     if coverage is not None:
         _refuse_with_coverage(coverage, against, cluster)
     gathered = None if coverage is None else CoverageSum()
+    if pages is not None and not viewed:
+        raise click.UsageError("--pages requires --view")
     session = _session(name, parts, seeds, against)
     folder = _folder(out or f"{session.made.name}-results")
     _check_outputs(session, folder)
@@ -122,6 +157,9 @@ def experiment(
         faults = _run_missing(session, store, cluster, processes, gathered)
         summaries = list(session.summaries(store))
         compared = list(session.pairs(store))
+        if viewed:
+            made = _PAGES if pages is None else pages
+            _view(session, store, summaries, folder, made)
     for summary in summaries:
         if summary.part.name in session.chosen:
             _print(summary)
@@ -303,6 +341,31 @@ def _write(session: Batch, summaries: Sequence[PartSummary], folder: Path) -> No
         output.write_commands(session, folder / output.COMMANDS)
     except OSError as error:
         fail(f"cannot write in `{folder}`: {reason(error)}")
+
+
+def _view(
+    session: Batch,
+    store: Store,
+    summaries: Sequence[PartSummary],
+    folder: Path,
+    most: int,
+) -> None:
+    """Write the page of the results, and pages of the least usual runs."""
+    from rapc.cli.view import page_of_run
+    from rapc.view.experiment import FOLDER, chosen_runs, results_page
+
+    check_output(folder / INDEX, RESULTS_PAGE)
+    chosen = chosen_runs(session, store, most)
+    pages = {}
+    for one in chosen:
+        file = _folder(str(folder / FOLDER)) / one.file
+        check_output(file, PAGE)
+        say(f"writing {file}")
+        write_output(str(file), page_of_run(session, one.point, one.seed).encode())
+        pages[one.point.digest, one.seed] = f"{FOLDER}/{one.file}"
+    text = results_page(session, store, summaries, pages)
+    write_output(str(folder / INDEX), text.encode())
+    click.echo(f"wrote {visible(str(folder / INDEX))} and {plural(len(pages), 'page')}")
 
 
 def _draw(summaries: Sequence[PartSummary], folder: Path) -> list[str]:

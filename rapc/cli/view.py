@@ -24,6 +24,10 @@ from rapc.debug.history import History, Stop
 from rapc.debug.questions.differences import MOST_DURATIONS, library_of
 from rapc.debug.recorded import Replay
 from rapc.debug.recording import Playback, Recording
+from rapc.experiments.draws import drawn
+from rapc.experiments.points import Point
+from rapc.experiments.run import resolved
+from rapc.experiments.session import Batch
 from rapc.runtime.events.trace import record
 from rapc.view.page import page
 from rapc.view.pictures import Pictures
@@ -137,6 +141,15 @@ def _draw(viewed: Viewed, file: str, at: int | None) -> None:
     when = "the end" if at is None else f"cycle {at}"
     write_output(file, svg(scene, f"{viewed.name}, {when}").encode())
     click.echo(f"wrote {visible(file)}")
+
+
+def page_of_run(session: Batch, point: Point, seed: int) -> str:
+    """Return the page of a run of an experiment, which is run again."""
+    config = resolved(point.config, drawn(point.config.draws, seed))
+    spec = msgspec.structs.replace(config.spec, seed=seed)
+    ready = prepared(load_checked(point.library), spec, session.made.world)
+    history = history_of(ready, spec.until)
+    return page([_run(f"{point.part}, seed {seed}", history, goes_on=True)])
 
 
 def _check_export(file: str, path: str) -> None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import gzip
 from base64 import b64encode
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from hashlib import sha256
 from pathlib import Path
 
@@ -26,7 +26,8 @@ _SCRIPTS = (
 """The scripts, in the order in which they are joined."""
 
 BEGINNING = "<!doctype html>\n<!-- a run, by rapc view -->\n"
-"""The first lines of a page."""
+EXPERIMENT = "<!doctype html>\n<!-- an experiment, by rapc view -->\n"
+"""The first lines of a page of a run, and of the results of an experiment."""
 
 
 def page(views: Sequence[Viewed] = ()) -> str:
@@ -34,9 +35,24 @@ def page(views: Sequence[Viewed] = ()) -> str:
 
     Two runs are compared.
     """
-    style = _read("style.css") + _read("map.css")
-    scripts = "".join(_read(name) for name in _SCRIPTS)
-    script = f'(() => {{\n"use strict";\n{scripts}}})();\n'
+    return composed(BEGINNING, _SCRIPTS, "index.html", _data(views))
+
+
+def composed(
+    beginning: str, scripts: Sequence[str], body: str, data: Iterable[str]
+) -> str:
+    """Return a page.
+
+    Args:
+        beginning: the first lines.
+        scripts: the files of the scripts.
+        body: the file of the markup; the style of its name is added to that of pages.
+        data: the elements with the data.
+    """
+    own = {"index.html": "map.css"}.get(body, body.replace(".html", ".css"))
+    style = _read("style.css") + _read(own)
+    joined = "".join(_read(name) for name in scripts)
+    script = f'(() => {{\n"use strict";\n{joined}}})();\n'
     policy = "; ".join(
         (
             "default-src 'none'",
@@ -48,16 +64,21 @@ def page(views: Sequence[Viewed] = ()) -> str:
     )
     return "".join(
         (
-            BEGINNING,
+            beginning,
             '<html lang="en">\n<head>\n<meta charset="utf-8">\n',
             f'<meta http-equiv="Content-Security-Policy" content="{policy}">\n',
             '<meta name="viewport" content="width=device-width, initial-scale=1">\n',
             f"<title>rapc view</title>\n<style>{style}</style>\n</head>\n<body>\n",
-            _read("index.html"),
-            *_data(views),
+            _read(body),
+            *data,
             f"<script>{script}</script>\n</body>\n</html>\n",
         )
     )
+
+
+def json_element(name: str, value: object) -> str:
+    """Return the element of a page with data."""
+    return _element(name, _json(value))
 
 
 def _read(name: str) -> str:

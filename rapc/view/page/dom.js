@@ -9,6 +9,34 @@ function visible(text) {
   return all.replace(/[\p{C}\p{Zl}\p{Zp}]/gu, "\ufffd");
 }
 
+/** Return the text of embedded data: gzip in base64; or of a file, gzip or not. */
+async function inflated(bytes) {
+  const packed = bytes[0] === 0x1f && bytes[1] === 0x8b;
+  let stream = new Blob([bytes]).stream();
+  if (packed) stream = stream.pipeThrough(new DecompressionStream("gzip"));
+  return new Response(stream).text();
+}
+
+/** Return the text of an embedded element; null if the page has none of the name. */
+async function embedded(id) {
+  const element = byId(`data-${id}`);
+  if (element === null) return null;
+  const text = element.textContent;
+  const bytes = Uint8Array.fromBase64
+    ? Uint8Array.fromBase64(text)
+    : Uint8Array.from(atob(text), (one) => one.charCodeAt(0));
+  element.remove();
+  return inflated(bytes);
+}
+
+/** Switch between light and dark. */
+function switchTheme() {
+  const root = document.documentElement;
+  const dark = matchMedia("(prefers-color-scheme: dark)").matches;
+  const now = root.dataset.theme || (dark ? "dark" : "light");
+  root.dataset.theme = now === "dark" ? "light" : "dark";
+}
+
 /** Return a number or a time of a trace with at most six decimals. */
 function readable(value) {
   return Number.isFinite(value) ? String(Number(value.toFixed(6))) : visible(asText(value));

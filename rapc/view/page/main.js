@@ -1,25 +1,5 @@
 // The page: reads the data, holds the moment, and shows the panels.
 
-/** Return the text of embedded data: gzip in base64; or of a file, gzip or not. */
-async function inflated(bytes) {
-  const packed = bytes[0] === 0x1f && bytes[1] === 0x8b;
-  let stream = new Blob([bytes]).stream();
-  if (packed) stream = stream.pipeThrough(new DecompressionStream("gzip"));
-  return new Response(stream).text();
-}
-
-/** Return the text of an embedded element; null if the page has none of the name. */
-async function embedded(id) {
-  const element = byId(`data-${id}`);
-  if (element === null) return null;
-  const text = element.textContent;
-  const bytes = Uint8Array.fromBase64
-    ? Uint8Array.fromBase64(text)
-    : Uint8Array.from(atob(text), (one) => one.charCodeAt(0));
-  element.remove();
-  return inflated(bytes);
-}
-
 /** The page with its runs and the present moment. */
 class App {
   /**
@@ -443,9 +423,7 @@ function wire() {
     app.drawTimelines();
   };
   byId("theme").addEventListener("click", () => {
-    const root = document.documentElement;
-    const now = root.dataset.theme || (dark.matches ? "dark" : "light");
-    root.dataset.theme = now === "dark" ? "light" : "dark";
+    switchTheme();
     recolour();
   });
   dark.addEventListener("change", recolour);
