@@ -96,3 +96,7 @@ class Pass:
         if fact not in self._facts:
             self._facts[fact] = fact.compute(self)
         return cast(T, self._facts[fact])
+
+    def known(self, fact: Fact[T]) -> T | None:
+        """Return the value of a fact if it was computed."""
+        return cast(T | None, self._facts.get(fact))

@@ -80,7 +80,7 @@ def check_libraries(
     libraries: Iterable[Loaded],
     selection: Selection | None = None,
     paths: Sequence[str] | None = None,
-    before_check: Callable[[], None] | None = None,
+    before_check: Callable[[Pass], None] | None = None,
 ) -> CheckReport:
     """Check libraries that share files; each finding is reported once.
 
@@ -91,8 +91,8 @@ def check_libraries(
         paths: the files and folders whose unused suppressions are reported; None for
             all files. A suppression in a required file may silence a finding that
             depends on files outside the paths.
-        before_check: called before each check; it may raise an exception to end the
-            work.
+        before_check: called before each check with the facts about the library; it
+            may raise an exception to end the work.
     """
     chosen = selection or Selection(by_default())
     checked = [(one, _findings(one, chosen, before_check)) for one in libraries]
@@ -134,7 +134,7 @@ def _report(
 def _findings(
     loaded: Loaded,
     chosen: Selection,
-    before_check: Callable[[], None] | None = None,
+    before_check: Callable[[Pass], None] | None = None,
 ) -> list[Finding]:
     """Return the findings of one library, filtered by the reasons 1 to 5."""
     damage = Damage(loaded.units)
@@ -223,7 +223,7 @@ def check_tests(library: Library, tests: Iterable[DefineTest]) -> list[Finding]:
 def _found(
     run: Pass,
     enabled: Collection[str],
-    before_check: Callable[[], None] | None = None,
+    before_check: Callable[[Pass], None] | None = None,
 ) -> Iterator[tuple[Diagnostic, Whole]]:
     """Yield the findings that no finding hides, each with `Check.needs_whole`.
 
@@ -236,7 +236,7 @@ def _found(
     def find(checks: Iterable[Check]) -> None:
         for check in checks:
             if before_check is not None:
-                before_check()
+                before_check(run)
             needs_whole.update((rule.name, check.needs_whole) for rule in check.rules)
             for one in check.find(run):
                 found.setdefault(_key(one), one)

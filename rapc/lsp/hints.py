@@ -103,7 +103,8 @@ def _signature(view: View, declared: Signature, argument: int) -> types.Signatur
 
 def inlay_hints(view: View, start: int, end: int) -> list[types.InlayHint]:
     """Return the inferred kinds of inputs of RAPs, between two offsets."""
-    inferred = view.part.run.result(INFERRED).inputs
+    known_kinds = view.part.run.known(INFERRED)
+    inferred = {} if known_kinds is None else known_kinds.inputs
     found = []
     for form in view.part.library.forms:
         if (

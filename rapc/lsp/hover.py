@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 from lsprotocol import types
 
 from rapc.analysis.driver import Finding
 from rapc.analysis.facts.effects import EFFECTS
-from rapc.analysis.facts.kinds import INFERRED
+from rapc.analysis.facts.kinds import INFERRED, Learned
 from rapc.base.source import Span
 from rapc.base.values import format_list
 from rapc.ir import nodes
@@ -109,7 +109,7 @@ def _of_rap(view: View, rap: nodes.DefineRap) -> Iterator[str]:
     yield comment_above(view, rap.span)
     if rap.succeed is not None:
         yield f"succeed: `{format_node(rap.succeed)}`"
-    learned = view.part.run.result(INFERRED).inputs.get(rap.name, ())
+    learned = _inferred(view, rap.name)
     declared = {one.variable: one.kind for one in rap.kinds}
     kinds = [
         f"`{variable.name}` {kind}"
@@ -117,9 +117,16 @@ def _of_rap(view: View, rap: nodes.DefineRap) -> Iterator[str]:
         if (kind := declared.get(variable.name) or _learned(learned, at))
     ]
     yield f"kinds: {', '.join(kinds)}" if kinds else ""
-    effects = view.part.run.result(EFFECTS).known(rap.name)
-    said = dict.fromkeys(f"`{'not ' * one.gone}{one.name}`" for one in effects)
+    effects = view.part.run.known(EFFECTS)
+    changes = () if effects is None else effects.known(rap.name)
+    said = dict.fromkeys(f"`{'not ' * one.gone}{one.name}`" for one in changes)
     yield f"may change: {_listed(said)}" if said else ""
+
+
+def _inferred(view: View, rap: str) -> Sequence[Learned | None]:
+    """Return the inferred kinds of the inputs of a RAP; none before the full check."""
+    inferred = view.part.run.known(INFERRED)
+    return () if inferred is None else inferred.inputs.get(rap, ())
 
 
 def _learned(learned: Iterable[object], at: int) -> str:
@@ -161,7 +168,7 @@ def _of_other(view: View, named: Named) -> Iterator[str]:
         rap = view.part.library.raps.get(named.rap)
         inputs = [] if rap is None else [one.name for one in rap.inputs]
         if named.name in inputs:
-            learned = view.part.run.result(INFERRED).inputs.get(named.rap, ())
+            learned = _inferred(view, named.rap)
             kind = _learned(learned, inputs.index(named.name))
             yield f"kind: {kind}" if kind else ""
 

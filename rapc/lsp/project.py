@@ -52,16 +52,12 @@ class Delays(msgspec.Struct, frozen=True):
 
 
 class Part:
-    """A linked library; facts about the library are computed when they are needed."""
+    """A linked library, with the facts that the checker has computed about it."""
 
-    def __init__(self, loaded: Loaded) -> None:
+    def __init__(self, loaded: Loaded, run: Pass | None) -> None:
         self.loaded = loaded
         self.library = loaded.library
-
-    @cached_property
-    def run(self) -> Pass:
-        """The facts of the checker about the library."""
-        return Pass(self.library, required=self.loaded.required)
+        self.run = run or Pass(self.library, required=loaded.required)
 
     @property
     def index(self) -> Index:
@@ -307,10 +303,16 @@ class Worker:
         if not whole:
             enabled = selection.enabled & registry.errors()
             selection = msgspec.structs.replace(selection, enabled=enabled)
-        report = check_libraries(loads, selection, work.folders or spec.paths, going)
+        runs: dict[int, Pass] = {}
+
+        def note(run: Pass) -> None:
+            going()
+            runs[id(run.library)] = run
+
+        report = check_libraries(loads, selection, work.folders or spec.paths, note)
         report = _without_known(configured, report, unreadable)
-        parts = tuple(map(Part, loads))
-        _ = parts[0].index, parts[0].signatures
+        parts = tuple([Part(one, runs.get(id(one.library))) for one in loads])
+        _ = parts[0].index
         found = by_file(report)
         return Snapshot(spec, parts, found, whole, work.revisions, unreadable)
 

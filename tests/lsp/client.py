@@ -201,6 +201,17 @@ class Editor:
                 raise TimeoutError(f"the findings are {self.rules(uri)}")
             return self.rules(uri)
 
+    def until(self, uri: str, rule: str | None) -> None:
+        """Wait for published findings of a file with a rule; without, for none."""
+
+        def ready() -> bool:
+            rules = self.rules(uri)
+            return rule in rules if rule else uri in self._told and not rules
+
+        with self._published:
+            if not self._published.wait_for(ready, PATIENCE):
+                raise TimeoutError(f"the findings are {self.rules(uri)}")
+
     def messages(self, uri: str) -> list[str]:
         """Return the messages about a file that is not open, once there are some."""
         with self._published:
