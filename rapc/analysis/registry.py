@@ -22,6 +22,7 @@ _WITH_ERRORS = (
     "names",
     "order_and_until",
     "otherwise",
+    "plans",
     "query_circles",
     "resources",
     "results",

@@ -134,7 +134,7 @@ class Model:
             if form.default not in library.functions
         }
         names = library.raps if use is None else dict.fromkeys(use)
-        raps = [library.raps[name] for name in names]
+        raps = [library.raps[name] for name in names if name in library.raps]
         self.operators = [
             operator for rap in raps if rap.effects for operator in self._operators(rap)
         ]
