@@ -40,11 +40,9 @@ _MOMENTS = (TaskSelected, PrimitiveEnded, DataReceived, SignalReceived, RunEnded
 class Pictures:
     """The pictures of a run, taken as the run goes on if its trace has none.
 
-    The picture of a world that cannot be made again is known only at the present, so
-    pictures are taken from the moment on at which this object is made.
-
     Args:
-        history: the run, before its first cycle.
+        history: the run; if it has gone on already, it is repeated to its present
+            moment.
     """
 
     def __init__(self, history: History) -> None:
@@ -56,8 +54,13 @@ class Pictures:
             return
         run = history.run
         if isinstance(run.port, Drawable):
+            here = history.moment
+            if history.cycle:
+                history.goto(0)
             self._take(run.port, max(history.serial - 1, 0))
             run.listen(self._hear, *_MOMENTS)
+            if here.cycle:
+                history.goto(here)
 
     def _hear(self, event: Event) -> None:
         port = self._history.run.port

@@ -22,6 +22,7 @@ from rapc.view.svg import svg
 from rapc.world import Drawable
 from tests.cli.command import rapc as command
 from tests.debug.sessions import TRUCK
+from tests.view.test_page import data_of
 
 PAGE = Path(scene.__file__).with_name("page")
 
@@ -177,6 +178,21 @@ def test_view_writes_the_picture_of_a_moment(tmp_path: Path) -> None:
     more = ("--picture", str(file), "--at", "200")
     assert command("view", str(with_pictures), *more).returncode == 0
     assert file.read_text(encoding="utf-8").replace("pictured", "run") == drawings[2]
+
+
+def test_report_and_trace_have_the_same_pictures(tmp_path: Path) -> None:
+    trace, report = tmp_path / "run.jsonl", tmp_path / "run.bug"
+    run = ("--world", "courier", "--agenda", "shift", "--until", "3000", "-q")
+    command("run", "examples/courier", *run, "--seed", "1", "--trace", str(trace))
+    assert command("bug", str(trace), "-o", str(report)).returncode == 0
+    found = []
+    for file in (trace, report):
+        page = tmp_path / "page.html"
+        assert command("view", str(file), "-o", str(page)).returncode == 0
+        more = json.loads(data_of(page.read_text(encoding="utf-8"))["more-0"])
+        found.append(more["pictures"])
+    assert found[0] == found[1]
+    assert len(found[0]) > 10
 
 
 @pytest.mark.slow
