@@ -73,6 +73,14 @@ class SourceFile:
         self.text = text
 
     @cached_property
+    def lowered(self) -> str:
+        """The text with small letters where that does not move an offset."""
+        text = self.text.lower()
+        if len(text) == len(self.text):
+            return text
+        return "".join([c.lower() if len(c.lower()) == 1 else c for c in self.text])
+
+    @cached_property
     def line_starts(self) -> tuple[int, ...]:
         """The offset of the start of each line, first line first."""
         starts = [0]

@@ -37,8 +37,12 @@ _KINDS: Mapping[str, types.CompletionItemKind] = {
 _REQUIRE = re.compile(r'\(require\s+"([^"\n]*)$')
 
 
+MOST = 300
+"""The number of completions in an answer; the editor asks again for a longer word."""
+
+
 def completions(view: View, position: types.Position) -> list[types.CompletionItem]:
-    """Return the completions at a position, the most likely first."""
+    """Return the completions at a position, the most likely first, `MOST` at most."""
     text = view.text
     offset = text.offset(position)
     row = text.position(offset).row
@@ -56,7 +60,7 @@ def completions(view: View, position: types.Position) -> list[types.CompletionIt
     part = view.part
     found = completion(part.library, part.signatures, text.text, offset)
     place = text.range(found.start, offset)
-    return [_item(one, at, place) for at, one in enumerate(found.candidates)]
+    return [_item(one, at, place) for at, one in enumerate(found.candidates[:MOST])]
 
 
 def _item(found: Candidate, at: int, place: types.Range) -> types.CompletionItem:

@@ -33,6 +33,7 @@ from rapc.base.files import (
     read_text,
 )
 from rapc.errors import Error, LoadError, in_a_line
+from rapc.language.complete import fits
 from rapc.library.loader import Loaded, Names, Units, names_below
 from rapc.library.signatures import Signatures
 from rapc.parser.unit import SourceUnit
@@ -153,6 +154,7 @@ class Worker:
         self._now = 0
         self._last = 0.0
         self._stopped = False
+        self._is_warm = False
         #: The name of each file of the workspace.
         self._names: Names = {}
         #: Whether files or `require` forms have changed since the last search.
@@ -234,7 +236,12 @@ class Worker:
                     if quiet < delay:
                         return None, delay - quiet
                     return partial(self._check, spec, whole), None
-        return None, None
+        return (None, None) if self._is_warm else (self._warm, None)
+
+    def _warm(self) -> None:
+        """Load the grammar of completion, before the first request for completions."""
+        self._is_warm = True
+        fits("")
 
     def _discover(self) -> None:
         """Find the libraries of the workspace."""

@@ -26,7 +26,7 @@ from rapc.lsp import (
     tokens,
     worlds,
 )
-from rapc.lsp.complete import completions
+from rapc.lsp.complete import MOST, completions
 from rapc.lsp.diagnostics import diagnostics
 from rapc.lsp.hover import hover
 from rapc.lsp.positions import Text
@@ -424,7 +424,7 @@ def _add_hints(server: Server) -> None:
     def on_completion(params: types.CompletionParams) -> types.CompletionList:
         view = server.view(params)
         found = [] if view is None else completions(view, params.position)
-        return types.CompletionList(is_incomplete=False, items=found)
+        return types.CompletionList(len(found) >= MOST, found)
 
     @server.feature(
         types.TEXT_DOCUMENT_SIGNATURE_HELP,

@@ -103,7 +103,7 @@ def told(name: str, size: int, value: float) -> None:
 
 def opened(folder: Path, options: dict[str, float]) -> tuple[Editor, str]:
     editor = Editor(folder, options=options)
-    uri = editor.open(folder / "raps-25.rap")
+    uri = editor.open(folder / "raps-5.rap")
     editor.findings(uri)
     return editor, uri
 
@@ -121,7 +121,7 @@ def edits(editor: Editor, uri: str, options: dict[str, float]) -> Iterator[float
 def test_errors_follow_an_edit(folder: Path, size: int) -> None:
     options = {"errorDelay": 100, "delay": 60_000}
     editor = Editor(folder, options=options)
-    uri = editor.open(folder / "raps-25.rap")
+    uri = editor.open(folder / "raps-5.rap")
     editor.until(uri, None)
     times = list(edits(editor, uri, options))
     told("edit to errors", size, median(times))
@@ -156,7 +156,7 @@ def test_questions_are_answered_while_checks_run(folder: Path, size: int) -> Non
         times = []
         for at in range(40):
             editor.edit(uri, "; Bring", "; Bring")
-            where = params(**editor.of(uri, "task-", at))
+            where = params(**editor.of(uri, "task-", at % 9))
             times.append(seconds(lambda m=method, w=where: editor.ask(m, w)))
         told(name, size, median(times))
         told(f"{name}, slowest", size, max(times))
