@@ -51,7 +51,10 @@ class App {
 
   /** Go to a moment of a run; the other run goes to the same time. */
   go(at, { task, fact, run = this.current } = {}) {
-    this.current = run;
+    if (this.current !== run || !byId("verdict").childElementCount) {
+      this.current = run;
+      byId("verdict").replaceChildren(...verdictOf(this));
+    }
     this.moments[run] = Math.min(Math.max(at, 0), this.run.last);
     const time = this.run.timeOf(this.at);
     this.runs.forEach((one, index) => {
@@ -124,11 +127,12 @@ class App {
 
   /** Show the moment in all panels. */
   show() {
+    const begun = performance.now();
     const { run, at } = this;
     const event = run.events[at];
     byId("where").replaceChildren(
-      el("span", {}, "time ", el("b", {}, readable(event.time)), " of ", readable(run.timeOf(run.last)),
-        ` · cycle ${readable(event.cycle)} · event ${at} of ${run.last}`));
+      el("span", {}, "time ", el("b", {}, readable(event.time)), 
+        ` · cycle ${readable(event.cycle)} · event ${at}`));
     byId("previous").disabled = at === 0;
     byId("following").disabled = at === run.last;
     byId("next-failure").disabled = Run.next(run.failures, at, 1) < 0;
@@ -146,6 +150,9 @@ class App {
     for (const [index, one] of [...byId("runs").children].entries())
       one.setAttribute("aria-pressed", String(index === this.current));
     this._writeAddress();
+    const root = document.documentElement;
+    void root.offsetHeight; // the layout counts
+    Object.assign(root.dataset, { moment: at, redraw: (performance.now() - begun).toFixed(1) });
   }
 
   _writeAddress() {
@@ -166,11 +173,21 @@ class App {
     this.current = run;
     if (parts.has("n") && Number.isInteger(at))
       this.go(at, { task: Number(parts.get("task")), fact, run });
-    else {
-      const failed = this.run.firstFailed();
-      if (failed) this.go(failed.ended, { task: failed.number });
-      else this.go(this.run.last, {});
+    else this._openFirst(asList(this.comparison && this.comparison.first)[0]);
+  }
+
+  /** Go to the first different decision, the first failed task, or the end. */
+  _openFirst(different) {
+    const { run } = this;
+    if (Number.isInteger(different)) {
+      this.go(different, { task: run.events[different].task });
+      return;
     }
+    const failed = run.firstFailed();
+    const foreground = run.families.filter((task) => !task.background);
+    const last = foreground.sort((one, other) => other.ended - one.ended)[0];
+    if (failed) this.go(failed.ended, { task: failed.number });
+    else this.go(run.last, last ? { task: last.number } : {});
   }
 
   /** Show what does not change with the moment. */
@@ -181,7 +198,6 @@ class App {
     byId("title").textContent = visible(name);
     byId("title").title = visible(`${name}, seed ${asText(spec.seed)}`);
     document.title = visible(`${name} - rapc view`);
-    byId("verdict").replaceChildren(...verdictOf(this));
     const notes = this.mores.map((more) => asText(more.note)).filter(Boolean);
     byId("note").hidden = !notes.length;
     byId("note").textContent = visible(notes.join("; "));
@@ -229,22 +245,25 @@ function verdictOf(app) {
   return parts;
 }
 
-/** Return the comparison of the two runs: lines, and a table. */
+/** Return the comparison of the two runs: the first difference, and a table. */
 function comparisonOf(app) {
   const { lines, columns, rows, notes, first } = app.comparison;
-  const made = [el("pre", {}, asList(lines).map((line) => [visible(asText(line)), el("br")]).flat())];
-  asList(first).forEach((at, index) => {
-    if (Number.isInteger(at) && app.runs[index])
-      made.push(el("button", { type: "button",
-        click: () => app.go(at, { run: index, task: app.runs[index].events[at]?.task }) },
-      `Go to it in ${app.names[index]}`), " ");
-  });
-  if (asList(rows).length)
-    made.push(el("table", {},
-      el("thead", {}, el("tr", {}, asList(columns).map((one) => el("th", { scope: "col" }, asText(one))))),
-      el("tbody", {}, rows.map((row) => el("tr", {}, asList(row).map((one) => el("td", {}, asText(one))))))));
-  made.push(...asList(notes).map((one) => el("p.dim", {}, asText(one))));
-  return made;
+  const shown = asList(lines).map((line) => el("div", {}, asText(line)));
+  const links = asList(first).map((at, index) => Number.isInteger(at) && app.runs[index]
+    ? el("button", {
+      type: "button",
+      click: () => app.go(at, { run: index, task: app.runs[index].events[at]?.task }),
+    }, `Go to it in ${app.names[index]}`) : "");
+  const cells = (name, row) => asList(row).map((one, index) =>
+    el(index > 1 ? `${name}.num` : name, name === "th" ? { scope: "col" } : {}, asText(one)));
+  const table = asList(rows).length
+    ? el("table", {}, el("thead", {}, el("tr", {}, cells("th", columns))),
+      el("tbody", {}, rows.map((row) => el("tr", {}, cells("td", row)))))
+    : "";
+  return [
+    el("div", {}, el("div.code", {}, shown), el("p", {}, links)),
+    el("div", {}, table, asList(notes).map((one) => el("p.dim", {}, asText(one)))),
+  ];
 }
 
 /** Return the changes of the picture in a run: those of its trace, or those beside it. */
@@ -307,6 +326,7 @@ function chooseFound(index) {
 
 function goFound(one) {
   closeFound();
+  byId("search").blur();
   const at = one.kind === "failed" ? one.task.ended : one.at;
   app.go(at, {
     ...(one.task ? { task: one.task.number } : {}),
@@ -374,7 +394,8 @@ function start(runs, mores, comparison) {
   app = new App(runs, mores, comparison);
   app.begin();
   app.open();
-  document.documentElement.dataset.ready = String(Math.round(performance.now()));
+  const root = document.documentElement;
+  Object.assign(root.dataset, { events: app.run.events.length, ready: Math.round(performance.now()) });
 }
 
 /** Read a trace that the reader has chosen or dropped. */
@@ -430,7 +451,8 @@ function wire() {
   window.addEventListener("resize", () => app && app.drawTimelines());
   window.addEventListener("hashchange", () => app && app.open());
   byId("file").addEventListener("change", (event) => {
-    if (event.target.files[0]) readFile(event.target.files[0]);
+    const [file] = event.target.files;
+    if (file) readFile(file).finally(() => (byId("file").value = "")); // the same file again
   });
   for (const kind of ["dragover", "dragleave", "drop"])
     document.addEventListener(kind, (event) => {

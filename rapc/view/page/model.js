@@ -120,6 +120,7 @@ class Run {
     this.requests = [];
     this.end = null;
     this._copies = [new Map()];
+    this._tree = null;
     this._memory = { at: -1, facts: new Map() };
     this._index();
   }
@@ -346,6 +347,8 @@ class Run {
    * more with its ancestors.
    */
   treeAt(at, also = null) {
+    const known = this._tree;
+    if (known && known.at === at && known.also === also) return known.rows;
     const since = this.startOfCycle(at);
     const shown = new Set();
     const add = (task) => {
@@ -372,6 +375,7 @@ class Run {
       below.sort((one, other) => other.task.made - one.task.made);
       stack.push(...below);
     }
+    this._tree = { at, also, rows };
     return rows;
   }
 

@@ -56,7 +56,7 @@ function showClaims(app) {
   const now = run.timeOf(at);
   const since = (index) => el("span.age", {}, `since ${readable(run.timeOf(index))}`);
   const [held, waits, background] = [[], [], []];
-  for (const { task } of run.treeAt(at)) {
+  for (const { task } of run.treeAt(at, app.task)) {
     if (task.ended >= 0 && task.ended <= at) continue;
     const state = run.stateAt(task, at);
     const method = methodOf(app, state.method);

@@ -10,7 +10,7 @@ const LEGEND = [
   ["sensing", "sensing"],
   ["waiting", "waiting"],
   ["suspended", "suspended"],
-  ["bad", "request failed"],
+  ["bad", "bad result"],
   ["failed", "failed"],
 ];
 
@@ -116,6 +116,32 @@ function ticksOf(from, to, width) {
   return found;
 }
 
+/** Return the bars of a kind of time: the times of their starts and stops. */
+function barsAt(run, kind, list, start, stop) {
+  const now = (at) => run.timeOf(at === null || at === undefined || at < 0 ? run.last : at);
+  const from = Float64Array.from(list, (one) => now(start(one)));
+  return { kind, from, to: Float64Array.from(list, (one) => now(stop(one))) };
+}
+
+/** Return the bars of a family, in the order in which they are drawn. */
+function barsOf(run, task) {
+  const of = (kind, list, start) => barsAt(run, kind, list, start, (one) => one.stop);
+  const begun = (one) => one.start;
+  const seen = task.pieces.filter((one) => !one.background);
+  const bad = seen.filter((one) => !["", "okay", "cancelled"].includes(one.result));
+  return [
+    ...["waiting", "suspended"].map((kind) =>
+      of(kind, task.waits.filter((one) => one.kind === kind), begun)),
+    ...["sensing", "acting"].map((kind) =>
+      of(kind, seen.filter((one) => one.kind === kind), begun)),
+    of("bad", bad, (one) => one.stop),
+  ];
+}
+
+function wrongBars(run) {
+  return barsAt(run, "wrong", run.beliefs, (one) => one.n, (one) => one.end);
+}
+
 /** The lanes of one run. */
 class Timeline {
   constructor(app, index, view) {
@@ -123,8 +149,9 @@ class Timeline {
     this.index = index;
     this.run = app.runs[index];
     this.view = view;
-    this.lanes = this.run.families.map((task) => ({ task, wrong: null }));
-    if (this.run.beliefs.length) this.lanes.unshift({ task: null, wrong: this.run.beliefs });
+    this.lanes = this.run.families.map((task) => ({ task, bars: barsOf(this.run, task) }));
+    if (this.run.beliefs.length)
+      this.lanes.unshift({ task: null, bars: [wrongBars(this.run)] });
     this.canvas = el("canvas", {
       role: "slider", tabindex: 0, "aria-label": "Time", "aria-orientation": "horizontal",
     });
@@ -306,20 +333,11 @@ class Timeline {
   _lane(context, colours, lane, x, top, width) {
     const { run } = this;
     const now = (at) => run.timeOf(at < 0 ? run.last : at);
-    const bars = (kind, list, start, stop) => {
-      let reached = -1;
-      for (const one of list) {
-        const [from, to] = [x(start(one)), x(stop(one))];
-        if (to < 0 || from > width || Math.max(to, from + 1) <= reached) continue;
-        drawBar(context, colours, kind, Math.max(from, -2), Math.min(to, width + 2), top);
-        reached = Math.max(reached, Math.floor(Math.max(to, from + 1)));
-      }
-    };
-    if (lane.wrong) {
-      bars("wrong", lane.wrong, (one) => run.timeOf(one.n), (one) => now(one.end ?? -1));
+    const { task, bars } = lane;
+    if (task === null) {
+      for (const one of bars) this._bars(context, colours, one, top, width);
       return;
     }
-    const { task } = lane;
     if (this.task && run._familyOf(this.task) === task) {
       context.fillStyle = colours.chosen;
       context.fillRect(0, top, width, LANE);
@@ -330,14 +348,7 @@ class Timeline {
     context.fillStyle = colours.line;
     const [came, ended] = [x(now(task.made)), x(now(task.ended))];
     context.fillRect(came, top + 9, Math.max(ended - came, 1), 1);
-    const start = (one) => now(one.start);
-    const stop = (one) => now(one.stop);
-    for (const kind of ["waiting", "suspended"])
-      bars(kind, task.waits.filter((one) => one.kind === kind), start, stop);
-    for (const kind of ["sensing", "acting"])
-      bars(kind, task.pieces.filter((one) => one.kind === kind && !one.background), start, stop);
-    const bad = task.pieces.filter((one) => one.result && one.result !== "okay");
-    bars("bad", bad.filter((one) => one.result !== "cancelled"), stop, stop);
+    for (const one of bars) this._bars(context, colours, one, top, width);
     if (task.outcome === "failed") drawCross(context, colours.failed, x(now(task.ended)), top + 9, 5);
     if (task.outcome === "succeeded") {
       context.fillStyle = colours.done;
@@ -354,6 +365,21 @@ class Timeline {
       context.lineTo(middle, top + 16);
       context.lineTo(middle - 4, top + 9);
       context.fill();
+    }
+  }
+
+  /** Draw bars of one kind; bars within a pixel that is drawn are left out. */
+  _bars(context, colours, { kind, from, to }, top, width) {
+    const begin = this.view.from;
+    const scale = width / (this.view.to - begin || 1);
+    let reached = -1;
+    for (let index = 0; index < from.length; index++) {
+      const right = (to[index] - begin) * scale;
+      if (right < 0) continue;
+      const left = (from[index] - begin) * scale;
+      if (left > width || Math.max(right, left + 1) <= reached) continue;
+      drawBar(context, colours, kind, Math.max(left, -2), Math.min(right, width + 2), top);
+      reached = Math.floor(Math.max(right, left + 1));
     }
   }
 

@@ -74,37 +74,38 @@ function causeLines(app, cause, before, depth = 0) {
   lines.push(bindingsLine(cause.bindings));
   const task = app.run.tasks.get(cause.task);
   if (task) lines.push(link(`[${task.number}] ${task.goal}`, () => app.choose(task, true)));
-  const inside = (title, list) => {
-    const made = asList(list).slice(0, 20).map((one) =>
-      el("div", {}, causeLines(app, one, before, depth + 1)));
-    if (made.length) lines.push(el("div.inside", {}, el("div.dim", {}, title), made));
-  };
-  inside("because inside:", cause.inside);
-  inside("other methods were excluded:", cause.methods);
+  const inside = (list) => asList(list).slice(0, 20).map((one) =>
+    el("div.inside", {}, causeLines(app, one, before, depth + 1)));
+  lines.push(...inside(cause.inside));
+  const methods = inside(cause.methods);
+  if (methods.length)
+    lines.push(el("details", {}, el("summary", {}, `methods that were excluded: ${methods.length}`), methods));
   return lines;
 }
 
-/** Return the chain of causes of a failure, the first cause marked. */
+/** Return the chain of causes of a failure; the first cause comes last, and on top. */
 function causeChain(app, because, task, at) {
   const causes = causesOf(because);
-  const rows = causes.map((cause, index) => {
+  const rows = causes.map((cause) => {
     const left = Number.isInteger(cause.skipped) && cause.skipped > 0;
     return el("li", {}, causeLines(app, cause, at),
-      left ? el("div.dim", {}, `${cause.skipped} causes left out`) : "", index ? "" : "");
+      left ? el("div.dim", {}, `${cause.skipped} causes left out`) : "");
   });
   const deepest = causes.reduceRight((found, one) => found || app.run.tasks.get(one.task), null);
   const bad = app.run.badRequest(deepest || task, at);
-  if (bad) {
-    const act = () => app.go(bad.stop, { task: bad.task });
-    rows.push(el("li", {}, "the world answered ", link(`${bad.request} - ${bad.result}`, act),
-      el("span.dim", {}, ` at ${readable(app.run.timeOf(bad.stop))}`)));
-  }
-  const last = rows[rows.length - 1];
-  if (last) {
-    last.classList.add("first");
-    last.prepend(el("div.label", {}, "first cause"));
-  }
-  return el("ol.chain", {}, rows);
+  const answer = () => ["the world answered ",
+    link(`${bad.request} - ${bad.result}`, () => app.go(bad.stop, { task: bad.task })),
+    el("span.dim", {}, ` at ${readable(app.run.timeOf(bad.stop))}`)];
+  if (bad) rows.push(el("li", {}, answer()));
+  if (!rows.length) return [];
+  rows[rows.length - 1].classList.add("first");
+  rows[rows.length - 1].prepend(el("div.label", {}, "first cause"));
+  const last = causes[causes.length - 1];
+  const short = bad ? answer()
+    : [asText(last.clause), ...[placeLink(app, last.place)].flat(), " ",
+      el("code", {}, asText(last.part)), ` ${asText(last.note) || "does not hold"}`];
+  const summary = rows.length > 1 ? el("p.summary", {}, el("b", {}, "First cause: "), short) : "";
+  return [summary, el("h3", {}, "Causes, the nearest first"), el("ol.chain", {}, rows)];
 }
 
 /** Return the description of the state of a task. */
@@ -148,9 +149,7 @@ function showWhy(app) {
     lines.push(el("div", {}, el("span.dim", {}, `for ${step}`), chain));
   }
   const end = task.ended >= 0 && task.ended <= at ? run.events[task.ended] : null;
-  if (end && end.because) lines.push(el("h3", {}, "Cause"), causeChain(app, end.because, task, at));
-  else if (end && end.event === "task-failed")
-    lines.push(el("h3", {}, "Cause"), causeChain(app, null, task, at));
+  if (end && end.event === "task-failed") lines.push(...causeChain(app, end.because, task, at));
   if (state.method >= 0) {
     const event = run.events[state.method];
     lines.push(el("h3", {}, `Method ${asText(event.method)}`), bindingsLine(event.bindings));
@@ -165,7 +164,7 @@ function showWhy(app) {
       lines.push(el("div", {}, "held by ", link(`[${holder.number}] ${holder.goal}`, () => app.choose(holder))));
   }
   lines.push(...triesLines(app, task));
-  fill(body, lines);
+  fill(body, lines.filter(Boolean));
 }
 
 /** Return the methods that a task has tried, with their ends. */

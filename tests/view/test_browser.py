@@ -1,0 +1,386 @@
+"""The page in a browser: what it opens at, keys, links, dropped and hostile traces."""
+
+from __future__ import annotations
+
+import json
+import random
+import string
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from playwright.sync_api import Browser, Page
+
+from bench.browser import browser, chromium
+from rapc.view.page import page as page_text
+from tests.cli.command import rapc
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(chromium() is None, reason="Chromium is not installed"),
+    pytest.mark.xdist_group("browser"),
+]
+
+TRUCK = ("stdlib/truck", "--world", "truck", "--agenda", "nine-orders")
+FAILING = ("--set", "truck.shuffle-interval=15", "--seed", "6000")
+COURIER = ("examples/courier", "--world", "courier", "--agenda", "shift")
+
+
+@pytest.fixture(scope="module")
+def opened() -> Iterator[Browser]:
+    with browser() as found:
+        yield found
+
+
+@pytest.fixture(scope="module")
+def pages(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """Return the pages of some runs, by name; and a page without a run."""
+    folder = tmp_path_factory.mktemp("pages")
+    files = {
+        name: folder / f"{name}.html" for name in ("truck", "courier", "both", "none")
+    }
+    trace = folder / "courier.jsonl"
+    run = ("run", *COURIER, "--seed", "1", "-q", "--trace", str(trace))
+    assert rapc(*run).returncode == 0
+    slow = folder / "slow"
+    slow.mkdir()
+    for file in Path(COURIER[0]).glob("*.rap"):
+        text = file.read_text().replace("(>= ?level 90)", "(> ?level 100)")
+        (slow / file.name).write_text(text)
+    for name, args in (
+        ("truck", (*TRUCK, *FAILING)),
+        ("courier", (str(trace),)),
+        ("both", (str(trace), "--compare", str(slow))),
+    ):
+        done = rapc("view", *args, "-o", str(files[name]))
+        assert done.returncode == 0, done.stderr
+    files["none"].write_text(page_text(), encoding="utf-8")
+    return {**files, "trace": trace}
+
+
+class Shown:
+    """A page in a window, with all that it requests, reports and opens."""
+
+    def __init__(self, opened: Browser, file: Path, *, link: str = "", **more: Any):
+        self.page: Page = opened.new_page(**more)
+        self.faults: list[str] = []
+        self.page.on("pageerror", lambda one: self.faults.append(str(one)))
+        self.page.on("dialog", lambda one: self.faults.append(one.message))
+        self.page.on("console", lambda one: self.faults.append(one.text))
+        address = file.resolve().as_uri()
+        self.page.on("request", lambda one: self._request(one.url, address))
+        self.page.goto(address + link)
+        self.wait("html[data-ready]")
+
+    def _request(self, url: str, own: str) -> None:
+        if url.partition("#")[0] != own:
+            self.faults.append(f"request of {url}")
+
+    def wait(self, selector: str) -> None:
+        self.page.wait_for_selector(selector, state="attached")
+
+    def text(self, selector: str) -> str:
+        return self.page.inner_text(selector)
+
+    @property
+    def moment(self) -> int:
+        return int(self.page.get_attribute("html", "data-moment") or "-1")
+
+    def press(self, *keys: str) -> None:
+        for key in keys:
+            self.page.keyboard.press(key)
+
+    def close(self) -> None:
+        self.page.close()
+        assert self.faults == []
+
+
+def test_page_opens_at_the_first_failed_task_with_its_cause(
+    opened: Browser, pages: dict[str, Path]
+) -> None:
+    shown = Shown(opened, pages["truck"], viewport={"width": 1500, "height": 950})
+    verdict = shown.text("#verdict")
+    assert verdict.startswith("done at time 6519.26 · 9 succeeded · 1 failed: ")
+    assert "(fill-order yellow 4 factory-3)" in verdict
+    selected = shown.text('#tasks [aria-selected="true"]')
+    assert "(fill-order yellow 4 factory-3) [143]" in selected
+    assert "failed, futile-loop, eye-cant-find" in shown.text("#why")
+    assert "first cause" in shown.text("#why .first").lower()
+    assert "(define-rap (fill-order" in shown.text("#source")
+    assert shown.page.locator("#source .place").count() == 1
+    assert "task-failed" in shown.text("#events .now")
+    shown.close()
+
+
+def test_keys_move_in_the_run(opened: Browser, pages: dict[str, Path]) -> None:
+    shown = Shown(opened, pages["truck"], viewport={"width": 1500, "height": 950})
+    start = shown.moment
+    shown.press("ArrowLeft")
+    assert shown.moment < start
+    shown.press("ArrowRight")
+    end = shown.moment
+    assert end >= start
+    shown.press("Shift+ArrowRight")
+    assert shown.moment == end + 1
+    shown.press("Home")
+    assert shown.moment == 0
+    shown.press("n")
+    first = shown.moment
+    assert "task-failed" in shown.text("#events .now")
+    shown.press("n", "N")
+    assert shown.moment == first
+    shown.press("b")
+    assert "wrong since" in shown.text("#beliefs")
+    shown.press("/")
+    shown.page.keyboard.type("arm-grasp-p")
+    assert shown.page.locator("#found li").count() > 10
+    shown.press("ArrowDown", "Enter")
+    assert "arm-grasp-p" in shown.text('#tasks [aria-selected="true"]')
+    shown.press("?")
+    assert shown.page.locator("#help[open]").count() == 1
+    shown.press("Escape")
+    shown.close()
+
+
+def test_every_control_is_reached_and_used_with_the_keyboard(
+    opened: Browser, pages: dict[str, Path]
+) -> None:
+    shown = Shown(opened, pages["courier"], viewport={"width": 1500, "height": 950})
+    shown.press("Home", "ArrowRight", "ArrowRight")
+    reached = set()
+    for _ in range(60):
+        shown.press("Tab")
+        reached.add(
+            shown.page.evaluate(
+                """() => {
+                  const one = document.activeElement;
+                  const panel = one.closest('[id]');
+                  return panel ? panel.id : one.tagName;
+                }"""
+            )
+        )
+    expected = {"search", "theme", "help-button", "timeline", "tasks", "filter", "own"}
+    assert expected <= reached
+    shown.page.focus("#tasks [data-key]")
+    shown.press("ArrowDown", "ArrowDown", "Enter")
+    assert "(deliver medicine ward-3)" in shown.text('#tasks [aria-selected="true"]')
+    unnamed = shown.page.evaluate(
+        """() => [...document.querySelectorAll('button, input, [tabindex]')]
+          .filter((one) => !(one.textContent.trim() || one.ariaLabel
+            || one.getAttribute('aria-labelledby') || one.labels?.length))
+          .map((one) => one.outerHTML)"""
+    )
+    assert unnamed == []
+    shown.close()
+
+
+def test_next_change_of_the_selected_fact(
+    opened: Browser, pages: dict[str, Path]
+) -> None:
+    shown = Shown(opened, pages["courier"], viewport={"width": 1500, "height": 950})
+    shown.press("Home")
+    shown.press("/")
+    shown.page.keyboard.type("(robot-at base)")
+    shown.page.wait_for_selector("#found li")
+    shown.page.click("#found li:has-text('fact')")
+    assert "(robot-at base): " in shown.text("#memory h3 >> nth=0")
+    before = shown.moment
+    shown.press("c")
+    assert shown.moment > before
+    assert "(robot-at base)" in shown.text("#events .now")
+    shown.close()
+
+
+def test_link_leads_to_moment_and_task(opened: Browser, pages: dict[str, Path]) -> None:
+    link = "#n=127&task=16"
+    shown = Shown(opened, pages["courier"], link=link)
+    assert shown.moment == 127
+    assert "[16]" in shown.text('#tasks [aria-selected="true"]')
+    assert "suspended by [2] for wheels" in shown.text("#why")
+    shown.page.wait_for_timeout(300)
+    assert shown.page.evaluate("location.hash") == link
+    shown.page.evaluate("location.hash = 'n=20'")
+    shown.wait('html[data-moment="20"]')
+    shown.close()
+
+
+@pytest.mark.parametrize("link", ["#n=-5", "#n=1e99", "#n=x&task=y", "#run=7&n=2", "#%"])
+def test_odd_links_show_some_moment(
+    opened: Browser, pages: dict[str, Path], link: str
+) -> None:
+    shown = Shown(opened, pages["courier"], link=link)
+    assert 0 <= shown.moment < 1234
+    shown.close()
+
+
+def test_two_runs_are_shown_at_the_same_time(
+    opened: Browser, pages: dict[str, Path]
+) -> None:
+    shown = Shown(opened, pages["both"], viewport={"width": 1500, "height": 950})
+    assert "first different decision, in cycle 24" in shown.text("#comparison")
+    assert shown.page.locator(".lanes").count() == 2
+    assert "time 116 " in shown.text("#where")
+    shown.page.click("#runs button:has-text('after')")
+    assert "time 76 " in shown.text("#where") or "time 116 " in shown.text("#where")
+    assert shown.page.locator("#comparison table tr").count() > 3
+    shown.close()
+
+
+@pytest.mark.parametrize("width", [1500, 1024, 390])
+@pytest.mark.parametrize("name", ["truck", "both", "none"])
+def test_nothing_is_wider_than_the_window(
+    opened: Browser, pages: dict[str, Path], width: int, name: str
+) -> None:
+    shown = Shown(opened, pages[name], viewport={"width": width, "height": 844})
+    assert shown.page.evaluate("document.documentElement.scrollWidth") <= width
+    shown.close()
+
+
+def test_theme_is_switched(opened: Browser, pages: dict[str, Path]) -> None:
+    shown = Shown(opened, pages["courier"], color_scheme="dark")
+    ground = "getComputedStyle(document.body).backgroundColor"
+    dark = shown.page.evaluate(ground)
+    shown.page.click("#theme")
+    light = shown.page.evaluate(ground)
+    assert dark != light
+    shown.page.click("#theme")
+    assert shown.page.evaluate(ground) == dark
+    shown.close()
+
+
+def test_dropped_trace_is_shown(
+    opened: Browser, pages: dict[str, Path], tmp_path: Path
+) -> None:
+    shown = Shown(opened, pages["none"])
+    wrong = tmp_path / "wrong.jsonl"
+    wrong.write_text("no trace\n")
+    shown.page.set_input_files("#file", wrong)
+    shown.page.wait_for_function("() => document.getElementById('wrong').textContent")
+    assert "not a trace from the start of a run" in shown.text("#wrong")
+    shown.page.set_input_files("#file", pages["trace"])
+    shown.wait("html[data-events]")
+    assert shown.text("#verdict").startswith("done at time 831 · 3 succeeded")
+    shown.close()
+
+
+# --- traces of strangers --------------------------------------------------------------
+
+HOSTILE = (
+    "<script>window.harm = 1</script>",
+    "</script><script>window.harm = 1</script>",
+    "<img src=x onerror='window.harm = 1'>",
+    "<svg onload=window.harm=1>",
+    "<iframe srcdoc='<script>parent.harm=1</script>'></iframe>",
+    "<link rel=stylesheet href=http://127.0.0.1/x.css>",
+    "<style>* { display: none }</style>",
+    "javascript:window.harm=1",
+    "\"><b onmouseover='window.harm=1'>",
+    "${window.harm=1}",
+    "{{constructor.constructor('window.harm=1')()}}",
+    "__proto__",
+    "constructor",
+    "toString",
+    "\u202e\u2066evil\u2069",
+    "\x00\x01\x1b[31mred\x07\x7f",
+    "\u2028\u2029\r\n",
+    "\ud800 alone",
+    "é́́" * 50,
+    "x" * 2_000,
+    "<b>" * 300,
+    "&lt;b&gt;&amp;&#60;",
+    "-->]]>*/",
+    "(((((",
+    ")))))",
+)
+
+
+def _inert(text: str) -> str:
+    """Return a text of the same structure without anything special in it."""
+    kept = string.ascii_letters + string.digits + " ()"
+    return "".join(one if one in kept else "x" for one in text)
+
+
+def _filled(value: Any, put: Any, chance: random.Random, keys: bool) -> Any:
+    """Return a value of an event with text put into its strings, at random."""
+    if isinstance(value, str):
+        return put(value) if chance.random() < 0.7 else value
+    if isinstance(value, list):
+        return [_filled(one, put, chance, keys) for one in value]
+    if isinstance(value, dict):
+        return {
+            put(key) if keys and key.startswith("?") else key: _filled(
+                one, put, chance, keys
+            )
+            for key, one in value.items()
+        }
+    return value
+
+
+def hostile_trace(lines: list[dict[str, Any]], seed: int, *, inert: bool) -> str:
+    """Return a trace with one hostile text in many places, or with an inert text."""
+    chance = random.Random(seed)
+    text = HOSTILE[seed % len(HOSTILE)]
+    if inert:
+        text = _inert(text)
+    whole = chance.random() < 0.3
+    made = []
+    for at, line in enumerate(lines):
+        own = ("event", "n", "cycle", "time")
+        rest = {key: one for key, one in line.items() if key not in own}
+        rest = _filled(rest, lambda one: text if whole else one + text, chance, True)
+        event = line["event"]
+        if at and chance.random() < 0.02:
+            event += text
+        made.append(json.dumps({"event": event, **{k: line[k] for k in own[1:]}, **rest}))
+    return "\n".join(made) + "\n"
+
+
+COUNTS = """() => {
+  const counts = {};
+  for (const one of document.querySelectorAll('body *'))
+    counts[one.tagName] = (counts[one.tagName] || 0) + 1;
+  return counts;
+}"""
+
+
+def _excerpt(args: tuple[str, ...], folder: Path) -> list[dict[str, Any]]:
+    """Return some events of a run, with the creations of all tasks and the last part."""
+    file = folder / "run.jsonl"
+    rapc("run", *args, "-q", "--trace", str(file))
+    lines = [json.loads(line) for line in file.read_text().splitlines()]
+    whole = [
+        one
+        for at, one in enumerate(lines)
+        if not at or one["event"] == "task-created" or at > len(lines) - 350
+    ]
+    return [{**one, "n": at} for at, one in enumerate(whole)]
+
+
+def test_hostile_traces_change_nothing_but_text(
+    opened: Browser, pages: dict[str, Path], tmp_path: Path
+) -> None:
+    runs = (
+        _excerpt((*TRUCK, *FAILING, "--until", "172"), tmp_path),
+        _excerpt((*COURIER, "--seed", "1"), tmp_path),
+    )
+    kinds = {one["event"] for lines in runs for one in lines}
+    assert {"task-failed", "method-suspended", "task-blocked", "fact-erased"} <= kinds
+    file = tmp_path / "trace.jsonl"
+    shown = Shown(opened, pages["none"])
+    for seed in range(200):
+        counts = []
+        for inert in (False, True):
+            text = hostile_trace(runs[seed % 2], seed, inert=inert)
+            file.write_text(text)
+            shown.page.evaluate("delete document.documentElement.dataset.events")
+            shown.page.set_input_files("#file", file)
+            shown.wait("html[data-events], #wrong:not(:empty)")
+            assert shown.page.text_content("#wrong") == "", (seed, inert)
+            shown.press("n", "ArrowLeft", "ArrowRight", "/")
+            shown.page.fill("#search", "(")
+            counts.append(shown.page.evaluate(COUNTS))
+            shown.press("Escape")
+        assert counts[0] == counts[1], HOSTILE[seed % len(HOSTILE)][:80]
+    assert shown.page.evaluate("window.harm") is None
+    shown.close()
