@@ -205,7 +205,9 @@ def test_link_leads_to_moment_and_task(opened: Browser, pages: dict[str, Path]) 
     shown.close()
 
 
-@pytest.mark.parametrize("link", ["#n=-5", "#n=1e99", "#n=x&task=y", "#run=7&n=2", "#%"])
+@pytest.mark.parametrize(
+    "link", ["#n=-5", "#n=1e99", "#n=x&task=y", "#run=7&n=2", "#%"]
+)
 def test_odd_links_show_some_moment(
     opened: Browser, pages: dict[str, Path], link: str
 ) -> None:
@@ -296,9 +298,9 @@ HOSTILE = (
 
 
 def _inert(text: str) -> str:
-    """Return a text of the same structure without anything special in it."""
-    kept = string.ascii_letters + string.digits + " ()"
-    return "".join(one if one in kept else "x" for one in text)
+    """Return a text with the same structure as RAP text, and nothing else special."""
+    kept = string.ascii_letters + string.digits + '()"\\'
+    return "".join(one if one in kept or one.isspace() else "x" for one in text)
 
 
 def _filled(value: Any, put: Any, chance: random.Random, keys: bool) -> Any:
@@ -332,7 +334,9 @@ def hostile_trace(lines: list[dict[str, Any]], seed: int, *, inert: bool) -> str
         event = line["event"]
         if at and chance.random() < 0.02:
             event += text
-        made.append(json.dumps({"event": event, **{k: line[k] for k in own[1:]}, **rest}))
+        made.append(
+            json.dumps({"event": event, **{k: line[k] for k in own[1:]}, **rest})
+        )
     return "\n".join(made) + "\n"
 
 
@@ -345,7 +349,7 @@ COUNTS = """() => {
 
 
 def _excerpt(args: tuple[str, ...], folder: Path) -> list[dict[str, Any]]:
-    """Return some events of a run, with the creations of all tasks and the last part."""
+    """Return some events of a run: the creations of tasks, and the last part."""
     file = folder / "run.jsonl"
     rapc("run", *args, "-q", "--trace", str(file))
     lines = [json.loads(line) for line in file.read_text().splitlines()]
