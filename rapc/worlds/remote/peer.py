@@ -85,7 +85,7 @@ class Peer:
         kind, _, rest = address.partition(":")
         try:
             if kind == "exec":
-                self._start(rest)
+                self._start()
             elif kind == "unix":
                 self._connect(socket.AF_UNIX, rest)
             else:
@@ -101,13 +101,9 @@ class Peer:
         if self._process is not None and self._process.stderr is not None:
             self._poll.register(self._process.stderr.fileno(), select.POLLIN)
 
-    def _start(self, command: str) -> None:
-        """Start the process of a command; Ctrl-C does not reach it."""
-        try:
-            words = shlex.split(command)
-        except ValueError as error:
-            said = f"cannot read the command of the peer `{self.address}`: {error}"
-            raise PortError(said.lower()) from error
+    def _start(self) -> None:
+        """Start the process of the command; Ctrl-C does not reach it."""
+        words = words_of(self.address)
         if not words:
             raise PortError(f"the address `{self.address}` has no command")
         pipe = subprocess.PIPE
@@ -320,6 +316,22 @@ class Peer:
         except subprocess.TimeoutExpired:
             os.killpg(process.pid, signal.SIGKILL)
             process.wait()
+
+
+def words_of(address: str) -> list[str]:
+    """Return the words of the command in an address; empty for a socket.
+
+    Raises:
+        PortError: for a command with an unclosed quotation.
+    """
+    kind, _, command = address.partition(":")
+    try:
+        return shlex.split(command) if kind == "exec" else []
+    except ValueError as error:
+        said = f"{error}".lower()
+        raise PortError(
+            f"cannot read the command of the peer `{address}`: {said}"
+        ) from error
 
 
 def _loopback(address: str) -> tuple[int, tuple[str, int]]:

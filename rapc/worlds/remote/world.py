@@ -10,9 +10,9 @@ from __future__ import annotations
 import hashlib
 import os
 import random
-import shlex
 import weakref
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, ClassVar
@@ -40,7 +40,7 @@ from rapc.world import (
     World,
 )
 from rapc.worlds.remote import protocol
-from rapc.worlds.remote.peer import Peer, RefusedCall
+from rapc.worlds.remote.peer import Peer, RefusedCall, words_of
 from rapc.worlds.remote.protocol import PROTOCOL, TOKEN, Description, WireMessage
 
 
@@ -50,8 +50,6 @@ class RemoteWorld(World):
     #: The address of the peer.
     address: ClassVar[str]
     description: ClassVar[Description]
-    #: The connection that has described the world, for the first instance.
-    spare: ClassVar[list[Peer]]
     #: A digest of the description, and of the files in the command of the peer.
     digest: ClassVar[str]
 
@@ -97,8 +95,7 @@ class RemoteWorld(World):
     def _connected(self) -> Peer:
         peer = self._peer
         if peer is None:
-            spare = self.spare
-            peer = spare.pop() if spare else _connect(type(self))
+            peer = _connect(type(self))
             weakref.finalize(self, peer.close)
             peer.late = self._take
             self._peer = peer
@@ -374,25 +371,16 @@ def world_at(
         WorldError: if the peer cannot be reached or described.
     """
     try:
-        peer = Peer(address)
+        told = _description(address, _files(address))
+        kit = _kit(told, find_world)
     except PortError as error:
-        raise WorldError(error.message) from error
-    try:
-        told = _described(peer)
-        kit = _kit(told, address, find_world)
-    except PortError as error:
-        peer.close()
         raise WorldError(error.message) from error
     except (TypeError, ValueError, WorldError) as error:
-        peer.close()
         said = f"the peer `{address}` described an invalid world in `describe`"
         raise WorldError(f"{said}: {error}") from error
-    spare = [peer] if address.startswith("exec:") else []
-    if not spare:
-        peer.close()  # a driver may serve only one connection at a time
     names = [one for name in told.methods for one in _METHODS.get(name, (name,))]
     methods = {name: vars(_Optional)[name] for name in names if name != "cancel"}
-    made = type(
+    return type(
         "RemoteWorld",
         (RemoteWorld,),
         {
@@ -403,17 +391,32 @@ def world_at(
             "kit": kit,
             "address": address,
             "description": told,
-            "spare": spare,
             "digest": _digest(address, told),
         },
     )
-    weakref.finalize(made, _close_all, spare)
-    return made
 
 
-def _close_all(peers: list[Peer]) -> None:
-    while peers:
-        peers.pop().close()
+@lru_cache(maxsize=16)
+def _description(address: str, files: tuple[tuple[str, int, int], ...]) -> Description:
+    """Return the description of the world at an address.
+
+    The answer of a process is kept as long as the files in its command do not change.
+    """
+    peer = Peer(address)
+    try:
+        return _described(peer)
+    finally:
+        peer.close()
+
+
+def _files(address: str) -> tuple[tuple[str, int, int], ...]:
+    """Return the files in the command of a peer, each with its size and time."""
+    found = [(path, path.stat()) for path in _paths(address)]
+    return tuple((str(path), stat.st_size, stat.st_mtime_ns) for path, stat in found)
+
+
+def _paths(address: str) -> list[Path]:
+    return [path for path in map(Path, words_of(address)) if path.is_file()]
 
 
 def _connect(world: type[RemoteWorld]) -> Peer:
@@ -444,9 +447,7 @@ def _described(peer: Peer) -> Description:
     return told
 
 
-def _kit(
-    told: Description, address: str, find_world: Callable[[str], type[World]]
-) -> Kit:
+def _kit(told: Description, find_world: Callable[[str], type[World]]) -> Kit:
     """Return the kit of a described world. Raises TypeError, ValueError, WorldError."""
     for one, other in _PAIRS:
         if (one in told.methods) != (other in told.methods):
@@ -492,10 +493,8 @@ def _kit(
 def _digest(address: str, told: Description) -> str:
     """Return a digest of a world: results of experiments are kept by the digest."""
     digest = hashlib.sha256(msgspec.json.encode(told))
-    kind, _, command = address.partition(":")
-    for word in shlex.split(command) if kind == "exec" else ():
-        if Path(word).is_file():
-            digest.update(Path(word).read_bytes())
+    for path in _paths(address):
+        digest.update(path.read_bytes())
     return digest.hexdigest()[:16]
 
 

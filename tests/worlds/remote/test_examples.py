@@ -90,7 +90,12 @@ def test_schema_is_valid() -> None:
     [
         (f"{sys.executable} -ISu {PEER}", "lamps", "(light hall)"),
         (f"{sys.executable} -m rapc.worlds.remote truck", "stdlib/truck", "(set-up)"),
-        (f"{sys.executable} -m rapc.worlds.remote hallway", "stdlib/hallway", ""),
+        pytest.param(
+            f"{sys.executable} -m rapc.worlds.remote hallway",
+            "stdlib/hallway",
+            "",
+            marks=pytest.mark.slow,
+        ),
     ],
 )
 def test_calls_and_answers_match_the_schema(

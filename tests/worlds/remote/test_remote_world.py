@@ -18,7 +18,7 @@ from rapc.runtime.interpreter import Interpreter
 from rapc.testing.contract.trials import try_world
 from rapc.world import Finished, Reply, Savable, Skilled, World
 from rapc.worlds.registry import build_world, find_permitted, find_world, world_of
-from tests.worlds.remote.test_broken_peers import LIBRARY, peer
+from tests.worlds.remote.test_broken_peers import LIBRARY, PEER, peer
 
 SERVED = f"exec:{sys.executable} -m rapc.worlds.remote"
 
@@ -28,6 +28,7 @@ RUNS = {
     "courier": ("examples/courier", "shift", ()),
     "hallway": ("stdlib/hallway", "errand", ()),
 }
+NAMES = ["truck", *(pytest.param(n, marks=pytest.mark.slow) for n in list(RUNS)[1:])]
 
 
 def trace(name: str, world: str, seed: int) -> str:
@@ -45,7 +46,7 @@ def trace(name: str, world: str, seed: int) -> str:
     return stream.getvalue().partition("\n")[2]
 
 
-@pytest.mark.parametrize("name", RUNS)
+@pytest.mark.parametrize("name", NAMES)
 def test_trace_is_equal_behind_the_wire(name: str) -> None:
     inside = trace(name, name, 1)
     assert inside.count("\n") > 500
@@ -172,3 +173,17 @@ def test_wrong_token_is_refused(
             find_world(listening)
     else:
         assert find_world(listening).name == "truck"
+
+
+def test_changed_peer_is_described_again(tmp_path: Path) -> None:
+    script = tmp_path / "lamps.py"
+    script.write_text(PEER.read_text())
+    address = f"exec:{sys.executable} -ISu {script}"
+    before = find_world(address)
+    assert before.__doc__ == "Two lamps with switches."
+    script.write_text(PEER.read_text().replace("Two lamps", "A pair of lamps"))
+    assert find_world(address).__doc__ == "A pair of lamps with switches."
+    with pytest.raises(
+        rapc.PortError, match="another answer to `describe` than before"
+    ):
+        build_world(before, 0, {}).facts()
