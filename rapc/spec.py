@@ -24,7 +24,8 @@ class RunSpec(msgspec.Struct, frozen=True, kw_only=True, rename="kebab"):
     #: The library as the user named it, and the digest of its texts.
     library: str = ""
     digest: str = ""
-    #: The name of the world; also `module:Class` if the user named it in this form.
+    #: The name of the world; also `module:Class`, or the address of a remote world, if
+    #: the user named it in this form.
     world: str = ""
     world_class: str = ""
     #: Options of the world; missing options have their defaults.

@@ -18,6 +18,11 @@ LIMITS: Mapping[str, tuple[str, str]] = {
     "findings reported for a file": ("rapc.base.limits", "MAX_FINDINGS"),
     "initial facts of a world": ("rapc.runtime.held_world", "MOST_FACTS"),
     "time of the clock": ("rapc.runtime.held_world", "LATEST"),
+    "bytes of a line of a remote world": ("rapc.worlds.remote.protocol", "LINE_LIMIT"),
+    "messages in an answer of a remote world": (
+        "rapc.worlds.remote.protocol",
+        "MOST_MESSAGES",
+    ),
     "cycles of a test without `until`": ("rapc.testing.run", "MOST_CYCLES"),
     "time of a test without `until`": ("rapc.testing.run", "LATEST"),
     "seeds of an experiment": ("rapc.experiments.definition", "MOST_SEEDS"),
@@ -42,6 +47,7 @@ def formats() -> str:
         "saved run": ("rapc.runtime.saving.format", "FORMAT"),
         "trace": ("rapc.runtime.interpreter", "TRACE_FORMAT"),
         "bug report": ("rapc.debug.bug", "FORMAT"),
+        "protocol of remote worlds": ("rapc.worlds.remote.protocol", "PROTOCOL"),
         "results of experiments": ("rapc.experiments.store", "FORMAT"),
     }
     rows = [

@@ -35,7 +35,7 @@ _MOST_NOTICES = 100_000
 _CHUNK = 2**18
 _STDERR_KEPT = 4096
 _STDERR_LINES = 3
-_STDERR_SHOWN = 400
+_MOST_SHOWN = 400
 
 _BEAT = msgspec.json.encode(Call("heartbeat", jsonrpc="2.0")) + b"\n"
 _RESPONSE = msgspec.json.Decoder(Response)
@@ -77,6 +77,7 @@ class Peer:
         self._calls = 0
         self._interrupted: dict[int, str] = {}
         self._unsent = bytearray()
+        self._written = 0.0
         self._read = bytearray()
         self._seen = 0
         self._stderr, self._stderr_open = b"", True
@@ -150,7 +151,8 @@ class Peer:
             ends = time.monotonic() + limit
             while True:
                 line = self._line(method, limit, ends)
-                response = self._decoded(_RESPONSE, line, method, "line")
+                invalid = f"sent an invalid line instead of an answer to `{method}`"
+                response = self._decoded(_RESPONSE, line, invalid)
                 if response.method is not None:
                     notices += 1
                     if notices > _MOST_NOTICES:
@@ -169,33 +171,34 @@ class Peer:
             self._interrupted[number] = method
             raise
         if response.error is not None:
-            said = visible(" ".join(response.error.message.split()))
+            said = _short(response.error.message)
             raise RefusedCall(
                 f"the peer `{self.address}` failed in `{method}`: {said}", said
             )
-        return self._decoded(_RESULTS[method], response.result, method, "answer")
+        return self._result(method, response)
+
+    def _result(self, method: str, response: Response) -> Any:
+        invalid = f"sent an invalid answer to `{method}`"
+        return self._decoded(_RESULTS[method], response.result, invalid)
 
     def _take_late(self, method: str, response: Response) -> None:
         """Pass on the result of an interrupted call."""
         if response.error is None:
-            found = self._decoded(_RESULTS[method], response.result, method, "answer")
-            self.late(method, found)
+            self.late(method, self._result(method, response))
 
     def _decoded(
-        self, decoder: msgspec.json.Decoder[Any], text: Any, method: str, what: str
+        self, decoder: msgspec.json.Decoder[Any], text: Any, invalid: str
     ) -> Any:
+        """Return decoded JSON; else fail, as `invalid` says."""
         try:
             return decoder.decode(text)
         except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
-            self._fail(
-                f"sent an invalid {what} to `{method}`: {visible(str(error))}"
-                if what == "answer"
-                else f"sent an invalid line instead of an answer to `{method}`: {error}"
-            )
+            self._fail(f"{invalid}: {_short(str(error))}")
 
     def _write(self, line: bytes, method: str, limit: float) -> None:
         """Write a line; read meanwhile, so that the peer can write, too."""
-        ends = time.monotonic() + limit
+        self._written = time.monotonic()
+        ends = self._written + limit
         unsent = self._unsent  # with the rest of a line that Ctrl-C has interrupted
         unsent += line
         while unsent:
@@ -228,11 +231,12 @@ class Peer:
             if now >= ends:
                 half = " (the answer has no end of line)" if self._read else ""
                 self._fail(f"gave no answer to `{method}` in {limit:g} s{half}")
-            until = ends if self.beat is None else min(ends, now + self.beat)
-            ready = self._poll.poll(_milliseconds(until))
-            if not ready and self.beat is not None:
-                self._write(_BEAT, method, limit)
-            for fd, _ in ready:
+            until = ends
+            if self.beat is not None:
+                if now >= self._written + self.beat:
+                    self._write(_BEAT, method, limit)
+                until = min(ends, self._written + self.beat)
+            for fd, _ in self._poll.poll(_milliseconds(until)):
                 if fd == self._in:
                     self._receive(method)
                 else:
@@ -282,7 +286,7 @@ class Peer:
                 pass
         lines = self._stderr.decode(errors="replace").strip().splitlines()
         last = " | ".join(visible(line.strip()) for line in lines[-_STDERR_LINES:])
-        more = f"; its last lines: {last[-_STDERR_SHOWN:]}" if last else ""
+        more = f"; its last lines: {last[-_MOST_SHOWN:]}" if last else ""
         self.close()
         raise PortError(f"the peer `{self.address}` {said}{more}")
 
@@ -344,6 +348,12 @@ def _loopback(address: str) -> tuple[int, tuple[str, int]]:
         raise PortError(f"the peer `{address}` requires a token in `{TOKEN}`")
     family = socket.AF_INET6 if host == "[::1]" else socket.AF_INET
     return family, (host.strip("[]"), int(port))
+
+
+def _short(text: str) -> str:
+    """Return a text of a peer as one line of at most 400 characters."""
+    line = visible(" ".join(text.split()))
+    return line if len(line) <= _MOST_SHOWN else f"{line[:_MOST_SHOWN]}..."
 
 
 def _signal(number: int) -> str:

@@ -27,7 +27,7 @@ LINE_LIMIT = 16 * 2**20
 TOKEN = "RAPC_TOKEN"  # noqa: S105  # a name
 """The environment variable with the token for TCP."""
 
-Symbol = Annotated[str, Meta(pattern=r"^[^\s()\";?]+$", max_length=200)]
+Symbol = Annotated[str, Meta(pattern=r"^[^\x00-\x20\x7f()\";?]+$", max_length=200)]
 Time = Annotated[int, Meta(ge=0, le=10**15)] | Annotated[float, Meta(ge=0, le=10**15)]
 Count = Annotated[int, Meta(ge=0)]
 

@@ -49,7 +49,14 @@ from rapc.world import (
     World,
 )
 from rapc.worlds.remote import protocol
-from rapc.worlds.remote.protocol import METHODS, PROTOCOL, TOKEN, Call, Description
+from rapc.worlds.remote.protocol import (
+    LINE_LIMIT,
+    METHODS,
+    PROTOCOL,
+    TOKEN,
+    Call,
+    Description,
+)
 
 WATCHDOG = 0.25
 """The seconds without a message after which the watchdog halts the body."""
@@ -201,7 +208,7 @@ class Connection:
         """Answer all calls until the connection ends."""
         threading.Thread(target=self._watch, daemon=True).start()
         try:
-            for line in self._queued() if self._served.halts else self._reader:
+            for line in self._queued() if self._served.halts else self._lines():
                 if (answer := self._answer(line)) is not None:
                     self._write(answer)
         except (BrokenPipeError, ConnectionResetError):
@@ -244,9 +251,14 @@ class Connection:
         while (line := lines.get()) is not None:
             yield line
 
+    def _lines(self) -> Iterator[bytes]:
+        """Yield the lines of the interpreter, up to one that is too long."""
+        while (line := self._reader.readline(LINE_LIMIT + 1)).endswith(b"\n"):
+            yield line
+
     def _read(self, put: Callable[[bytes | None], None]) -> None:
         try:
-            for line in self._reader:
+            for line in self._lines():
                 self._heard, self._halted = time.monotonic(), False
                 if self._busy is not None and b'"heartbeat"' not in line:
                     self._halt()  # Ctrl-C has interrupted the call under way
@@ -492,8 +504,9 @@ def listen(world: type[World], address: str, code: str = "") -> None:
         if path.is_socket():
             path.unlink()
         listening = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        mask = os.umask(0o177)
         listening.bind(rest)
-        path.chmod(0o600)
+        os.umask(mask)
     elif kind == "tcp" and rest.startswith("127.0.0.1:"):
         token = os.environ.get(TOKEN, "")
         if not token:

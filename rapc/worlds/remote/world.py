@@ -97,7 +97,7 @@ class RemoteWorld(World):
         if peer is None:
             peer = _connect(type(self))
             weakref.finalize(self, peer.close)
-            peer.late = self._take
+            peer.late = _late(weakref.ref(self))
             self._peer = peer
         return peer
 
@@ -141,7 +141,10 @@ class RemoteWorld(World):
         if answer.messages:
             self._received += map(_message, answer.messages)
             self._sent += len(answer.messages)
-        if answer.sent is not None and answer.sent != self._sent:
+        if answer.sent is None:
+            if "resume" in self.description.methods:
+                self._breach(f"gave no `sent` in the answer to `{method}`")
+        elif answer.sent != self._sent:
             said = f"counted {answer.sent} messages in the answer to `{method}`"
             self._breach(f"{said}, not {self._sent}")
 
@@ -417,6 +420,16 @@ def _files(address: str) -> tuple[tuple[str, int, int], ...]:
 
 def _paths(address: str) -> list[Path]:
     return [path for path in map(Path, words_of(address)) if path.is_file()]
+
+
+def _late(world: weakref.ref[RemoteWorld]) -> Callable[[str, Any], None]:
+    """Return the function that takes in a late answer, while the world exists."""
+
+    def take(method: str, answer: Any) -> None:
+        if (known := world()) is not None:
+            known._take(method, answer)
+
+    return take
 
 
 def _connect(world: type[RemoteWorld]) -> Peer:

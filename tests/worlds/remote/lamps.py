@@ -161,7 +161,7 @@ describe_faults: dict[str, Callable[[Answer], object]] = {
 quick: Answer = {"timeouts": {"perform": 0.1, "advance": 0.1}}
 for name in ("silence", "half-a-line-and-silence"):
     describe_faults[name] = changed(**quick)
-describe_faults["counts-wrongly"] = changed(methods=["resume", "cancel"])
+describe_faults["counts-nothing"] = changed(methods=["resume", "cancel"])
 
 perform_faults: Mapping[str, Fault] = {
     "wrong-id": lambda number, answer: send({"id": number + 7, "result": answer}),
@@ -211,6 +211,9 @@ perform_faults: Mapping[str, Fault] = {
     "unknown-ticket": message({"type": "finished", "ticket": 77, "result": "okay"}),
     "text-ticket": message({"type": "finished", "ticket": "1", "result": "okay"}),
     "counts-wrongly": field(sent=5),
+    "long-error": lambda number, answer: send(
+        {"id": number, "error": {"message": "\x1b[31m" + "blown " * 1000}}
+    ),
 }
 
 advance_faults: Mapping[str, Fault] = {

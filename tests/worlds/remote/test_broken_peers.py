@@ -84,6 +84,8 @@ RUN: Mapping[str, str] = {
     "unknown-ticket": "ended a request that is not under way: 77; see",
     "text-ticket": "answer to `perform`: Expected `int`, got `str`",
     "counts-wrongly": "counted 5 messages in the answer to `perform`, not 0",
+    "long-error": "failed in `perform`: \N{REPLACEMENT CHARACTER}[31mblown blown",
+    "counts-nothing": "gave no `sent` in the answer to `open`",
     "clock-back": "set its clock back in the answer to `advance`, from 2 to 1",
     "next-in-the-past": "for time 1 in the answer to `advance`, in the past",
     "no-message-announced": "announced a message for time 7, but sent none; see",
@@ -119,6 +121,8 @@ def test_broken_peer_ends_in_one_line(
     assert f"peer `{peer(fault)}`" in message
     method = "describe" if fault in DESCRIBE else "perform"
     method = "advance" if "advance" in message else method
+    method = "open" if fault == "counts-nothing" else method
+    assert len(message) < 1000
     assert f"`{method}`" in message
     assert {**DESCRIBE, **RUN}[fault] in message
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import gc
 import io
 import socket
 import subprocess
@@ -18,6 +19,7 @@ from rapc.runtime.interpreter import Interpreter
 from rapc.testing.contract.trials import try_world
 from rapc.world import Finished, Reply, Savable, Skilled, World
 from rapc.worlds.registry import build_world, find_permitted, find_world, world_of
+from rapc.worlds.remote.world import RemoteWorld
 from tests.worlds.remote.test_broken_peers import LIBRARY, PEER, peer
 
 SERVED = f"exec:{sys.executable} -m rapc.worlds.remote"
@@ -187,3 +189,13 @@ def test_changed_peer_is_described_again(tmp_path: Path) -> None:
         rapc.PortError, match="another answer to `describe` than before"
     ):
         build_world(before, 0, {}).facts()
+
+
+def test_peer_ends_with_its_world() -> None:
+    world = opened(peer(""))
+    world.facts()
+    assert isinstance(world, RemoteWorld)
+    connection = world._connected()
+    del world
+    gc.collect()
+    assert connection.broken
