@@ -18,7 +18,7 @@ from mcap.writer import Writer
 from rapc import events
 from rapc.base import pictures
 from rapc.base.version import VERSION
-from rapc.view.pictures import Change
+from rapc.view.pictures import Change, valid
 from rapc.view.scene import Beliefs, believed_pose
 
 Json = Mapping[str, Any]
@@ -50,6 +50,9 @@ def write_mcap(
         stream: the stream.
         records: the events, each as in the trace.
         changes: the changes of the picture beside the trace; none if there are none.
+
+    Raises:
+        LoadError: if the trace has an invalid picture.
     """
     made = _File(Writer(stream))
     made.write(records, iter(changes))
@@ -88,7 +91,7 @@ class _File:
         """Write the picture after a change, at the time of an event."""
         now, serial = one["time"], one["n"]
         self._picture = pictures.changed(self._picture, change)
-        picture = pictures.plain(pictures.from_plain(self._picture))
+        picture = valid(self._picture)
         self._add("/picture", "rapc.Picture", picture, now, serial)
         fixed = _map_of(picture)
         if fixed != self._map:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import msgspec
@@ -75,6 +75,14 @@ class Pictures:
             self._last = after
 
 
+def valid(picture: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a picture of a trace, with all keys. Raises LoadError if it is invalid."""
+    try:
+        return pictures.plain(pictures.from_plain(picture))
+    except ValueError as error:
+        raise LoadError(f"the trace has an invalid picture: {error}") from error
+
+
 def scene_at(
     events: Iterable[ToldEvent], taken: Sequence[Change], cycle: int | None
 ) -> Scene | None:
@@ -105,9 +113,6 @@ def scene_at(
     for _, change in changes[:last]:
         picture = pictures.changed(picture, change)
         found.append(picture)
-    try:
-        shown = [pictures.plain(pictures.from_plain(one)) for one in found[-PATH - 1 :]]
-    except ValueError as error:
-        raise LoadError(f"the trace has an invalid picture: {error}") from error
+    shown = [valid(one) for one in found[-PATH - 1 :]]
     present = shown.pop() if shown else None
     return scene_of(present, Beliefs(facts, now), shown)

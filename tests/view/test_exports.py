@@ -135,6 +135,20 @@ def test_recorded_pictures_are_exported(tmp_path: Path) -> None:
     assert counts[topics["/picture"]] == len(pictured)
 
 
+def test_invalid_pictures_of_a_trace_are_refused(tmp_path: Path) -> None:
+    first = {"event": "run-started", "format": 2, "spec": {"world": "none"}}
+    odd = {"event": "pictured", "changed": {"here": 1, "spots": [5]}}
+    trace = tmp_path / "odd.jsonl"
+    lines = [
+        {**one, "n": n, "cycle": 0, "time": 0} for n, one in enumerate((first, odd))
+    ]
+    trace.write_text("".join(json.dumps(line) + "\n" for line in lines))
+    for option, name in (("--export", "odd.mcap"), ("--picture", "odd.svg")):
+        done = rapc("view", str(trace), option, str(tmp_path / name))
+        assert done.returncode == 2
+        assert "error: the trace has an invalid picture: " in done.stderr
+
+
 def test_other_suffixes_and_inputs_are_refused(trace: Path) -> None:
     done = rapc("view", str(trace), "--export", "run.bag")
     assert done.returncode == 2
