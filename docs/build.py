@@ -3,8 +3,9 @@
     python docs/build.py
 
 The pages must be fresh (`docs/generate.py --check`). After the build, a page at each
-former address sends the reader to the new address, and the site is searched for parts
-that a browser would request from another host.
+former address sends the reader to the new address, the page of `rapc view` without a
+run is added, and the site is searched for parts that a browser would request from
+another host.
 """
 
 from __future__ import annotations
@@ -18,6 +19,8 @@ from html.parser import HTMLParser
 from pathlib import Path
 
 from pygments.lexers import find_lexer_class_by_name
+
+from rapc.view.page import page as viewer_page
 
 DOCS = Path(__file__).parent
 ROOT = DOCS.parent
@@ -54,6 +57,9 @@ MOVED: Mapping[str, str] = {
     "worlds": "how-to/write-a-world",
 }
 """The former addresses of pages with their new addresses."""
+
+VIEWER = "viewer"
+"""The address of the page into which a reader drops a trace."""
 
 REDIRECT = """\
 <!doctype html>
@@ -132,6 +138,9 @@ def main() -> int:
     for script in SITE.rglob("*.py"):
         script.unlink()
     redirect()
+    viewer = SITE / VIEWER / "index.html"
+    viewer.parent.mkdir()
+    viewer.write_text(viewer_page(), encoding="utf-8")
     requests = [*foreign()]
     for line in requests:
         print(f"error: request to another host: {line}", file=sys.stderr)

@@ -165,8 +165,8 @@ class App {
   }
 
   /** Go to the moment that the address names, or else to the first failure or the end. */
-  open() {
-    const parts = new URLSearchParams(location.hash.slice(1));
+  open(address = location.href) {
+    const parts = new URLSearchParams(new URL(address).hash.slice(1));
     const run = Number(parts.get("run")) === 1 && this.runs[1] ? 1 : 0;
     const at = Number(parts.get("n"));
     const fact = parts.get("fact") || "";
@@ -449,7 +449,7 @@ function wire() {
   });
   dark.addEventListener("change", recolour);
   window.addEventListener("resize", () => app && app.drawTimelines());
-  window.addEventListener("hashchange", () => app && app.open());
+  window.addEventListener("hashchange", (event) => app && app.open(event.newURL));
   byId("file").addEventListener("change", (event) => {
     const [file] = event.target.files;
     if (file) readFile(file).finally(() => (byId("file").value = "")); // the same file again

@@ -1,0 +1,41 @@
+"""The page of long runs: its size, and the time until it is ready and redrawn."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from bench.browser import browser, chromium
+from bench.viewer import measured, orders, write_page
+
+pytestmark = [
+    pytest.mark.nightly,
+    pytest.mark.skipif(chromium() is None, reason="Chromium is not installed"),
+    pytest.mark.xdist_group("browser"),
+]
+
+
+@pytest.mark.parametrize(
+    ("times", "events", "ready", "redraw", "megabytes"),
+    [(1, 48_000, 500, 50, 1.2), (10, 460_000, 4_000, 60, 10)],
+)
+def test_page_is_ready_and_redrawn_in_time(
+    tmp_path: Path,
+    times: int,
+    events: int,
+    ready: float,
+    redraw: float,
+    megabytes: float,
+) -> None:
+    file = tmp_path / "page.html"
+    write_page([*orders(times)], file)
+    with browser() as found:
+        figures = min(
+            (measured(found, file) for _ in range(3)), key=lambda one: one.longest
+        )
+    assert figures.events >= events
+    assert figures.requests == ()
+    assert figures.megabytes <= megabytes
+    assert figures.ready <= ready
+    assert figures.longest <= redraw
