@@ -14,7 +14,7 @@ from rapc.compiler.program import Program
 from rapc.ir import nodes
 from rapc.ir.printer import format_node
 from rapc.planning.model import Model
-from rapc.planning.sketch import Sketch, link_text, method
+from rapc.planning.sketch import link_texts, method
 from rapc.planning.solver import Solution, situation, solve
 from rapc.runtime.memory.access import MemoryView
 
@@ -72,11 +72,7 @@ class Plan:
     @property
     def links(self) -> tuple[tuple[str, ...], ...]:
         """Return for each step what it serves: `2: (on-tray meals ward-4)`."""
-        found: list[dict[str, None]] = [{} for _ in self.steps]
-        made: Sketch | None = self._sketch
-        for link in () if made is None else made.links:
-            found[link.producer][link_text(link)] = None
-        return tuple([tuple(one) for one in found])
+        return () if self._sketch is None else link_texts(self._sketch)
 
     @property
     def order(self) -> tuple[tuple[int, int], ...]:

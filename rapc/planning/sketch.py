@@ -11,8 +11,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from rapc.base.values import Atom, Fact, format_list
+from rapc.base.values import Atom
 from rapc.ir import nodes
+from rapc.ir.printer import format_node
 from rapc.planning.ground import Action, Literal, Placeholder, Problem
 
 
@@ -189,12 +190,12 @@ def _tag(at: int) -> str:
     return f"t{at + 1}"
 
 
-def link_text(link: Link) -> str:
-    """Return what a link serves, as text."""
-    target = "the goal" if link.consumer is None else str(link.consumer + 1)
-    return f"{target}: {link.literal}"
-
-
-def goal_text(goal: Fact) -> str:
-    """Return a goal as text."""
-    return format_list(goal)
+def link_texts(made: Sketch) -> tuple[tuple[str, ...], ...]:
+    """Return for each step what it serves, as text: `2: (on-tray meals ward-4)`."""
+    outputs = _outputs(made)
+    found: list[dict[str, None]] = [{} for _ in made.actions]
+    for link in made.links:
+        target = "the goal" if link.consumer is None else str(link.consumer + 1)
+        fact = Literal(link.literal.present, link.literal.plain)
+        found[link.producer][f"{target}: {format_node(_formula(fact, outputs))}"] = None
+    return tuple([tuple(one) for one in found])
