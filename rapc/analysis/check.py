@@ -97,6 +97,10 @@ class Pass:
             self._facts[fact] = fact.compute(self)
         return cast(T, self._facts[fact])
 
+    def keep(self, *facts: Fact[Any]) -> None:
+        """Forget the values of all other facts."""
+        self._facts = {one: self._facts[one] for one in facts if one in self._facts}
+
     def known(self, fact: Fact[T]) -> T | None:
         """Return the value of a fact if it was computed."""
         return cast(T | None, self._facts.get(fact))

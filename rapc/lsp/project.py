@@ -23,7 +23,9 @@ from rapc.analysis.check_files import loaded_libraries
 from rapc.analysis.config import Configured
 from rapc.analysis.config_file import ConfigError, nearest_config
 from rapc.analysis.driver import CheckReport, Finding, check_libraries
+from rapc.analysis.facts.effects import EFFECTS
 from rapc.analysis.facts.index import INDEX, Index
+from rapc.analysis.facts.kinds import INFERRED
 from rapc.analysis.libraries import LibrarySpec, libraries_of
 from rapc.analysis.selection import Selection, UnknownRuleError, by_default
 from rapc.base.files import (
@@ -318,6 +320,8 @@ class Worker:
 
         report = check_libraries(loads, selection, work.folders or spec.paths, note)
         report = _without_known(configured, report, unreadable)
+        for run in runs.values():  # the facts of all checks take much memory
+            run.keep(INDEX, INFERRED, EFFECTS)
         parts = tuple([Part(one, runs.get(id(one.library))) for one in loads])
         _ = parts[0].index
         found = by_file(report)
