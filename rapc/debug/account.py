@@ -422,12 +422,15 @@ class Account:
                 lane.under_way[id(spell)] = piece
 
     def _end_request(self, number: int | None, request: Fact, result: str) -> None:
-        for spell in self._requests:
-            if request in spell.parts and number in (None, spell.task):
-                self._requests.remove(spell)
-                spell.result = result
-                self._finish(spell)
-                return
+        """End a request; its items may have been merged into others meanwhile."""
+        own = [one for one in self._requests if number in (None, one.task)]
+        same = [one for one in own if request in one.parts]
+        renamed = (one for one in own if one.parts[0][0] == request[0])
+        spell = next(iter(same), None) or next(renamed, None)
+        if spell is not None:
+            self._requests.remove(spell)
+            spell.result = result
+            self._finish(spell)
 
     def _finish(self, spell: Spell) -> None:
         """End a request or an activation; its task may have ended before."""

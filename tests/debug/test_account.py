@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from typing import Any
 
 import pytest
 
 import rapc
+from rapc import events
 from rapc.debug.account import Account, Wait
 from rapc.debug.history import History
 from rapc.debug.questions.times import account, waits
+from rapc.events import Goal
 from rapc.worlds.script import At, Row
 from rapc.worlds.scripted import ScriptedWorld
 from tests.debug.sessions import truck
@@ -173,3 +176,31 @@ def test_waits_are_listed_for_a_task_and_its_steps() -> None:
     ]
     [answers] = [one for one in waits(history).rows if one["what"] == "(can-help ?)"]
     assert (answers["for"], answers["by tasks of"]) == ("monitor", "answer-calls")
+
+
+def test_request_ends_when_its_item_was_merged_into_another() -> None:
+    """The end of the request has the older name of the item."""
+    found = Account()
+    goal = Goal("look", ("rock-2",))
+    common: dict[str, Any] = {"cycle": 1, "task": 1}
+    asked = ("examine", "rock-2")
+    for event in (
+        events.TaskCreated(
+            n=0,
+            time=0,
+            goal=goal,
+            parent=None,
+            family=1,
+            priority=0,
+            step=None,
+            **common,
+        ),
+        events.PrimitiveRequested(n=1, time=1, request=asked, sent=asked, **common),
+        events.PrimitiveEnded(
+            n=2, time=3, request=("examine", "rock-1"), result="okay", data=(), **common
+        ),
+    ):
+        found(event)
+    found.close(9)
+    [spell] = found.spells
+    assert (spell.start, spell.stop, spell.result) == (1, 3, "okay")
