@@ -25,7 +25,7 @@ ROCKS = """(define-rap (rocks-about)
                 (location ?blue warehouse) (color ?blue blue)
                 (location ?yellow ?factory) (color ?yellow yellow)
                 (place ?factory factory) (truck-location depot)))
-  (plan get-rock leave-at be-at))"""
+  (plan get-rock leave-at stop-at))"""
 
 WALK = """(define-query (no-luck) (and (last-result ?result) (n= ?result okay)))
 (define-rap (evening-walk)

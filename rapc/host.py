@@ -39,6 +39,7 @@ from rapc.parser.parse import parse
 from rapc.runtime.achieve import achieving
 from rapc.runtime.arguments import (
     need_count,
+    need_part,
     need_program,
     need_seed,
     need_settings,
@@ -60,7 +61,6 @@ from rapc.worlds.registry import (
     plain_values,
     refuse_incomplete,
 )
-from rapc.worlds.scripted import ScriptedWorld
 
 PLAN = "<plan>"
 """The file name of text for `CheckedLibrary.extend`, in findings and faults."""
@@ -367,14 +367,19 @@ def plan(  # all but two have defaults and go by name
     """
     if not isinstance(library, CheckedLibrary):
         raise ArgumentError(f"`library` is {kind(library)}, no library")
-    names = tuple(use)
+    if run is not None:
+        need_part(run, Interpreter, "`run`", "library.start")
+    need_count(limit, "`limit`")
+    need_count(tries, "`tries`")
+    names = tuple(_listed(use, "use"))
     program = library.program if run is None else run.library
     rap = achieving(program, _text(goal), names)
+    plans = _planning("plan")
     if run is None:
         unknown = dict.fromkeys(program.library.functions, _unknown)
-        world = ScriptedWorld([], declared=program.library)
+        world = plans.still_world(program)
         run = library.start(world, facts=facts, functions=unknown)
-    planned: Plan = _planning("plan").plan(
+    planned: Plan = plans.plan(
         program, rap, run.memory, use=names, limit=limit, tries=tries
     )
     return planned

@@ -43,7 +43,7 @@ ODD: tuple[Any, ...] = (
     *(object(), len, int),
 )
 
-NOT_FOR_CALLERS = {"CheckError", "RefusedError"}
+NOT_FOR_CALLERS = {"CheckError", "Plan", "RefusedError"}
 """Classes whose objects only rapc makes: with what it has at hand."""
 
 LOOKS = ("__post_init__", "_look_at", "__init__", "_no_init_or_replace_init")

@@ -154,7 +154,10 @@ def _report(
     from rapc.analysis.libraries import check_workspace
 
     here, selection = os.curdir, chosen.selection
-    return check_workspace(here, chosen.configured, selection, texts, parser=units)
+    report = check_workspace(here, chosen.configured, selection, texts, parser=units)
+    if not report.files:
+        fail("missing PATH: the working directory has no RAP files")
+    return report
 
 
 def _tell(

@@ -45,7 +45,6 @@ from rapc.runtime.events.report import (
     RunReport,
 )
 from rapc.runtime.events.trace import JsonTrace, TextTrace
-from rapc.runtime.held_world import HeldWorld
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.task_request import TaskRequest
 from rapc.spec import RunSpec
@@ -169,7 +168,7 @@ def run(
     interpreter = course.run
     files = interpreter.library.library.files
     wanted = show or trace_pictures
-    drawn = _drawable(interpreter.port, interpreter.world.name) if wanted else None
+    drawn = _drawable(interpreter) if wanted else None
     if save is not None:
         told = "is a source file of the library"
         refuse_output("--save", save, SAVED_STATE, (files, told))
@@ -425,10 +424,12 @@ def _opened(trace: str) -> TextIO:
         fail(f"cannot write `{trace}`: {reason(error)}")
 
 
-def _drawable(world: HeldWorld, world_name: str) -> Callable[[], Picture]:
-    """Return the `picture` of a world; a world without it ends the command."""
+def _drawable(run: Interpreter) -> Callable[[], Picture]:
+    """Return the `picture` of the world; a world without it ends the command."""
+    world = run.port
     if not isinstance(world, Drawable):
-        fail(f"cannot show world `{world_name}`: it has no `picture` method")
+        name = run.spec.world_class or run.spec.world
+        fail(f"cannot show world `{name}`: it has no `picture` method")
     world.picture()
     return world.picture
 

@@ -17,6 +17,12 @@ from rapc.planning.model import Model
 from rapc.planning.sketch import link_texts, method
 from rapc.planning.solver import Solution, situation, solve
 from rapc.runtime.memory.access import MemoryView
+from rapc.worlds.scripted import ScriptedWorld
+
+
+def still_world(program: Program) -> ScriptedWorld:
+    """Return a world in which no primitive has a result, for a memory without a run."""
+    return ScriptedWorld([], declared=program.library)
 
 
 class Plan:

@@ -9,9 +9,10 @@ from msgspec.structs import replace
 
 from rapc.base.source import SourceFile
 from rapc.compiler.program import Program
-from rapc.errors import PlanError
+from rapc.errors import ArgumentError, PlanError
 from rapc.ir import nodes
 from rapc.ir.printer import format_node
+from rapc.language.atoms import kind
 from rapc.library.library import Library
 from rapc.parser.parse import parse, parse_formula
 from rapc.runtime.host_query import check_formula
@@ -29,6 +30,8 @@ def achieving(program: Program, goal: str, use: Sequence[str] = ()) -> nodes.Def
         TextError: for a text that is no formula, or with undeclared names.
         PlanError: for a RAP in `use` that is no operator.
     """
+    if not isinstance(goal, str):
+        raise ArgumentError(f"`goal` is {kind(goal)}", "a formula as text")
     formula = parse_formula(goal)
     check_formula(formula, program.signatures)
     raps = program.library.raps

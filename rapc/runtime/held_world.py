@@ -636,7 +636,7 @@ def is_reply(value: object) -> TypeGuard[Reply]:
     """Return whether `value` is a reply with a result and data that are facts."""
     if type(value) is not Reply or type(value.result) is not str:
         return False
-    if not are_changes(value.memory):
+    if value.memory is not None and not are_changes(value.memory):
         return False
     return isinstance(value.data, tuple | list) and all(map(is_fact, value.data))
 

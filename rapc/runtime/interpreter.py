@@ -410,8 +410,10 @@ class Interpreter(Run):
             PlanError: for a RAP in `use` that is no operator.
         """
         rap = achieving(self.library, goal, use)
+        task = TaskRequest((rap.name,), priority, deadline)
+        need_task(task)
         self.extend(with_rap(self.library, rap))
-        self.submit(TaskRequest((rap.name,), priority, deadline))
+        self.submit(task)
         return rap.name
 
     def cancel(self, goal: Fact) -> int:

@@ -12,6 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from rapc.base import values
+from rapc.base.pictures import DIRECTIONS
 from rapc.base.values import format_atom
 
 Shape = tuple[str, dict[str, Any], str]
@@ -46,16 +47,7 @@ _LOOKS = {
 }
 """The colours of looks."""
 
-_TURNS = {
-    "north": 0,
-    "northeast": 45,
-    "east": 90,
-    "southeast": 135,
-    "south": 180,
-    "southwest": 225,
-    "west": 270,
-    "northwest": 315,
-}
+_TURNS = {name: 45 * number for number, name in enumerate(DIRECTIONS)}
 
 _WORD = re.compile(r'"(?:[^"\\]|\\.)*"|[^\s()"]*\([^()]*\)|[^\s()"]+')
 

@@ -107,10 +107,12 @@ def test_unreadable_input_is_reported_on_one_line(
     assert done.stderr.count("\n") == 1
 
 
-def test_nothing_to_check_is_a_usage_error() -> None:
-    done = rapc("check")
+def test_nothing_to_check_is_a_usage_error(tmp_path: Path) -> None:
+    done = rapc("check", cwd=tmp_path)
     assert (done.returncode, done.stdout) == (2, "")
-    assert done.stderr == "error: missing argument 'PATH...'\n"
+    assert done.stderr == (
+        "error: missing PATH: the working directory has no RAP files\n"
+    )
 
 
 def test_standard_input_named_twice_is_read_once() -> None:

@@ -20,6 +20,7 @@ from rapc.runtime.memory.access import MemoryView
 from tests.debug import asking
 
 ACTS: Mapping[str, str] = {
+    "Interpreter.achieve": "gives a task",
     "Interpreter.assert_fact": "changes memory",
     "Interpreter.call_at": "has the host called",
     "Interpreter.call_at_end": "has the host called",

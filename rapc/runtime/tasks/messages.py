@@ -29,14 +29,14 @@ def take_in(run: Run, messages: Iterable[Message | Resumed]) -> None:
     others: list[Message | Resumed] = []
     gone = tuple(run.state.activations.off)
     for message in messages:
-        if isinstance(message, Resumed) and run.port.kit.resumed is not None:
-            with run.access.batch():
-                run.port.kit.resumed(run.access, message.seconds)
         if isinstance(message, Finished):
             finish(run, message)
         elif isinstance(message, Lost):
             lose(run, message)
         else:
+            if isinstance(message, Resumed) and run.port.kit.resumed is not None:
+                with run.access.batch():
+                    run.port.kit.resumed(run.access, message.seconds)
             others.append(message)
     for message in others:
         if isinstance(message, Resumed):
