@@ -1,7 +1,7 @@
 """The other end of the wire: a Python world as a peer.
 
 `serve` answers calls on standard input. If the world has a method `halt`, a watchdog
-calls `halt` in a thread of its own when the interpreter has sent nothing for `WATCHDOG`
+calls `halt` in a thread of its own when the interpreter has sent nothing for `PERIOD`
 seconds after the first request, or has closed the connection. `halt` stops the body; a
 world reports the halt like other events of its threads, by a message.
 """
@@ -28,6 +28,7 @@ import msgspec
 from rapc.base.chance import stream_in
 from rapc.base.code_places import place_of_error, said_by
 from rapc.base.values import Text
+from rapc.base.watchdog import PERIOD, TICK, Watchdog
 from rapc.world import (
     NOT_KNOWN,
     Adjustable,
@@ -58,10 +59,6 @@ from rapc.worlds.remote.protocol import (
     Description,
 )
 
-WATCHDOG = 0.25
-"""The seconds without a message after which the watchdog halts the body."""
-
-_TICK = 0.01
 _ALIVE = 2.0
 """The seconds of a long call between two notifications `alive`."""
 _ENDING = 5.0
@@ -158,7 +155,7 @@ def _description(world: type[World], code: str) -> Description:
         options=tuple(_option(option) for option in kit.options),
         methods=tuple(methods),
         code=code,
-        heartbeat=WATCHDOG if hasattr(world, "halt") else None,
+        heartbeat=PERIOD if hasattr(world, "halt") else None,
         stream=True,
     )
 
@@ -200,9 +197,7 @@ class Connection:
         self._sent = 0
         #: The start of the present call; None: no call is under way.
         self._busy: float | None = None
-        #: Whether the body may move, and the time of the last line.
-        self._armed = self._halted = False
-        self._heard = time.monotonic()
+        self._watchdog = Watchdog(lambda: self._world.halt())
 
     def run(self) -> None:
         """Answer all calls until the connection ends."""
@@ -215,7 +210,7 @@ class Connection:
             pass  # the interpreter has ended
         finally:
             self._over.set()
-            self._halt()
+            self._watchdog.halt()
             self._leave()
 
     def _leave(self) -> None:
@@ -259,23 +254,22 @@ class Connection:
     def _read(self, put: Callable[[bytes | None], None]) -> None:
         try:
             for line in self._lines():
-                self._heard, self._halted = time.monotonic(), False
+                self._watchdog.beat()
                 if self._busy is not None and b'"heartbeat"' not in line:
-                    self._halt()  # Ctrl-C has interrupted the call under way
+                    self._watchdog.halt()  # Ctrl-C has interrupted the call under way
                 put(line)
         except OSError:
             pass  # the connection has ended
         put(None)
-        self._halt()
+        self._watchdog.halt()
         if not self._over.wait(_GRACE):
             self._orphan()
 
     def _watch(self) -> None:
         """Halt the body without heartbeats; report that a long call goes on."""
-        while not self._over.wait(_TICK if self._served.halts else _ALIVE):
+        while not self._over.wait(TICK if self._served.halts else _ALIVE):
             now = time.monotonic()
-            if self._armed and now - self._heard > WATCHDOG:
-                self._halt()
+            self._watchdog.look()
             busy = self._busy
             if busy is not None and now - busy >= _ALIVE:
                 self._busy = now
@@ -283,15 +277,6 @@ class Connection:
                     self._write(_ALIVE_LINE)
                 except OSError:
                     return  # the connection has ended
-
-    def _halt(self) -> None:
-        if not self._served.halts or self._halted or not self._armed:
-            return
-        self._halted = True
-        try:
-            self._world.halt()
-        except Exception:  # the world's own code; the watchdog must go on
-            traceback.print_exc()
 
     # --- calls ------------------------------------------------------------------------
 
@@ -351,7 +336,8 @@ class Connection:
         if params.ack is not None and isinstance(world, Resumable):
             world.acknowledge(params.ack)
         if method in ("perform", "activate"):
-            self._heard, self._armed = time.monotonic(), True
+            self._watchdog.beat()
+            self._watchdog.armed = self._served.halts
         make, fields = getattr(self, f"_{method.replace('-', '_')}")(world, params)
         messages = tuple(map(_message, world.messages()))
         self._sent += len(messages)
