@@ -23,6 +23,7 @@ TYPE_CHECKING = False  # true for type checkers, by its name
 
 if TYPE_CHECKING:
     from rapc import events as events
+    from rapc import live as live
     from rapc import world as world
     from rapc.analysis.driver import CheckReport as CheckReport
     from rapc.errors import ArgumentError as ArgumentError
@@ -49,6 +50,7 @@ if TYPE_CHECKING:
     from rapc.host import rap_text as rap_text
     from rapc.host import run as run
     from rapc.planning.plan import Plan as Plan
+    from rapc.runtime.events.logs import LogTrace as LogTrace
     from rapc.runtime.events.trace import JsonTrace as JsonTrace
     from rapc.runtime.events.trace import TextTrace as TextTrace
     from rapc.runtime.interpreter import Interpreter as Interpreter
@@ -74,6 +76,7 @@ _NAMES = {
     ),
     "rapc.planning.plan": "Plan",
     "rapc.runtime.interpreter": "Interpreter",
+    "rapc.runtime.events.logs": "LogTrace",
     "rapc.runtime.events.trace": "JsonTrace TextTrace",
     "rapc.analysis.driver": "CheckReport",
     "rapc.spec": "RunSpec",
@@ -87,7 +90,7 @@ _NAMES = {
 
 _HOMES = {name: home for home, names in _NAMES.items() for name in names.split()}
 
-_MODULES = {"events": "rapc.events", "world": "rapc.world"}
+_MODULES = {"events": "rapc.events", "live": "rapc.live", "world": "rapc.world"}
 
 __all__ = ["__version__", *_HOMES, *_MODULES]  # noqa: PLE0604  # all are strings
 

@@ -15,7 +15,7 @@ import click
 import msgspec
 
 from rapc.analysis.facts.effects import endless, reached
-from rapc.base.interrupts import interrupts_held
+from rapc.base.interrupts import interrupts_held, terminations_as_interrupts
 from rapc.base.outputs import SAVED_STATE
 from rapc.base.values import format_list, readable, readable_numbers
 from rapc.base.visible import visible, visible_lines
@@ -391,14 +391,15 @@ def _went_well(result: TaskResult) -> bool:
 
 @contextmanager
 def _ended_by_interrupts(course: Course) -> Iterator[None]:
-    """Let Ctrl-C end the run in the block early, so that it can be reported.
+    """Let Ctrl-C or SIGTERM end the run in the block early, so that it is reported.
 
     The journal of the run, if any, does not have this end.
     """
-    try:
-        yield
-    except KeyboardInterrupt:
-        course.cancel()
+    with terminations_as_interrupts():
+        try:
+            yield
+        except KeyboardInterrupt:
+            course.cancel()
 
 
 class _Shown:

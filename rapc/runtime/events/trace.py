@@ -201,6 +201,7 @@ class TextTrace:
         self._held.clear()
 
     def _write(self, event: events.Event, text: str) -> None:
+        """Write the line of an event."""
         stamp = "" if event.time == self._time else readable(event.time)
         self._time = event.time
         self._stream.write(f"{stamp:>7} {text}\n")

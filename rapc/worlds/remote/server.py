@@ -197,7 +197,7 @@ class Connection:
         self._sent = 0
         #: The start of the present call; None: no call is under way.
         self._busy: float | None = None
-        self._watchdog = Watchdog(lambda: self._world.halt())
+        self._watchdog = Watchdog(self._halt)
 
     def run(self) -> None:
         """Answer all calls until the connection ends."""
@@ -277,6 +277,9 @@ class Connection:
                     self._write(_ALIVE_LINE)
                 except OSError:
                     return  # the connection has ended
+
+    def _halt(self) -> None:
+        self._world.halt()
 
     # --- calls ------------------------------------------------------------------------
 
