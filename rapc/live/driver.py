@@ -53,25 +53,22 @@ class Action:
     """A request that a driver carries out in a thread, or a job of `Driver.start`."""
 
     def __init__(self, driver: Driver, ticket: int | None, limit: Time | None) -> None:
-        self.driver = driver
         #: The ticket of the request; None for a job.
         self.ticket = ticket
-        #: The time at which the action is cancelled.
-        self.limit = limit
-        #: Set when the action is cancelled, and when it has ended.
-        self.stopped, self.over = threading.Event(), threading.Event()
+        self._driver, self._limit = driver, limit
+        self._stopped, self._over = threading.Event(), threading.Event()
 
     @property
     def cancelled(self) -> bool:
         """Whether the action is cancelled: an action that does not sleep asks this."""
-        return self.stopped.is_set()
+        return self._stopped.is_set()
 
     def sleep(self, seconds: float) -> Any:
         """Sleep for time units of the clock. Raises Cancelled if cancelled."""
-        clock = self.driver.clock
+        clock = self._driver.clock
         if not self.cancelled:
             if clock.real:
-                self.stopped.wait(seconds / clock.scale)
+                self._stopped.wait(seconds / clock.scale)
             else:
                 woken = threading.Event()
                 clock.sleep(self, seconds, woken.set)
@@ -79,23 +76,23 @@ class Action:
         if self.cancelled:
             raise Cancelled
 
-    def run(self, function: Callable[..., Any], arguments: Sequence[Any]) -> None:
+    def _start(self, function: Callable[..., Any], arguments: Sequence[Any]) -> None:
         """Start the action."""
         run = [function, arguments]
         threading.Thread(target=self._run, args=run, daemon=True).start()
 
     def _run(self, function: Callable[..., Any], arguments: Sequence[Any]) -> None:
         try:
-            self.driver.take_end(self, function(self, *arguments), None)
+            self._driver._take_end(self, function(self, *arguments), None)
         except Cancelled:
-            self.driver.take_end(self, None, None)
+            self._driver._take_end(self, None, None)
         except BaseException as error:  # raised again in the thread of the interpreter
-            self.driver.take_end(self, None, error)
+            self._driver._take_end(self, None, error)
 
-    def cancel(self) -> None:
+    def _cancel(self) -> None:
         """Cancel the action; it ends later."""
-        self.stopped.set()
-        self.driver.clock.interrupt(self)
+        self._stopped.set()
+        self._driver.clock.interrupt(self)
 
 
 class AsyncAction(Action):
@@ -105,7 +102,7 @@ class AsyncAction(Action):
 
     async def sleep(self, seconds: float) -> None:
         """Sleep for time units of the clock; asyncio cancels the coroutine."""
-        clock = self.driver.clock
+        clock = self._driver.clock
         if clock.real:
             await asyncio.sleep(seconds / clock.scale)
             return
@@ -119,13 +116,13 @@ class AsyncAction(Action):
         clock.sleep(self, seconds, lambda: loop.call_soon_threadsafe(wake))
         await woken
 
-    def run(
+    def _start(
         self,
         function: Callable[..., Coroutine[Any, Any, Any]],
         arguments: Sequence[Any],
     ) -> None:
         """Start the action."""
-        loop = self.driver.loop()
+        loop = self._driver._own_loop()
 
         def start() -> None:
             self._task = loop.create_task(function(self, *arguments))
@@ -135,20 +132,20 @@ class AsyncAction(Action):
 
     def _ended(self, task: asyncio.Task[Any]) -> None:
         if task.cancelled():
-            self.driver.take_end(self, None, None)
+            self._driver._take_end(self, None, None)
         elif (error := task.exception()) is not None:
-            self.driver.take_end(self, None, error)
+            self._driver._take_end(self, None, error)
         else:
-            self.driver.take_end(self, task.result(), None)
+            self._driver._take_end(self, task.result(), None)
 
-    def cancel(self) -> None:
+    def _cancel(self) -> None:
         """Cancel the action; it ends later."""
 
         def stop() -> None:
             self._task.cancel()  # it exists by now
 
-        super().cancel()
-        self.driver.loop().call_soon_threadsafe(stop)
+        super()._cancel()
+        self._driver._own_loop().call_soon_threadsafe(stop)
 
 
 class Driver(World, ABC):
@@ -247,7 +244,7 @@ class Driver(World, ABC):
                 self._inbox.append(Lost(ticket, reason))
             self._changed.notify_all()
         for _, action in halted:
-            action.cancel()
+            action._cancel()
 
     def close(self) -> None:
         """Cancel all actions and jobs, and wait until they have ended."""
@@ -305,7 +302,7 @@ class Driver(World, ABC):
         self._beat()
         self._begin()
         with self._changed:
-            limits = [one.limit for one in self._actions.values()]
+            limits = [one._limit for one in self._actions.values()]
         until = min([to, *(limit for limit in limits if limit is not None)])
         beat = self._watchdog.beat
         self.clock.wait(self._changed, until, self._ready, beat, PERIOD / _BEATS)
@@ -364,10 +361,10 @@ class Driver(World, ABC):
                 self._actions[ticket] = action
                 self._watchdog.armed = self.clock.real
         self.clock.begun()
-        action.run(function, arguments)
+        action._start(function, arguments)
         return action
 
-    def take_end(
+    def _take_end(
         self, action: Action, result: object, error: BaseException | None
     ) -> None:
         """Take in the end of an action; called in its thread."""
@@ -387,7 +384,7 @@ class Driver(World, ABC):
                     self._others.remove(action)
                 if error is not None and not isinstance(error, OSError):
                     self._error = self._error or error
-            action.over.set()
+            action._over.set()
             self._changed.notify_all()
         self.clock.ended()
 
@@ -401,17 +398,17 @@ class Driver(World, ABC):
         self._others.append(action)
 
     def _cancel(self, action: Action) -> None:
-        action.cancel()
+        action._cancel()
         self._wait_for(action)
 
     def _wait_for(self, action: Action) -> None:
-        if not action.over.wait(STOPPING):
+        if not action._over.wait(STOPPING):
             _LOG.error("an action goes on %g s after it was cancelled", STOPPING)
 
     def _end_late(self) -> None:
         """End the actions whose limit has come."""
         for ticket, action in list(self._actions.items()):
-            if action.limit is not None and action.limit <= self._time:
+            if action._limit is not None and action._limit <= self._time:
                 with self._changed:
                     if ticket not in self._actions:
                         continue
@@ -419,7 +416,7 @@ class Driver(World, ABC):
                 self._cancel(action)
                 self.send(Finished(ticket, Reply("timeout")))
 
-    def loop(self) -> asyncio.AbstractEventLoop:
+    def _own_loop(self) -> asyncio.AbstractEventLoop:
         """Return the loop of asyncio, which runs in a thread of its own."""
         if self._loop is None:
             self._loop = asyncio.new_event_loop()
