@@ -7,9 +7,11 @@ calls the driver from one thread; all other threads only send messages.
 from __future__ import annotations
 
 import asyncio
+import atexit
 import inspect
 import logging
 import threading
+import weakref
 from abc import ABC
 from collections.abc import Callable, Coroutine, Mapping, Sequence
 from random import Random
@@ -259,8 +261,10 @@ class Driver(World, ABC):
     # --- the world --------------------------------------------------------------------
 
     def now(self) -> Time:
-        """Return the time of the last request or wait."""
+        """Return the time of the last request, wait or message."""
         self._beat()
+        if self._inbox:
+            self._time = max(self._time, self.clock.now())
         return self._time
 
     def perform(self, ticket: int, request: Fact) -> Reply | Refused | None:
@@ -334,6 +338,7 @@ class Driver(World, ABC):
         if self._connected:
             return
         self._connected = True
+        atexit.register(_close, weakref.ref(self))
         self.clock.start()
         if self.clock.real:
             watch = self._watchdog.watch
@@ -423,6 +428,12 @@ class Driver(World, ABC):
             run = [self._loop]
             threading.Thread(target=_run_loop, args=run, daemon=True).start()
         return self._loop
+
+
+def _close(driver: weakref.ref[Driver]) -> None:
+    """Let the actions of a driver clean up before the process ends."""
+    if (known := driver()) is not None:
+        known.close()
 
 
 def _run_loop(loop: asyncio.AbstractEventLoop) -> None:

@@ -2,12 +2,24 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import time
 from random import Random
 from typing import Any, ClassVar
 
 from rapc.live import Action, AsyncAction, Driver, SimulatedClock
-from rapc.world import Atom, Datum, Fact, HandlerMemory, Handlers, Kit, Offer, Reply
+from rapc.world import (
+    Atom,
+    Datum,
+    Fact,
+    HandlerMemory,
+    Handlers,
+    Kit,
+    Offer,
+    Reply,
+    Time,
+)
 
 LIBRARY = """
 (declare-primitive drive (?room) (okay blocked timeout)
@@ -119,3 +131,25 @@ class Polled(SimulatedRover):
             self.send(Datum(("battery", percent)))
             percent -= 1
             action.sleep(0.5)
+
+
+class Printing(SimulatedRover):
+    """A rover that prints what its body does."""
+
+    def note(self, *what: Atom) -> None:
+        print(*what)
+
+
+class StoppedInRequest(Printing):
+    """A rover that gets SIGTERM before the interpreter knows of its first drive."""
+
+    def perform(self, ticket: int, request: Fact) -> Any:
+        super().perform(ticket, request)
+        os.kill(os.getpid(), signal.SIGTERM)
+
+
+class StoppedInWait(Printing):
+    """A rover that gets SIGTERM during its first drive."""
+
+    def advance(self, to: Time) -> None:
+        os.kill(os.getpid(), signal.SIGTERM)
