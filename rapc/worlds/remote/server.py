@@ -3,7 +3,8 @@
 `serve` answers calls on standard input. If the world has a method `halt`, a watchdog
 calls `halt` in a thread of its own when the interpreter has sent nothing for `PERIOD`
 seconds after the first request, or has closed the connection. `halt` stops the body; a
-world reports the halt like other events of its threads, by a message.
+world reports the halt like other events of its threads, by a message. At the end of a
+connection the server calls `close`, if the world has this method and cannot resume.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ import threading
 import time
 import traceback
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -214,8 +216,11 @@ class Connection:
             self._leave()
 
     def _leave(self) -> None:
-        """Keep the world for `resume`."""
+        """Keep the world for `resume`; close a driver that cannot resume."""
         served = self._served
+        close = getattr(self._world, "close", None)
+        if close is not None and not isinstance(self._world, Resumable):
+            close()
         if self._world is not None:
             with served.changed:
                 served.left = self._world
@@ -513,5 +518,10 @@ def listen(world: type[World], address: str, code: str = "") -> None:
 
 
 def _serve_socket(served: Served, made: socket.socket) -> None:
-    with made, made.makefile("rb") as reader, made.makefile("wb") as writer:
+    with (
+        suppress(BrokenPipeError),  # an answer that the interpreter does not read
+        made,
+        made.makefile("rb") as reader,
+        made.makefile("wb") as writer,
+    ):
         Connection(served, reader, writer).run()
