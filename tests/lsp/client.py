@@ -8,7 +8,7 @@ from __future__ import annotations
 import asyncio
 import sys
 import threading
-from collections.abc import Coroutine
+from collections.abc import Coroutine, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -33,7 +33,7 @@ class Editor:
         self,
         *folders: Path,
         like: str = "emacs",
-        options: dict[str, Any] | None = None,
+        options: Mapping[str, Any] | None = None,
         encodings: list[types.PositionEncodingKind] | None = None,
     ) -> None:
         self._loop = asyncio.new_event_loop()

@@ -6,7 +6,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from pathlib import Path
 from statistics import median
 
@@ -101,20 +102,20 @@ def told(name: str, size: int, value: float) -> None:
     print(f"{size:5} RAPs  {name:24} {1000 * value:7.1f} ms")
 
 
-def opened(folder: Path, options: dict[str, float]) -> tuple[Editor, str]:
+def opened(folder: Path, options: Mapping[str, float]) -> tuple[Editor, str]:
     editor = Editor(folder, options=options)
     uri = editor.open(folder / "raps-5.rap")
     editor.findings(uri)
     return editor, uri
 
 
-def edits(editor: Editor, uri: str, options: dict[str, float]) -> Iterator[float]:
+def edits(editor: Editor, uri: str, options: Mapping[str, float]) -> Iterator[float]:
     """Yield the time of each of some edits to the findings, beyond the delay."""
     for at in range(9):
         old, new = ("t1 (task", "t1 (tusk") if at % 2 == 0 else ("t1 (tusk", "t1 (task")
         wanted = "unknown-rap" if at % 2 == 0 else None
-        before = seconds(lambda o=old, n=new: editor.edit(uri, o, n))
-        taken = seconds(lambda w=wanted: editor.until(uri, w))
+        before = seconds(partial(editor.edit, uri, old, new))
+        taken = seconds(partial(editor.until, uri, wanted))
         yield before + taken - options["errorDelay"] / 1000
 
 
@@ -157,7 +158,7 @@ def test_questions_are_answered_while_checks_run(folder: Path, size: int) -> Non
         for at in range(40):
             editor.edit(uri, "; Bring", "; Bring")
             where = params(**editor.of(uri, "task-", at % 9))
-            times.append(seconds(lambda m=method, w=where: editor.ask(m, w)))
+            times.append(seconds(partial(editor.ask, method, where)))
         told(name, size, median(times))
         told(f"{name}, slowest", size, max(times))
         assert median(times) <= LIMITS[size]["asked"]
