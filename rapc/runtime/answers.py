@@ -243,7 +243,9 @@ class RecordedWorld(Wrapper):
         #: The time to return once: a restored run reads the clock to check it.
         self._restored: Time | None = None
         super().__init__(world)
-        answers.position = answers.position._replace(time=world.now())
+        #: The time before the first reading of the clock.
+        self._begun = world.now()
+        answers.position = answers.position._replace(time=self._begun)
 
     def enclose(self, world: World) -> None:
         """Replace the wrapped world."""
@@ -373,4 +375,5 @@ class RecordedWorld(Wrapper):
             self.answers.readings = max(self.answers.readings, saved.position.readings)
         self.requests, self.skills = saved.requests, saved.skills
         self.received = saved.received
-        self._restored = saved.position.time
+        time = saved.position.time
+        self._restored = self._begun if time is None else time
