@@ -257,6 +257,7 @@ class Driver(World, ABC):
             self._cancel(action)
         if self._loop is not None:
             self._loop.call_soon_threadsafe(self._loop.stop)
+            self._loop = None
 
     # --- the world --------------------------------------------------------------------
 
