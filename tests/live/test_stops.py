@@ -51,3 +51,10 @@ def test_log_has_failed_tasks_as_warnings(caplog: pytest.LogCaptureFixture) -> N
     rover.close()
     warned = [one.getMessage() for one in caplog.records if one.levelname == "WARNING"]
     assert any("(go-to cellar)" in line for line in warned)
+
+
+def test_driver_may_be_closed_twice() -> None:
+    library, rover = rapc.loads(LIBRARY), SimulatedRover()
+    rapc.run(library, rover, "(see hall)")
+    rover.close()
+    rover.close()
