@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import time
+from collections.abc import Mapping
 from random import Random
 from typing import Any, ClassVar
 
@@ -74,7 +75,7 @@ class Rover(Driver):
         ),
         Handlers(data={"stall": stall}),
     )
-    timeouts: ClassVar = {"drive": 10}
+    timeouts: ClassVar[Mapping[str, float]] = {"drive": 10}
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         super().__init__(*args, **kwargs)
