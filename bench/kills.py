@@ -1,10 +1,12 @@
 """Runs with a journal, killed and cut: the resumed trace is that of a whole run.
 
-    python -m bench.kills [--kills N] [--cuts N] [--seed N]
+    python -m bench.kills [--kills N] [--cuts N] [--live N] [--seed N]
 
 Each run is a process of its own, and is ended with SIGKILL after a random time, then
 resumed and killed again until it ends. The last journal of each run is then cut off at
-random bytes: a resumed run has the same trace, or is refused in one line.
+random bytes: a resumed run has the same trace, or is refused in one line. A robot in a
+process of its own then gets 150 requests from runs that are killed at least 10 times
+each, and must do each request exactly once.
 """
 
 from __future__ import annotations
@@ -14,9 +16,12 @@ import os
 import random
 import shutil
 import signal
+import subprocess
 import sys
 import tempfile
 import time
+import traceback
+from collections import Counter
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -24,6 +29,12 @@ from typing import NamedTuple
 
 from rapc.cli.main import main as rapc
 from rapc.durable import journal
+from rapc.durable.folder import Options
+from rapc.durable.runs import Resumption, begin, enclosed
+from rapc.host import loads
+from rapc.runtime.interpreter import Interpreter
+from rapc.spec import RunSpec
+from tests.durable import peer as live
 
 HERE = Path(__file__).parents[1]
 
@@ -40,6 +51,12 @@ CYCLES = (10, 100, 1000)
 """The numbers of cycles between two snapshots, in turn."""
 
 REFUSED = 2
+
+JOBS = 75
+"""The number of jobs of a robot in a process of its own, each after a look."""
+
+KILLS = 12
+"""The number of kills of such a run."""
 
 
 class Counts(NamedTuple):
@@ -155,6 +172,64 @@ class Killed:
         return True
 
 
+def live_run(socket: str, folder: Path) -> None:
+    """Begin or resume the run of a peer in this process; end the process."""
+    library = loads(live.library(JOBS)).program
+    call = live.at(socket)
+    spec = RunSpec(tasks=("(all)",))
+    journalled, trace = folder / "journal", folder / "trace.jsonl"
+    if (journalled / "meta").exists():
+        found = Resumption(journalled, library)
+        world = enclosed(found.stored.meta)(live.ResumablePeer(call))
+        run = Interpreter.prepared(found.program, world, spec)
+        durable = found.resume(run, Options(), lambda request: "fail", trace=trace)
+    else:
+        shutil.rmtree(journalled, ignore_errors=True)
+        run = Interpreter.prepared(library, live.ResumablePeer(call), spec)
+        durable = begin(journalled, run, Options(), trace=trace)
+    assert durable.go() == "done"
+    durable.close()
+
+
+def killed_live(kills: int, rng: random.Random, folder: Path) -> int:
+    """Kill a run with a peer some times, at least; return how often it was killed.
+
+    Raises:
+        AssertionError: if a request was not done exactly once.
+    """
+    socket = str(folder / "socket")
+    command = [sys.executable, "-m", "tests.durable.peer", socket]
+    done = 0
+    with subprocess.Popen(command, cwd=HERE, stdout=subprocess.PIPE) as peer:
+        assert peer.stdout is not None
+        peer.stdout.readline()
+        while True:
+            process = os.fork()
+            if not process:
+                try:
+                    live_run(socket, folder)
+                    os._exit(0)
+                except BaseException:
+                    traceback.print_exc()
+                    os._exit(1)
+            if done < kills:
+                time.sleep(rng.uniform(0.05, 0.35))
+                os.kill(process, signal.SIGKILL)
+            status = ended(process)
+            if status != -signal.SIGKILL:
+                break
+            done += 1
+        call = live.at(socket)
+        started, finished, _ = call("counts")
+        call("stop")
+    if status:
+        raise AssertionError(f"status {status}")
+    wanted = {(name, n): 1 for name in ("look", "work") for n in range(1, JOBS + 1)}
+    if not dict(started) == dict(finished) == wanted:
+        raise AssertionError(f"{started - finished}, {finished - Counter(wanted)}")
+    return done
+
+
 def measured(kills: int, cuts: int, seed: int, folder: Path) -> dict[str, Counts]:
     """Kill and cut runs; return how many were resumed and refused, by run."""
     rng, found = random.Random(seed), {}
@@ -195,8 +270,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--kills", type=int, default=1000)
     parser.add_argument("--cuts", type=int, default=1000)
+    parser.add_argument("--live", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
     given = parser.parse_args()
+    rng, done = random.Random(given.seed), 0
+    while done < given.live:
+        with tempfile.TemporaryDirectory() as folder:
+            done += killed_live(KILLS, rng, Path(folder))
+    print(f"{done} kills with a live robot: each request done once")
     with tempfile.TemporaryDirectory() as folder:
         found = measured(given.kills, given.cuts, given.seed, Path(folder))
     for name, counts in found.items():

@@ -31,7 +31,7 @@ from rapc.world import (
     World,
 )
 
-SPEED = 100
+SPEED = 50
 """Time units in a second of real time."""
 
 JOB = 3
@@ -244,6 +244,7 @@ def serve(socket: str) -> None:
                     while True:
                         name, *args = connection.recv()
                         if name == "stop":
+                            connection.send(None)
                             return
                         try:
                             connection.send(getattr(peer, name)(*args))
