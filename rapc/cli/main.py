@@ -36,6 +36,7 @@ COMMANDS = {
     "view": "Write a page that shows a run.",
     "plan": "Find a plan for a goal.",
     "bug": "Write a run to one file, to be repeated elsewhere.",
+    "journal": "Describe, verify, cut and convert journals of runs.",
     "compare": "Compare two runs, or two libraries over seeds.",
     "experiment": "Run a batch of seeded runs and summarise the results.",
     "test": "Run the tests of RAP libraries.",

@@ -41,6 +41,9 @@ from rapc.worlds.scripted import ScriptedWorld
 RECORDED = ".jsonl"
 """The suffix of the files of recorded runs."""
 
+META = "meta"
+"""The file in the folder of a journal (`rapc.durable.folder`)."""
+
 _NO_SCRIPT = "the script of its world is not part of the file"
 
 EXAMPLES = """\b
@@ -50,6 +53,8 @@ Examples:
   rapc repl rocks.rap --world truck --agenda deliveries --json < commands
   rapc repl run.jsonl
   rapc repl rocks.bug
+  rapc repl day-1
+  rapc repl --attach day-1
   rapc repl
 """
 
@@ -68,6 +73,12 @@ Examples:
     help="Debugger command (repeatable); standard input is not read.",
 )
 @click.option(
+    "--attach",
+    type=click.Path(file_okay=False),
+    metavar="FOLDER",
+    help="Follow the run of a journal that goes on.",
+)
+@click.option(
     "--json", "as_json", is_flag=True, help="Write each answer as one line of JSON."
 )
 def repl(
@@ -75,10 +86,15 @@ def repl(
     world_name: str | None,
     given: Sequence[str],
     as_json: bool,
+    attach: str | None,
     until: float | None,
     **more: Any,
 ) -> None:
     """Debug a run of the library at PATH in a world, or a recorded or reported run.
+
+    PATH may also be the folder of a journal. With --attach, `:run` and `:step` wait for
+    a run that goes on in another process; Ctrl-C stops the wait. A world that cannot be
+    saved is not asked anything: what the journal does not have is unknown.
 
     Without PATH, the library is empty: type RAP forms to try them. A library without
     primitives and skills requires no world. On a terminal, `:help` at the prompt lists
@@ -87,7 +103,12 @@ def repl(
 
     Exit status: 0; 1 if a command of a script failed; 2 if the run could not start.
     """
-    shell = shell_of(path, world_name, until=until, **more)
+    if attach is not None:
+        if any((path, until, *more.values())):
+            fail("cannot change the start of a run with --attach")
+        shell = opened_journal(Path(attach), world_name, follow=True)
+    else:
+        shell = shell_of(path, world_name, until=until, **more)
     color = settings().colored()
     if sys.stdin.isatty() and sys.stdout.isatty() and not (given or as_json):
         from rapc.repl.prompt import Prompt, history_file
@@ -119,13 +140,15 @@ def shell_of(
         library = loads("", TYPED)
         world = ScriptedWorld([], declared=library.program.library)
         shell = Shell(History.open(library, world, seed=more["seed"]), commands())
-    elif path.endswith((RECORDED, SUFFIX)):
+    elif path.endswith((RECORDED, SUFFIX)) or (Path(path) / META).is_file():
         if any((*more.values(), until)):
             fail(
                 "cannot change the start of a recorded run",
                 "remove all options of the run but --world",
             )
         opened = _recorded if path.endswith(RECORDED) else _reported
+        if not path.endswith((RECORDED, SUFFIX)):
+            opened = opened_journal
         shell = opened(Path(path), world_name)
     else:
         program = load_checked(path)
@@ -138,6 +161,33 @@ def shell_of(
         ready = prepared(program, spec, world_name)
         shell = Shell(history_of(ready, end), commands(), [path])
     return shell
+
+
+def opened_journal(
+    path: Path, world_name: str | None, *, follow: bool = False, at_end: bool = True
+) -> Shell:
+    """Return a shell for the run of a journal.
+
+    Args:
+        path: the folder of the journal.
+        world_name: the world, if the user has named it.
+        follow: whether to wait for further records while the run goes on.
+        at_end: whether to go to the end of the journal.
+    """
+    from rapc.durable.opening import Opened
+
+    opened = Opened(path, follow=follow)
+    spec = opened.spec
+    missing = _missing_world(spec, world_name, path)
+    if missing:
+        fail(f"cannot open `{path}`: {missing}")
+    ready = prepared(
+        opened.program(), spec, world_name or spec.world, build=opened.build
+    )
+    history = opened.history(ready)
+    if at_end:
+        opened.go_to_end(history)
+    return Shell(history, commands(), [spec.library], str(opened))
 
 
 def _asks_a_world(library: Library) -> bool:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, TypeVar
 
 import click
 
-from rapc.base.values import number
+from rapc.base.values import Atom, number
 from rapc.cli.options import WholeNumber, fail
 from rapc.compiler.program import Program
 from rapc.errors import FactError, RefusedError, SettingError, TextError
@@ -26,6 +26,7 @@ from rapc.worlds.registry import find_world
 F = TypeVar("F", bound=Callable[..., Any])
 T = TypeVar("T")
 R = TypeVar("R")
+Build = Callable[[type[World], int, Mapping[str, Atom | bool]], World]
 
 
 def run_options(command: F) -> F:
@@ -175,6 +176,7 @@ def prepared(
     spec: RunSpec,
     world_name: str | None = None,
     enclose: Callable[[World], World] = lambda world: world,
+    build: Build = registry.build_world,
 ) -> Interpreter:
     """Return a run of a library that can start; else end the command.
 
@@ -183,6 +185,7 @@ def prepared(
         spec: the description of the run.
         world_name: the name of the world of the spec, as for `read_spec`.
         enclose: returns the world in a wrapper, if necessary.
+        build: makes the world.
     """
     world: World
     if world_name is None:
@@ -192,7 +195,7 @@ def prepared(
     else:
         found = find_world(world_name)
         options = registry.check_options(found, spec.options)
-        world = registry.build_world(found, spec.seed, options)
+        world = build(found, spec.seed, options)
     from rapc.host import find_plan
 
     world = enclose(_with_faults(world, library.library, spec))

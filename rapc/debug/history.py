@@ -537,6 +537,11 @@ class History:
         """
         self._paused = wanted
 
+    @property
+    def paused(self) -> bool:
+        """Whether the run is to stop after the current or next cycle."""
+        return self._paused
+
     # --- other moments --------------------------------------------------------------
 
     def goto(self, cycle: int | Moment, *, heed: bool = False) -> Stop:

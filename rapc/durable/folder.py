@@ -16,6 +16,7 @@ import fcntl
 import hashlib
 import os
 import re
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -38,6 +39,10 @@ LOCK = "lock"
 _NAME = re.compile(r"(journal|snapshot)-(\d{6,9})")
 _PART_HEAD = b"rapc-journal 1\n"
 _HEAD = re.compile(rb"rapc-(meta|snapshot) (\d{1,9}) ([0-9a-f]{64})\n")
+
+
+_LOOK = 0.02
+"""The time in seconds after which the lock is tried again."""
 
 
 class Options(msgspec.Struct, frozen=True):
@@ -234,10 +239,7 @@ def read(folder: Path, *, whole: bool = False) -> Stored:
         try:
             snapshot = None
             if number in snapshots:
-                path = snapshot_file(folder, number)
-                snapshot = _unsealed("snapshot", Snapshot, path)
-                if snapshot.number != number:
-                    raise LoadError(f"`{path}` is damaged")
+                snapshot = read_snapshot(folder, number)
             elif number != 1:
                 continue
             found = tuple(
@@ -248,6 +250,15 @@ def read(folder: Path, *, whole: bool = False) -> Stored:
         except LoadError as error:
             wrong = wrong or error
     raise wrong or LoadError(f"`{folder}` is not a journal")
+
+
+def read_snapshot(folder: Path, number: int) -> Snapshot:
+    """Return a snapshot. Raises LoadError."""
+    path = snapshot_file(folder, number)
+    snapshot: Snapshot = _unsealed("snapshot", Snapshot, path)
+    if snapshot.number != number:
+        raise LoadError(f"`{path}` is damaged")
+    return snapshot
 
 
 def read_part(folder: Path, number: int, *, is_last: bool, start: int = 0) -> Part:
@@ -358,13 +369,18 @@ class Lock:
             self._file = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
         except OSError as error:
             raise WriteError(f"cannot write `{path}`: {reason(error)}") from error
-        try:
-            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as error:
-            os.close(self._file)
-            raise StateError(
-                f"cannot run the journal `{folder}`: another process runs it"
-            ) from error
+        for wait in (_LOOK, 0):
+            try:
+                fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                break
+            except OSError as error:
+                if wait:  # `is_running` has the lock for a moment
+                    time.sleep(wait)
+                    continue
+                os.close(self._file)
+                raise StateError(
+                    f"cannot run the journal `{folder}`: another process runs it"
+                ) from error
 
     def release(self) -> None:
         """Release the lock."""
@@ -378,7 +394,7 @@ def is_running(folder: Path) -> bool:
     except OSError:
         return False
     try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
     except OSError:
         return True
     finally:

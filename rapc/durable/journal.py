@@ -234,11 +234,12 @@ class Journal:
         clock = time.monotonic()
         cycle, since = self._last
         due = run.cycle - cycle >= CYCLES or clock - since >= SECONDS
-        if due and run.cycle > cycle and run.reason is None:
-            self.snapshot(trace, arrivals)
-        elif clock >= self._next_progress:
+        due = due and run.cycle > cycle and run.reason is None
+        if due or clock >= self._next_progress:
             self._next_progress = clock + _PROGRESS
             self._write(Reached(self._readings, run.cycle, run.now))
+        if due:
+            self.snapshot(trace, arrivals)
 
     def snapshot(self, trace: Trace | None, arrivals: int = 0) -> None:
         """Write a snapshot and begin a new part.
