@@ -72,6 +72,7 @@ ACTS: Mapping[str, str] = {
     "History.last": "reads `scan`, which is asked",
     "History.open": "begins a run",
     "History.pause": "stops the run",
+    "History.paused": "says what it is",
     "History.reach": "runs on",
     "History.seek": "goes to a cycle, as `goto` does",
     "History.step": "runs on",
