@@ -217,7 +217,7 @@ class Driver(World, ABC):
     def stop_body(self) -> None:
         """Stop the machine at once; called by the watchdog, from any thread.
 
-        Afterwards the driver cancels the actions under way.
+        The driver has cancelled the actions under way, which end at the same time.
         """
 
     def send(self, message: Message) -> None:
@@ -237,16 +237,21 @@ class Driver(World, ABC):
     def halt(self) -> None:
         """Stop the body; the requests under way end as `Lost`. Called by watchdogs."""
         _LOG.error("no sign of life for %g s: the body is stopped", PERIOD)
-        self.stop_body()
-        with self._changed:
-            halted = list(self._actions.items())
-            for ticket, action in halted:
-                self._drop(ticket, action)
-                reason = f"the interpreter gave no sign of life for {PERIOD:g} s"
-                self._inbox.append(Lost(ticket, reason))
-            self._changed.notify_all()
+        halted = list(self._actions.items())
         for _, action in halted:
             action._cancel()
+        try:
+            self.stop_body()
+        finally:
+            with self._changed:
+                for ticket, action in halted:
+                    if self._actions.get(ticket) is action:
+                        self._drop(ticket, action)
+                        reason = (
+                            f"the interpreter gave no sign of life for {PERIOD:g} s"
+                        )
+                        self._inbox.append(Lost(ticket, reason))
+                self._changed.notify_all()
 
     def close(self) -> None:
         """Cancel all actions and jobs, and wait until they have ended."""
@@ -376,7 +381,8 @@ class Driver(World, ABC):
         """Take in the end of an action; called in its thread."""
         with self._changed:
             ticket = action.ticket
-            if ticket is not None and self._actions.get(ticket) is action:
+            known = ticket is not None and self._actions.get(ticket) is action
+            if ticket is not None and known and not action.cancelled:
                 self._forget(ticket)
                 if error is None:
                     self._inbox.append(Finished(ticket, _reply(result)))
@@ -401,7 +407,8 @@ class Driver(World, ABC):
     def _drop(self, ticket: int, action: Action) -> None:
         """Take no result from an action any more."""
         self._forget(ticket)
-        self._others.append(action)
+        if not action._over.is_set():
+            self._others.append(action)
 
     def _cancel(self, action: Action) -> None:
         action._cancel()

@@ -155,4 +155,5 @@ def test_halt_stops_the_body_and_reports_lost_requests() -> None:
     rover.halt()
     assert [type(one).__name__ for one in rover.messages()] == ["Lost"]
     rover.close()
-    assert rover.log == [(0, "drive", "hall"), (0, "halt"), (0, "stop", "hall")]
+    assert rover.log[0] == (0, "drive", "hall")
+    assert sorted(rover.log[1:]) == [(0, "halt"), (0, "stop", "hall")]

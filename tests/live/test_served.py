@@ -21,4 +21,6 @@ def test_end_of_the_connection_halts_and_closes_the_driver() -> None:
     _, told = answers(Kept, opening, request)
     assert told["result"]["next"] == "unknown"
     assert Kept.last._watchdog.armed is False
-    assert [one[1] for one in Kept.last.log] == ["drive", "halt", "stop"]
+    acts = [one[1] for one in Kept.last.log]
+    assert acts[0] == "drive"
+    assert sorted(acts[1:]) == ["halt", "stop"]
