@@ -394,7 +394,9 @@ class Driver(World, ABC):
             else:
                 if action in self._others:
                     self._others.remove(action)
-                if error is not None and not isinstance(error, OSError):
+                if isinstance(error, OSError) and action.cancelled:
+                    _LOG.error("a cancelled action failed: %s", error)
+                elif error is not None:
                     self._error = self._error or error
             action._over.set()
             self._changed.notify_all()

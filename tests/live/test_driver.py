@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 import rapc
-from rapc.live import Driver, SimulatedClock
+from rapc.live import Action, Driver, SimulatedClock
 from rapc.world import Fact, Kit, Offer
 from tests.live.rover import LIBRARY, Polled, Rover, SimulatedRover
 
@@ -157,3 +157,19 @@ def test_halt_stops_the_body_and_reports_lost_requests() -> None:
     rover.close()
     assert rover.log[0] == (0, "drive", "hall")
     assert sorted(rover.log[1:]) == [(0, "halt"), (0, "stop", "hall")]
+
+
+class Unplugged(SimulatedRover):
+    """A rover whose job loses the connection."""
+
+    def connect(self) -> None:
+        self.start(self.read)
+
+    def read(self, action: Action) -> None:
+        action.sleep(1)
+        raise ConnectionResetError("the cable is out")
+
+
+def test_fault_of_a_job_ends_the_run() -> None:
+    with pytest.raises(rapc.PortError, match="the cable is out"):
+        _run(Unplugged(), "(go-to hall)")
