@@ -9,7 +9,8 @@ from contextlib import ExitStack, contextmanager
 from functools import partial
 from itertools import chain
 from pathlib import Path
-from typing import Any, TextIO, get_type_hints
+from threading import Event as Signal
+from typing import TYPE_CHECKING, Any, TextIO, get_type_hints
 
 import click
 import msgspec
@@ -49,6 +50,9 @@ from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.task_request import TaskRequest
 from rapc.spec import RunSpec
 from rapc.world import Drawable, Picture, Time
+
+if TYPE_CHECKING:
+    from rapc.view.live import Live
 
 EXAMPLES = """\b
 Examples:
@@ -114,6 +118,15 @@ _MOST_TOLD = 60_000
     metavar="N",
     help="Print every Nth frame if --show writes to a file or pipe.",
 )
+@click.option(
+    "--view",
+    "port",
+    type=click.IntRange(0, 65535),
+    is_flag=False,
+    flag_value=0,
+    metavar="[PORT]",
+    help="Serve the page of the run on this computer until Ctrl-C.",
+)
 @options_of(JournalOptions)
 def run(
     path: str | None,
@@ -126,6 +139,7 @@ def run(
     kept: str | None,
     show: bool,
     show_every: int | None,
+    port: int | None,
     **more: Any,
 ) -> None:
     """Run tasks of the library at PATH against a world.
@@ -150,6 +164,11 @@ def run(
     method that a problem solver has found, also after Ctrl-C. A run of FILE has these
     methods from the start.
 
+    With --view, a server on this computer shows the run in a browser while the run goes
+    on. Standard error has the address. Readers need its token; they see the run from
+    its start. Without PORT, the server takes a free port. After the end of the run the
+    server waits for Ctrl-C.
+
     With --journal, the run can be resumed after the end of its process: `rapc run
     --resume FOLDER` continues the run and its trace. FOLDER names the world, whose code
     is run: resume only journals that you trust.
@@ -162,6 +181,8 @@ def run(
         raise click.UsageError("--show-every requires --show")
     if save is not None and until is None:
         raise click.UsageError("--save requires --until")
+    if port is not None and (more["journal"] or more["resume"]):
+        raise click.UsageError("--view cannot be used with --journal or --resume")
     keep = _keeping(kept)
     traced = trace, trace_format, trace_pictures
     course = _course(path, world_name, until, save, traced, more)
@@ -185,6 +206,7 @@ def run(
                     stream = stack.enter_context(_opened(trace))
                     form = JsonTrace if trace_format == "jsonl" else TextTrace
                     interpreter.listen(form(stream))
+            live = None if port is None else _served(interpreter, str(path), port)
             interpreter.listen(report, *RunReport.kinds)
             interpreter.listen(mended, *MendedFailures.kinds)
             interpreter.listen(
@@ -196,7 +218,36 @@ def run(
         if save is not None:
             _save_at(course, save)
         course.go()
-    _tell_end(course.run, report, mended, known)
+    try:
+        _tell_end(course.run, report, mended, known)
+    finally:
+        if live is not None:
+            _wait_for_readers(live)
+
+
+def _served(interpreter: Interpreter, name: str, port: int) -> Live:
+    """Serve the page of a run; a port that cannot be used ends the command."""
+    from rapc.view.live import Live
+    from rapc.view.page import live_page
+
+    try:
+        live = Live(live_page(interpreter, name), port)
+    except OSError as error:
+        fail(f"cannot serve the page: {reason(error)}")
+    interpreter.listen(JsonTrace(live.feed))
+    click.echo(f"view: {live.address}", err=True)
+    return live
+
+
+def _wait_for_readers(live: Live) -> None:
+    """Serve the page of a run that has ended until Ctrl-C."""
+    live.feed.ended.set()
+    try:
+        with terminations_as_interrupts():
+            click.echo("the run has ended; Ctrl-C stops the server", err=True)
+            Signal().wait()
+    except KeyboardInterrupt:
+        live.close()
 
 
 def _show_run(

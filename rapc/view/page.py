@@ -14,7 +14,8 @@ from pathlib import Path
 
 import msgspec
 
-from rapc.view.viewed import Viewed, comparison
+from rapc.runtime.interpreter import Interpreter
+from rapc.view.viewed import Viewed, comparison, sources
 from rapc.worlds.registry import OWN, find_world
 
 _SOURCES = Path(__file__).parent / "page"
@@ -38,8 +39,21 @@ def page(views: Sequence[Viewed] = ()) -> str:
     return composed(BEGINNING, _SCRIPTS, "index.html", _data(views))
 
 
+def live_page(run: Interpreter, name: str) -> str:
+    """Return the page of a run that goes on: it requests the events of the run."""
+    sensors = sorted(run.world.kit.offer.sensors)
+    more = {"name": name, "sensors": sensors, **sources(run.library)}
+    data = (*_data(()), json_element("live", more))
+    policy = "connect-src 'self'"
+    return composed(BEGINNING, _SCRIPTS, "index.html", data, policy)
+
+
 def composed(
-    beginning: str, scripts: Sequence[str], body: str, data: Iterable[str]
+    beginning: str,
+    scripts: Sequence[str],
+    body: str,
+    data: Iterable[str],
+    *policies: str,
 ) -> str:
     """Return a page.
 
@@ -48,6 +62,7 @@ def composed(
         scripts: the files of the scripts.
         body: the file of the markup; the style of its name is added to that of pages.
         data: the elements with the data.
+        policies: more parts of the policy.
     """
     own = {"index.html": "map.css"}.get(body, body.replace(".html", ".css"))
     style = _read("style.css") + _read(own)
@@ -60,6 +75,7 @@ def composed(
             f"style-src '{_hash(style)}'",
             "base-uri 'none'",
             "form-action 'none'",
+            *policies,
         )
     )
     return "".join(

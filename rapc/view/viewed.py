@@ -22,6 +22,8 @@ from rapc.runtime.events.trace import JsonTrace
 from rapc.view.pictures import Pictures, scene_at
 from rapc.view.scene import Scene
 
+_NO_SOURCES: dict[str, Any] = {"sources": {}, "raps": {}}
+
 
 class Viewed(msgspec.Struct):
     """A run to view.
@@ -61,17 +63,11 @@ class Viewed(msgspec.Struct):
 
     def more(self) -> dict[str, Any]:
         """Return what the page knows beside the trace, as plain data."""
-        sources, raps = {}, {}
-        if self.program is not None:
-            files = self.program.library.files
-            sources = {name: source.text for name, source in files.items()}
-            raps = _raps(self.program)
         return {
             "name": self.name,
             "note": self.note,
             "sensors": sorted(sensors_of(self.history)),
-            "sources": sources,
-            "raps": raps,
+            **(_NO_SOURCES if self.program is None else sources(self.program)),
             "beliefs": _beliefs(self.history),
             "pictures": self.pictures.changes,
         }
@@ -125,6 +121,13 @@ def _beliefs(history: History) -> list[dict[str, Any]]:
         }
         for one in history.branch.discrepancies.all
     ]
+
+
+def sources(program: Program) -> dict[str, Any]:
+    """Return the texts and the RAPs of a library, as plain data."""
+    files = program.library.files
+    texts = {name: source.text for name, source in files.items()}
+    return {"sources": texts, "raps": _raps(program)}
 
 
 def _raps(program: Program) -> dict[str, Any]:

@@ -13,6 +13,9 @@ import pytest
 from playwright.sync_api import Browser, Page
 
 from bench.browser import browser, chromium
+from rapc import load
+from rapc.view.live import Live
+from rapc.view.page import live_page
 from rapc.view.page import page as page_text
 from tests.cli.command import rapc
 
@@ -388,3 +391,29 @@ def test_hostile_traces_change_nothing_but_text(
         assert counts[0] == counts[1], HOSTILE[seed % len(HOSTILE)][:80]
     assert shown.page.evaluate("window.harm") is None
     shown.close()
+
+
+def test_page_follows_a_run_that_goes_on(
+    opened: Browser, pages: dict[str, Path]
+) -> None:
+    lines = pages["trace"].read_text().splitlines(keepends=True)
+    run = load(COURIER[0]).start("courier")
+    live = Live(live_page(run, "courier"))
+    page = opened.new_page()
+    faults: list[str] = []
+    page.on("pageerror", lambda one: faults.append(str(one)))
+    for line in lines[:100]:
+        live.feed.write(line)
+    page.goto(live.address)
+    page.wait_for_selector('html[data-events="100"]', state="attached")
+    assert page.get_attribute("html", "data-moment") == "99"
+    for line in lines[100:]:
+        live.feed.write(line)
+    live.feed.ended.set()
+    shown = f'html[data-events="{len(lines)}"]'
+    page.wait_for_selector(shown, state="attached")
+    assert page.inner_text("#verdict").startswith("done at time ")
+    assert page.get_attribute("html", "data-moment") == str(len(lines) - 1)
+    page.close()
+    live.close()
+    assert faults == []

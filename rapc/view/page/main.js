@@ -463,9 +463,49 @@ function wire() {
     });
 }
 
+/** The least number of milliseconds between two pictures of a run that goes on. */
+const REFRESH = 250;
+
+/** Show a run that goes on. A reader at its last event stays at its last event. */
+function follow(more) {
+  const events = [];
+  let timer = 0;
+  let cost = 0;
+  const refresh = () => {
+    timer = 0;
+    const begun = performance.now();
+    const before = app;
+    const run = new Run(events.slice(), more);
+    if (!before) start([run], [more], null);
+    else {
+      app = new App([run], [more], null);
+      app.fact = before.fact;
+      if (before.view.to - before.view.from < before.whole.to - before.whole.from)
+        Object.assign(app.view, before.view);
+      byId("verdict").replaceChildren();
+      app.begin();
+      const at = before.at === before.run.last ? run.last : before.at;
+      app.go(at, before.task ? { task: before.task.number } : {});
+      document.documentElement.dataset.events = run.events.length;
+    }
+    cost = performance.now() - begun;
+  };
+  const source = new EventSource("events");
+  source.addEventListener("message", (message) => {
+    for (const line of message.data.split("\n")) events.push(JSON.parse(line));
+    timer = timer || setTimeout(refresh, Math.max(REFRESH, 4 * cost));
+  });
+  source.addEventListener("end", () => source.close());
+}
+
 async function main() {
   wire();
   worlds = JSON.parse((await embedded("worlds")) || "{}");
+  const live = await embedded("live");
+  if (live !== null) {
+    follow(JSON.parse(live));
+    return;
+  }
   const runs = [];
   const mores = [];
   for (let text = await embedded("trace-0"); text !== null; text = await embedded(`trace-${runs.length}`)) {
