@@ -74,6 +74,8 @@ def started(args: Sequence[str], errors: Path, cycles: int) -> int:
     journal.CYCLES = cycles
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
     os.dup2(os.open(errors, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), 2)
+    # those of a test write elsewhere
+    sys.stdout, sys.stderr = os.fdopen(1, "w"), os.fdopen(2, "w")
     status = 99
     try:
         rapc([*args, "-q"])
@@ -81,6 +83,7 @@ def started(args: Sequence[str], errors: Path, cycles: int) -> int:
         status = error.code if isinstance(error.code, int) else 1
     finally:
         sys.stdout.flush()
+        sys.stderr.flush()
         os._exit(status)
 
 

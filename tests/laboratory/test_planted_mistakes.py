@@ -61,8 +61,8 @@ MISTAKES: dict[str, list[Edit]] = {
     "repeat-while-dropped": [
         (
             "help.rap",
-            "(sample-at ?sample lost)))\n  (repeat-while (< (value ?calls) 6))",
-            "(sample-at ?sample lost)))",
+            "(sample-at ?sample rack))\n  (repeat-while (< (value ?calls) 6))",
+            "(sample-at ?sample rack))",
         )
     ],
     "counter-not-counted": [
@@ -80,7 +80,8 @@ MISTAKES: dict[str, list[Edit]] = {
             "arms.rap",
             """\
   (preconditions (and (arm-at ?arm ?place)
-                      (sample-at ?sample ?place)))
+                      (sample-at ?sample ?place)
+                      (not (sample-at ? ?arm))))
 """,
             "",
         )

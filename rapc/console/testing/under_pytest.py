@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -65,6 +65,9 @@ class RapTestFailure(Exception):
 
 class RapTest(pytest.Item):
     """One `define-test`, run under seed 0."""
+
+    #: No fixtures; plug-ins for Python tests read this of every item.
+    funcargs: Mapping[str, object] = {}
 
     def __init__(self, *, case: Case, **more: Any) -> None:
         super().__init__(**more)
