@@ -12,6 +12,8 @@ from __future__ import annotations
 import re
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from types import MappingProxyType
 
 from rapc.base.diagnostics import Edit, edited
 from rapc.base.files import STANDARD
@@ -29,6 +31,12 @@ from rapc.parser.unit import SourceUnit
 
 LOCAL: Sequence[Space] = ("variable", "tag")
 """The name spaces of names that only one form, or one RAP, knows."""
+
+_OWN: Sequence[Space] = ("method", "tag", "agenda")
+"""The name spaces of names that the code of a world does not use.
+
+A problem solver may use a RAP, and the variables of the RAP.
+"""
 
 _BUILT_IN = {"predicate": BUILTIN_NAMES, "kind": KNOWN_KINDS, "result": RESULTS}
 """The names that a program cannot define, by name space."""
@@ -51,8 +59,7 @@ class Naming:
 
     Args:
         libraries: the libraries, those of tests included; they may share files.
-        known: returns the reason why a name must not be renamed, or no text; for
-            example because the code of a world uses it.
+        in_code: the names that the code of worlds uses, each with its file.
         is_own: whether a file may be changed; by default, no standard library may.
     """
 
@@ -60,11 +67,11 @@ class Naming:
         self,
         libraries: Iterable[Loaded],
         *,
-        known: Callable[[Named], str] = lambda named: "",
+        in_code: Mapping[str, Path] = MappingProxyType({}),
         is_own: Callable[[str], bool] = lambda file: not file.startswith(STANDARD),
     ) -> None:
         self._libraries = tuple(libraries)
-        self._known = known
+        self._in_code = in_code
         self._is_own = is_own
         self._units: dict[str, SourceUnit] = {}
         self._beside: dict[str, dict[str, None]] = {}
@@ -204,9 +211,11 @@ class Naming:
             if not self._is_own(one.span.file):
                 text = f"cannot rename `{old}`: `{one.span.file}` uses it"
                 raise NamingError(text, "the file is not part of this project")
-        reason = self._known(named)
-        if reason:
-            raise NamingError(f"cannot rename `{old}`: {reason}")
+        is_local = named.space in _OWN or named.scope is not None
+        code = self._in_code.get(old) or self._in_code.get(old.removeprefix(":"))
+        if code is not None and not is_local:
+            text = f"cannot rename `{old}`: `{code}` uses it"
+            raise NamingError(text, "the code of a world knows the name")
         if self._is_taken(named, found, new):
             raise NamingError(f"cannot rename `{old}`: the name `{new}` is in use")
         edits = tuple([self._edit(one, new) for one in found])

@@ -246,6 +246,8 @@ class _Walk:
         outer = self.scope
         if rule in ("method", "define_method"):
             self.scope = Span(self.file, datum.start, datum.end)
+        elif rule == "event_pattern":
+            self.named = ""  # the RAP of the preceding pattern
         at, items = 0, datum.items
         for one in part.parts:
             at = self.take(one, items, at, rule)

@@ -12,6 +12,7 @@ from rapc.analysis.naming import Naming, NamingError
 from rapc.base.diagnostics import edited
 from rapc.ir import nodes
 from rapc.library.loader import Units, alike, load, load_tests, load_text, read_tests
+from rapc.worlds.source_names import names_in_code
 
 HOUSE = """
 (declare-kind room (hall den))
@@ -142,6 +143,19 @@ def test_renaming_to_a_word_of_the_language_is_refused() -> None:
     text = "(define-rap (go) (method (task-net (t1 (go) (window t1 0 3)))))"
     with pytest.raises(NamingError, match="`now` has a meaning here"):
         renamed(text, "t1", "now")
+
+
+def test_renaming_a_name_in_the_code_of_a_world_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "lab.py").write_text(
+        '"""On the day."""\nX = "(drive ?x)"\ndef seen(): ...'
+    )
+    code = names_in_code(["lab:World"], tmp_path)
+    assert set(code) == {"drive", "?x", "seen"}
+    naming = Naming([load_text(HOUSE, "house.rap")], in_code=code)
+    named = naming.at("house.rap", marked(HOUSE, "(drive") + 1)
+    assert named is not None
+    with pytest.raises(NamingError, match=r"cannot rename `drive`: `.*lab.py` uses it"):
+        naming.renamed(named, "steer")
 
 
 SHIPPED = [Path("stdlib/truck"), Path("stdlib/hallway"), Path("examples/courier")]
