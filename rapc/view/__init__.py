@@ -1,1 +1,1 @@
-"""Views of runs as one static HTML page, without server, network or library."""
+"""Views of runs as one HTML page, written to a file or served while the run goes on."""
