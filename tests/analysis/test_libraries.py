@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -9,6 +10,7 @@ import pytest
 from rapc.analysis.config_file import nearest_config
 from rapc.analysis.libraries import check_workspace, libraries_of
 from rapc.errors import LoadError
+from rapc.library import loader
 from tests.cli.command import rapc
 
 GO = "(define-rap (go ?where) (method (primitive (drive ?where))))\n"
@@ -80,9 +82,10 @@ def test_unreadable_file_is_a_library_of_its_own(tmp_path: Path) -> None:
     assert found == [(str(tmp_path / "a.rap"),), (str(tmp_path / "b.rap"),)]
 
 
-def test_copy_of_a_required_standard_library_keeps_its_name() -> None:
-    report = check_workspace("stdlib", nearest_config("stdlib"))
-    assert all(name.startswith("stdlib/") for name in report.files)
+def test_standard_library_in_a_workspace_has_a_name_below_it() -> None:
+    folder = os.fspath(Path(loader.__file__).parents[1] / "stdlib")
+    report = check_workspace(folder, nearest_config(folder))
+    assert all(name.startswith(f"{folder}/") for name in report.files)
 
 
 def test_unused_suppression_of_a_shared_file_is_reported_once(tmp_path: Path) -> None:
