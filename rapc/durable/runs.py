@@ -375,8 +375,7 @@ def _program(library: act_lines.Library, loaded: Program) -> Program:
 
 def _last_written(stored: Stored) -> float:
     """Return the time of the last record, in seconds."""
-    for part in reversed(stored.parts):
-        file = files.part_file(stored.folder, part.number)
-        if file.exists():
-            return file.stat().st_mtime
-    return files.snapshot_file(stored.folder, stored.last.number).stat().st_mtime
+    part = files.part_file(stored.folder, stored.last.number)
+    snapshot = files.snapshot_file(stored.folder, stored.last.number)
+    written = (part, snapshot, stored.folder / files.META)
+    return next(one.stat().st_mtime for one in written if one.exists())

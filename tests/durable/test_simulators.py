@@ -96,6 +96,22 @@ def test_incomplete_record_is_cut_off(courier: Run, cut: int) -> None:
     assert courier.trace.read_text() == courier.whole()
 
 
+@pytest.mark.parametrize("left", [0, 5])
+def test_run_killed_before_its_first_record_is_begun_again(
+    courier: Run, left: int
+) -> None:
+    courier.begin().close()
+    part = files.part_file(courier.journal, 1)
+    head = part.read_bytes()[:left]
+    part.unlink()
+    if head:
+        part.write_bytes(head)
+    resumed = courier.resume()
+    resumed.go()
+    resumed.close()
+    assert courier.trace.read_text() == courier.whole()
+
+
 def test_damaged_snapshot_is_replaced_by_the_one_before(courier: Run) -> None:
     durable = courier.begin()
     durable.reach(65)
