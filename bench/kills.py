@@ -159,7 +159,8 @@ class Killed:
         """Cut a file at a random byte, resume; return whether the run was resumed."""
         files = sorted(one for one in self.journal.iterdir() if one.stat().st_size)
         parts = [one for one in files if one.name.startswith("journal")]
-        file = self.rng.choice(parts[-1:] if self.rng.random() < 0.7 else files)
+        last = parts[-1:] if self.rng.random() < 0.7 else []
+        file = self.rng.choice(last or files)
         os.truncate(file, self.rng.randrange(file.stat().st_size))
         if self.rng.random() < 0.2 and self.trace.exists():
             os.truncate(self.trace, self.rng.randint(0, self.trace.stat().st_size))
