@@ -30,7 +30,7 @@ from rapc.parser.syntax import Datum, Keyword, Symbol, Variable
 from rapc.parser.unit import SourceUnit
 
 LOCAL: Sequence[Space] = ("variable", "tag")
-"""The name spaces of names that only one form, or one RAP, knows."""
+"""The name spaces of names that belong to one form or to one RAP."""
 
 _OWN: Sequence[Space] = ("method", "tag", "agenda")
 """The name spaces of names that the code of a world does not use.
@@ -59,7 +59,6 @@ class Naming:
 
     Args:
         libraries: the libraries, those of tests included; they may share files.
-        in_code: the names that the code of worlds uses, each with its file.
         is_own: whether a file may be changed; by default, no standard library may.
     """
 
@@ -67,11 +66,9 @@ class Naming:
         self,
         libraries: Iterable[Loaded],
         *,
-        in_code: Mapping[str, Path] = MappingProxyType({}),
         is_own: Callable[[str], bool] = lambda file: not file.startswith(STANDARD),
     ) -> None:
         self._libraries = tuple(libraries)
-        self._in_code = in_code
         self._is_own = is_own
         self._units: dict[str, SourceUnit] = {}
         self._beside: dict[str, dict[str, None]] = {}
@@ -196,8 +193,18 @@ class Naming:
 
     # --- renaming ---------------------------------------------------------------------
 
-    def renamed(self, named: Named, new: str) -> tuple[Edit, ...]:
+    def renamed(
+        self,
+        named: Named,
+        new: str,
+        in_code: Mapping[str, Path] = MappingProxyType({}),
+    ) -> tuple[Edit, ...]:
         """Return the edits that give a name another name, everywhere.
+
+        Args:
+            named: an occurrence of the name.
+            new: the other name.
+            in_code: the names that the code of worlds uses, each with its file.
 
         Raises:
             NamingError: if the new name is not valid or is in use, if the name is known
@@ -212,7 +219,7 @@ class Naming:
                 text = f"cannot rename `{old}`: `{one.span.file}` uses it"
                 raise NamingError(text, "the file is not part of this project")
         is_local = named.space in _OWN or named.scope is not None
-        code = self._in_code.get(old) or self._in_code.get(old.removeprefix(":"))
+        code = in_code.get(old) or in_code.get(old.removeprefix(":"))
         if code is not None and not is_local:
             text = f"cannot rename `{old}`: `{code}` uses it"
             raise NamingError(text, "the code of a world knows the name")

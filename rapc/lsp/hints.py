@@ -18,6 +18,7 @@ from rapc.library.signatures import Use
 from rapc.lsp.hover import comment_above
 from rapc.lsp.positions import Text
 from rapc.lsp.workspace import View
+from rapc.lsp.worlds import worlds_of
 
 # --- signature help -------------------------------------------------------------------
 
@@ -160,22 +161,12 @@ def _of_tests(view: View) -> Iterator[types.CodeLens]:
 
 
 def _of_agendas(view: View) -> Iterator[types.CodeLens]:
-    world = world_of(view)
+    worlds = worlds_of(view)
+    world = worlds.pop() if len(worlds) == 1 else ""
     for form in view.part.library.agendas.values() if world else ():
         if form.span.file == view.name:
             title = f"run in {world}"
             yield _lens(view, form.span, title, RUN_AGENDA, form.name, world)
-
-
-def world_of(view: View) -> str:
-    """Return the world that the tests of a library name, if they name only one."""
-    worlds = {
-        test.world
-        for part in view.snapshot.parts
-        for test in part.library.tests
-        if test.world is not None
-    }
-    return worlds.pop() if len(worlds) == 1 else ""
 
 
 def _of_raps(view: View, shows_callers: bool) -> Iterator[types.CodeLens]:

@@ -15,7 +15,7 @@ from rapc.errors import LoadError, in_a_line
 from rapc.ir import nodes
 from rapc.library.loader import resolve
 from rapc.lsp.workspace import View
-from rapc.lsp.worlds import handlers
+from rapc.lsp.worlds import handlers, names_in_worlds
 from rapc.parser.names import Named
 
 Edits = Mapping[str, Sequence[types.TextEdit]]
@@ -145,7 +145,7 @@ def rename(view: View, position: types.Position, new: str) -> types.WorkspaceEdi
     if named is None:
         raise RefusedRequestError("no name at this position")
     try:
-        edits = view.names.naming.renamed(named, new)
+        edits = view.names.naming.renamed(named, new, names_in_worlds(view))
     except NamingError as error:
         raise RefusedRequestError(in_a_line(error)) from error
     changes: dict[str, list[types.TextEdit]] = {}

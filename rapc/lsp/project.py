@@ -255,7 +255,7 @@ class Worker:
         for folder in work.folders:
             try:
                 names |= names_below(folder)
-                configured = _configuration(folder)
+                configured = configuration(folder)
                 specs += libraries_of(folder, configured, work.texts, self._units)
             except LoadError as error:
                 self._log(error.message)
@@ -376,7 +376,7 @@ def _without_known(
         return report
 
 
-def _configuration(folder: str) -> Configured:
+def configuration(folder: str) -> Configured:
     """Return the configuration of a folder; an empty one if it is invalid."""
     try:
         return nearest_config(folder)

@@ -18,7 +18,9 @@ from pygls.uris import from_fs_path
 from rapc.base.source import SourceFile, Span
 from rapc.ir import nodes
 from rapc.lsp.positions import Text
+from rapc.lsp.project import configuration
 from rapc.lsp.workspace import View, Workspace, name_of
+from rapc.worlds.source_names import names_in_code
 
 _WORLDS = Path(__file__).parents[1] / "worlds"
 
@@ -80,6 +82,26 @@ def declarations(
                         view = View(workspace, snapshot, part, form.span.file)
                         found[form.span] = view.location(form.span)
     return list(found.values())
+
+
+def worlds_of(view: View) -> set[str]:
+    """Return the worlds that the tests of a library name."""
+    return {
+        test.world
+        for part in view.snapshot.parts
+        for test in part.library.tests
+        if test.world is not None
+    }
+
+
+def names_in_worlds(view: View) -> Mapping[str, Path]:
+    """Return the names in the code of the worlds of a library, each with its file."""
+    worlds = worlds_of(view)
+    found: dict[str, Path] = {}
+    for folder in view.workspace.folders:
+        modules = configuration(folder).config.world_modules
+        found |= names_in_code(worlds, Path(folder), modules)
+    return found
 
 
 def _covers(text: Text, place: types.Range, offset: int) -> bool:

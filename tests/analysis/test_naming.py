@@ -151,11 +151,11 @@ def test_renaming_a_name_in_the_code_of_a_world_is_refused(tmp_path: Path) -> No
     )
     code = names_in_code(["lab:World"], tmp_path)
     assert set(code) == {"drive", "?x", "seen"}
-    naming = Naming([load_text(HOUSE, "house.rap")], in_code=code)
+    naming = Naming([load_text(HOUSE, "house.rap")])
     named = naming.at("house.rap", marked(HOUSE, "(drive") + 1)
     assert named is not None
     with pytest.raises(NamingError, match=r"cannot rename `drive`: `.*lab.py` uses it"):
-        naming.renamed(named, "steer")
+        naming.renamed(named, "steer", code)
 
 
 SHIPPED = [Path("stdlib/truck"), Path("stdlib/hallway"), Path("examples/courier")]

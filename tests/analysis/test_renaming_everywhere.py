@@ -47,8 +47,8 @@ class Workspace:
             for loaded in loaded_libraries(spec.paths, None, self.units, names)
         ]
         worlds = [test.world for one in self.libraries for test in one.library.tests]
-        code = names_in_code(filter(None, worlds), Path.cwd())
-        self.naming = Naming(self.libraries, in_code=code)
+        self.code = names_in_code(filter(None, worlds), Path.cwd())
+        self.naming = Naming(self.libraries)
         self.refused: list[str] = []
         self.texts = {
             name: source.text
@@ -69,7 +69,7 @@ class Workspace:
     def edits(self, named: Named) -> tuple[Edit, ...]:
         """Return the edits that rename a name; none if that is refused."""
         try:
-            return self.naming.renamed(named, named.name + MARK)
+            return self.naming.renamed(named, named.name + MARK, self.code)
         except NamingError as error:
             self.refused.append(error.message)
             return ()

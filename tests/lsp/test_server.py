@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -209,6 +210,21 @@ def test_rename_changes_all_files(editor: Editor, raps: str) -> None:
             "go kitchen",
             new_name="tour",
         )
+
+
+def test_name_in_the_code_of_a_world_is_not_renamed(tmp_path: Path) -> None:
+    (tmp_path / "world.rap").write_text(WORLD)
+    (tmp_path / "raps.rap").write_text(RAPS)
+    tested = TESTS.replace("(script", '(world "robot:Robot")\n  (script')
+    (tmp_path / "raps.test.rap").write_text(tested)
+    (tmp_path / "robot.py").write_text(PYTHON)
+    editor = Editor(tmp_path)
+    uri = editor.open(tmp_path / "world.rap")
+    editor.findings(uri)
+    where = types.TEXT_DOCUMENT_RENAME, types.RenameParams, uri, "drive"
+    with pytest.raises(JsonRpcException, match=r"cannot rename `drive`: .*robot\.py"):
+        ask(editor, *where, new_name="travel")
+    editor.close()
 
 
 def test_calls_lead_both_ways(editor: Editor, raps: str) -> None:
