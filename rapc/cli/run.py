@@ -306,6 +306,11 @@ def _course(  # the options of `run`
         if any((path, world_name, *more.values(), until, trace, save, pictures)):
             fail("cannot change the start of a resumed run")
         return Resumed(given)
+    if given["journal"] is None and any(given.values()):
+        name = next(name for name, value in given.items() if value)
+        option = name.replace("_", "-")
+        needed = "--resume" if name == "take_up" else "--journal or --resume"
+        raise click.UsageError(f"--{option} requires {needed}")
     if path is None:
         raise click.UsageError("Missing argument 'PATH'.")
     if world_name is None:
@@ -442,7 +447,7 @@ def _went_well(result: TaskResult) -> bool:
 
 @contextmanager
 def _ended_by_interrupts(course: Course) -> Iterator[None]:
-    """Let Ctrl-C or SIGTERM end the run in the block early, so that it is reported.
+    """Let Ctrl-C or SIGTERM end the run in the block early; the report follows.
 
     The journal of the run, if any, does not have this end.
     """

@@ -317,3 +317,19 @@ def test_pictures_of_a_world_without_a_picture_are_refused(tmp_path: Path) -> No
     done = rapc(*given, *more, cwd=tmp_path)
     assert done.returncode == 2
     assert "it has no `picture` method" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("option", "said"),
+    [
+        (("--sync", "off"), "--sync requires --journal or --resume"),
+        (("--journal-limit", "5"), "--journal-limit requires --journal or --resume"),
+        (("--take-up",), "--take-up requires --resume"),
+    ],
+)
+def test_options_of_a_journal_require_a_journal(
+    option: tuple[str, ...], said: str
+) -> None:
+    given = ("run", str(ROCKS), "--world", "truck", "--task", "(rock-order red 1)")
+    done = rapc(*given, *option)
+    assert (done.returncode, done.stderr) == (2, f"error: {said}\n")
