@@ -12,14 +12,18 @@ from __future__ import annotations
 import argparse
 import functools
 import http.server
-import shutil
-import subprocess
 import sys
-import tempfile
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Literal, get_args
+
+from playwright.sync_api import Browser, ViewportSize
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
+from bench.browser import browser
 
 SITE = Path(__file__).parents[1] / "site"
 
@@ -39,9 +43,8 @@ PAGES = (
 
 WIDTHS = (1280, 390)
 HEIGHT = 1600
-SCHEMES = {"light": "1", "dark": "0"}
-"""The values of Chromium's setting `preferredColorScheme`."""
-
+Scheme = Literal["light", "dark"]
+SCHEMES: tuple[Scheme, ...] = get_args(Scheme)
 
 POLICY = "default-src 'self' data: blob: 'unsafe-inline' 'wasm-unsafe-eval'"
 """The policy that the server sends: no request to another host."""
@@ -73,26 +76,18 @@ def served() -> Iterator[str]:
         server.server_close()
 
 
-def picture(address: str, file: Path, width: int, scheme: str) -> list[str]:
+def picture(
+    chromium: Browser, address: str, file: Path, width: int, scheme: Scheme
+) -> list[str]:
     """Take a picture of a page; return the requests that the policy refused."""
-    chromium = shutil.which("chromium") or shutil.which("google-chrome")
-    if chromium is None:
-        raise FileNotFoundError("Chromium is not installed")
-    with tempfile.TemporaryDirectory() as profile:
-        command = [
-            *(chromium, "--headless", "--no-sandbox", "--disable-gpu"),
-            *("--hide-scrollbars", "--no-first-run", f"--user-data-dir={profile}"),
-            "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
-            f"--blink-settings=preferredColorScheme={SCHEMES[scheme]}",
-            f"--window-size={width},{HEIGHT}",
-            *("--enable-logging=stderr", "--virtual-time-budget=4000"),
-            f"--screenshot={file}",
-            address,
-        ]
-        done = subprocess.run(
-            command, check=True, capture_output=True, text=True, timeout=120
-        )
-    return [one for one in done.stderr.splitlines() if "Content Security Policy" in one]
+    size: ViewportSize = {"width": width, "height": HEIGHT}
+    page = chromium.new_page(viewport=size, color_scheme=scheme)
+    said: list[str] = []
+    page.on("console", lambda message: said.append(message.text))
+    page.goto(address, wait_until="networkidle")
+    page.screenshot(path=file)
+    page.close()
+    return [one for one in said if "Content Security Policy" in one]
 
 
 def main() -> int:
@@ -103,7 +98,7 @@ def main() -> int:
     args = parser.parse_args()
     args.folder.mkdir(parents=True, exist_ok=True)
     foreign: set[str] = set()
-    with served() as address:
+    with served() as address, browser() as chromium:
         for page in args.pages:
             if not (SITE / page / "index.html").exists():
                 print(f"missing page: {page}")
@@ -112,7 +107,9 @@ def main() -> int:
                 for scheme in SCHEMES:
                     name = page.replace("/", "-") or "index"
                     file = args.folder / f"{name}-{width}-{scheme}.png"
-                    foreign |= {*picture(f"{address}{page}", file, width, scheme)}
+                    foreign |= {
+                        *picture(chromium, f"{address}{page}", file, width, scheme)
+                    }
                     print(file)
     for one in sorted(foreign):
         print(f"error: {one}", file=sys.stderr)
