@@ -10,10 +10,9 @@ from types import MappingProxyType
 import pytest
 
 import rapc
-from rapc.debug.history import History
-from rapc.debug.log import EventLog
-from rapc.durable.folder import Options, read
-from rapc.durable.runs import begin, fill, past_of
+from rapc.durable.folder import Options
+from rapc.durable.opening import Opened
+from rapc.durable.runs import begin
 from rapc.live import Action, Clock, SimulatedClock, WallClock
 from rapc.runtime.interpreter import Interpreter
 from rapc.spec import RunSpec
@@ -96,16 +95,10 @@ def _check(folder: Path, clock: Clock, until: float, moments: int) -> None:
     assert acts.count("drive") > until / 10
     assert acts.count("looked") > until / 10
 
-    stored = read(folder, whole=True)
-    assert stored.snapshot is None
-    past = past_of(stored.records, 0)
-    again = Interpreter.prepared(library.program, Busy(clock=SimulatedClock()), spec)
-    fill(again.keep_answers(), stored, past)
-    again.keep_answers().closed = True  # the rover is not asked
-    log = EventLog()
-    again.listen(log)
-    again.start(until)
-    history = History(again, log)
+    opened = Opened(folder)  # the rover is not asked
+    world = opened.build(Busy, 0, {})
+    again = Interpreter.prepared(opened.program(), world, opened.spec)
+    history = opened.history(again)
     chance = random.Random(1)
     first, last = min(seen), max(seen)
     for _ in range(moments):
