@@ -19,7 +19,7 @@ import click
 
 from rapc.analysis.driver import CheckReport
 from rapc.base.files import path_of
-from rapc.base.outputs import Output, check_output
+from rapc.base.outputs import SVG, Output, check_output
 from rapc.base.visible import visible
 from rapc.base.writing import write_whole
 from rapc.cli.options import USAGE, fail, say, say_error, settings
@@ -121,6 +121,15 @@ def write_output(file: str, data: bytes) -> None:
         write_whole(file, data)
     except WriteError as error:
         fail(error.message)
+
+
+def write_picture(file: str, picture: str) -> None:
+    """Write the SVG picture of `--picture`, and print its file."""
+    if not file.lower().endswith(".svg"):
+        fail(f"--picture: expected FILE.svg, not `{file}`")
+    refuse_output("--picture", file, SVG)
+    write_output(file, picture.encode())
+    click.echo(f"wrote {visible(file)}")
 
 
 def rewrite(name: str, read: str, text: str) -> bool:

@@ -76,7 +76,7 @@ def journal(
         _cut(path, cycle)
     elif trace is not None:
         refuse_output("--trace", trace, TRACE)
-        history = opened_journal(path, world_name, at_end=True).history
+        history = opened_journal(path, world_name).history
         count = write_trace(history, Path(trace))
         click.echo(f"{plural(count, 'event')} written")
 

@@ -26,6 +26,7 @@ from rapc.debug.log import EventLog
 from rapc.debug.recorded import Replay
 from rapc.debug.recording import Playback, Recording
 from rapc.debug.reload import TYPED
+from rapc.durable.records import is_journal
 from rapc.errors import Error
 from rapc.host import load, loads
 from rapc.library.library import Library, digest
@@ -40,9 +41,6 @@ from rapc.worlds.scripted import ScriptedWorld
 
 RECORDED = ".jsonl"
 """The suffix of the files of recorded runs."""
-
-META = "meta"
-"""The file in the folder of a journal (`rapc.durable.folder`)."""
 
 _NO_SCRIPT = "the script of its world is not part of the file"
 
@@ -140,7 +138,7 @@ def shell_of(
         library = loads("", TYPED)
         world = ScriptedWorld([], declared=library.program.library)
         shell = Shell(History.open(library, world, seed=more["seed"]), commands())
-    elif path.endswith((RECORDED, SUFFIX)) or (Path(path) / META).is_file():
+    elif path.endswith((RECORDED, SUFFIX)) or is_journal(Path(path)):
         if any((*more.values(), until)):
             fail(
                 "cannot change the start of a recorded run",
@@ -164,15 +162,14 @@ def shell_of(
 
 
 def opened_journal(
-    path: Path, world_name: str | None, *, follow: bool = False, at_end: bool = True
+    path: Path, world_name: str | None, *, follow: bool = False
 ) -> Shell:
-    """Return a shell for the run of a journal.
+    """Return a shell for the run of a journal, at its end.
 
     Args:
         path: the folder of the journal.
         world_name: the world, if the user has named it.
         follow: whether to wait for further records while the run goes on.
-        at_end: whether to go to the end of the journal.
     """
     from rapc.durable.opening import Opened
 
@@ -185,8 +182,7 @@ def opened_journal(
         opened.program(), spec, world_name or spec.world, build=opened.build
     )
     history = opened.history(ready)
-    if at_end:
-        opened.go_to_end(history)
+    opened.go_to_end(history)
     return Shell(history, commands(), [spec.library], str(opened))
 
 

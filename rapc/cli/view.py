@@ -13,9 +13,14 @@ from typing import Any
 import click
 import msgspec
 
-from rapc.base.outputs import CHROME, MCAP, PAGE, SVG
+from rapc.base.outputs import CHROME, MCAP, PAGE
 from rapc.base.visible import visible
-from rapc.cli.common import load_checked, refuse_output, write_output
+from rapc.cli.common import (
+    load_checked,
+    refuse_output,
+    write_output,
+    write_picture,
+)
 from rapc.cli.options import command, fail
 from rapc.cli.repl import RECORDED, begun_again, history_of, shell_of
 from rapc.cli.run_options import prepared, run_options, until_option
@@ -24,6 +29,7 @@ from rapc.debug.history import History, Stop
 from rapc.debug.questions.differences import MOST_DURATIONS, library_of
 from rapc.debug.recorded import Replay
 from rapc.debug.recording import Playback, Recording
+from rapc.durable.records import is_journal
 from rapc.experiments.draws import drawn
 from rapc.experiments.points import Point
 from rapc.experiments.run import resolved
@@ -97,10 +103,10 @@ def view(
     for Foxglove and Lichtblick (FILE.mcap). With one of these options, a page is only
     written with -o, --compare or --open.
 
-    PATH is a recorded run (FILE.jsonl), the report of a run (FILE.bug), or a library
-    that is run; Ctrl-C ends the run. A recorded run of a simulated world is run again
-    if its library and world are available: the page then shows the source and the
-    truth, too.
+    PATH is a recorded run (FILE.jsonl), the report of a run (FILE.bug), the folder of a
+    journal, or a library that is run; Ctrl-C ends the run. A recorded run of a
+    simulated world is run again if its library and world are available: the page then
+    shows the source and the truth, too.
 
     OTHER is like PATH. A library as OTHER begins its run as the run at PATH did, and is
     stopped after 10 times the duration of that run.
@@ -134,13 +140,14 @@ def view(
 
 def _draw(viewed: Viewed, file: str, at: int | None) -> None:
     """Write the picture of a moment; default: the end."""
+    last = viewed.history.cycle
+    if at is not None and at > last:
+        fail(f"--at: the last cycle of the run is {last}")
     scene = viewed.scene_at(at)
     if scene is None:
         fail("cannot draw the run: its world has no picture, and memory has no place")
-    refuse_output("--picture", file, SVG)
     when = "the end" if at is None else f"cycle {at}"
-    write_output(file, svg(scene, f"{viewed.name}, {when}").encode())
-    click.echo(f"wrote {visible(file)}")
+    write_picture(file, svg(scene, f"{viewed.name}, {when}"))
 
 
 def page_of_run(session: Batch, point: Point, seed: int) -> str:
@@ -188,17 +195,17 @@ def _viewed(path: str, world_name: str | None, more: Mapping[str, Any]) -> Viewe
                 "remove all options of the run but --world",
             )
         return _recorded(Path(path), world_name)
-    is_report = path.endswith(SUFFIX)
-    if not (is_report or more["tasks"] or more["agenda"]):
+    is_past = path.endswith(SUFFIX) or is_journal(Path(path))
+    if not (is_past or more["tasks"] or more["agenda"]):
         fail("missing --task or --agenda")
     history = shell_of(path, world_name, **more).history
-    return _run(path, history, goes_on=not is_report)
+    return _run(path, history, goes_on=not is_past)
 
 
 def _other(path: str, world_name: str | None, first: Viewed) -> Viewed:
     """Return a run to compare; a library begins its run as the first run did."""
-    if path.endswith((RECORDED, SUFFIX)):
-        return _viewed(path, world_name, {})
+    if path.endswith((RECORDED, SUFFIX)) or is_journal(Path(path)):
+        return _viewed(path, world_name, {"until": None})
     spec = first.history.spec
     if spec.world_class and world_name is None:
         fail(

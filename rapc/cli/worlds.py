@@ -6,11 +6,10 @@ import shutil
 
 import click
 
-from rapc.base.outputs import SVG
 from rapc.base.pictures import plain
 from rapc.base.values import format_list
-from rapc.base.visible import visible, visible_lines
-from rapc.cli.common import load_checked, refuse_output, write_output
+from rapc.base.visible import visible_lines
+from rapc.cli.common import load_checked, write_picture
 from rapc.cli.options import WholeNumber, command, fail
 from rapc.console.worlds import describe_world, list_worlds, report, summary_of
 from rapc.errors import WorldError
@@ -117,9 +116,7 @@ def _draw(world: World, file: str) -> None:
     facts = {format_list(fact): held.now() for fact in held.facts()}
     scene = scene_of(plain(held.picture()), Beliefs(facts, held.now(), compared=False))
     assert scene is not None
-    refuse_output("--picture", file, SVG)
-    write_output(file, svg(scene, world.name).encode())
-    click.echo(f"wrote {visible(file)}")
+    write_picture(file, svg(scene, world.name))
 
 
 def _test(found: type[World], library: str, requests: int, width: int) -> int:

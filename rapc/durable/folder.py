@@ -25,7 +25,7 @@ import msgspec
 
 from rapc.base.writing import write_whole
 from rapc.debug.act_lines import Library
-from rapc.durable.records import Record, bodies, decoded, size_of
+from rapc.durable.records import META, Record, bodies, decoded, is_journal, size_of
 from rapc.errors import LoadError, StateError, WriteError, reason
 from rapc.runtime.fields import Natural
 from rapc.spec import RunSpec
@@ -34,7 +34,6 @@ from rapc.world import Time
 FORMAT = 1
 """The version of the format of journals."""
 
-META = "meta"
 LOCK = "lock"
 _NAME = re.compile(r"(journal|snapshot)-(\d{6,9})")
 _PART_HEAD = b"rapc-journal 1\n"
@@ -128,11 +127,6 @@ def part_file(folder: Path, number: int) -> Path:
 def snapshot_file(folder: Path, number: int) -> Path:
     """Return the file of the snapshot at the beginning of a part."""
     return folder / f"snapshot-{number:06}"
-
-
-def is_journal(path: Path) -> bool:
-    """Return whether a path is the folder of a journal."""
-    return (path / META).is_file()
 
 
 def create(folder: Path, meta: Meta) -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import struct
 import zlib
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any, NamedTuple, Union
 
 import msgspec
@@ -24,6 +25,14 @@ _HEAD = struct.Struct("<II")
 
 MOST = 1 << 30
 """The highest length of a record, in bytes."""
+
+META = "meta"
+"""The file in the folder of a journal that states the run."""
+
+
+def is_journal(path: Path) -> bool:
+    """Return whether a path is the folder of a journal."""
+    return (path / META).is_file()
 
 
 class Record(

@@ -22,7 +22,16 @@ from rapc.debug.reload import TakeUp, changed
 from rapc.durable import folder as files
 from rapc.durable.folder import Lock, Meta, Options, Stored, Writer
 from rapc.durable.journal import Journal, Report, Trace
-from rapc.durable.records import Acted, Asking, Ended, Reached, Record, Solved, Told
+from rapc.durable.records import (
+    META,
+    Acted,
+    Asking,
+    Ended,
+    Reached,
+    Record,
+    Solved,
+    Told,
+)
 from rapc.durable.resuming import Decide, ResumedWorld, Sent, go_on
 from rapc.errors import Error, LoadError, StateError
 from rapc.runtime.answers import Answer, Answers, Position
@@ -377,5 +386,5 @@ def _last_written(stored: Stored) -> float:
     """Return the time of the last record, in seconds."""
     part = files.part_file(stored.folder, stored.last.number)
     snapshot = files.snapshot_file(stored.folder, stored.last.number)
-    written = (part, snapshot, stored.folder / files.META)
+    written = (part, snapshot, stored.folder / META)
     return next(one.stat().st_mtime for one in written if one.exists())

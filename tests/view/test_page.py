@@ -151,6 +151,16 @@ def test_two_runs_are_compared(trace: Path, tmp_path: Path) -> None:
         assert event["event"] in ("task-selected", "method-chosen")
 
 
+def test_journal_is_viewed_and_a_report_is_compared_with_it(tmp_path: Path) -> None:
+    folder, report, output = (tmp_path / name for name in ("day", "day.bug", "p.html"))
+    begin = (COURIER, "--world", "courier", "--task", "(deliver linen ward-1)")
+    assert rapc("run", *begin, "-q", "--journal", str(folder)).returncode == 0
+    assert rapc("bug", *begin, "-o", str(report)).returncode == 0
+    data = viewed(str(folder), "--compare", str(report), output=output)
+    assert data["trace-0"].splitlines()[1:] == data["trace-1"].splitlines()[1:]
+    assert json.loads(data["comparison"])["first"] == []
+
+
 @pytest.mark.parametrize(
     ("args", "said"),
     [
@@ -159,6 +169,8 @@ def test_two_runs_are_compared(trace: Path, tmp_path: Path) -> None:
         (("none.jsonl",), "cannot read `none.jsonl`"),
         (("{trace}", "-o", "{trace}"), "is an input of the command"),
         (("{trace}", "-o", "x.rap"), "is the suffix of a RAP file"),
+        (("{trace}", "--picture", "x.png"), "expected FILE.svg, not `x.png`"),
+        (("{trace}", "--picture", "x.svg", "--at", "9999"), "the last cycle"),
     ],
 )
 def test_wrong_use_ends_with_an_error(
