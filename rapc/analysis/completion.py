@@ -139,7 +139,7 @@ class _Place:
     # --- results and methods ----------------------------------------------------------
 
     def results(self) -> Iterator[Candidate]:
-        """Yield the results that fit: those of a primitive, or those of a RAP."""
+        """Yield the results that fit: of a primitive, or of a RAP."""
         at, words = (self._head(0), self._position), self._around[0]
         outer = self._around[1] if len(self._around) > 1 else ()
         primitives: Iterable[str] = ()
@@ -170,7 +170,7 @@ class _Place:
         return _candidates(results, "result", f"result of {primitive}")
 
     def _requested(self) -> Iterator[str]:
-        """Yield the primitives in the form, and those of the RAP that it extends."""
+        """Yield the primitives in the form, and in the RAP that the form extends."""
         for one in self._names:
             if one.space == "primitive":
                 yield one.name
@@ -200,7 +200,7 @@ class _Place:
     # --- arguments --------------------------------------------------------------------
 
     def values(self) -> Iterator[Candidate]:
-        """Yield the variables and values of the kind of the argument, if it has one."""
+        """Yield variables, and the values of the kind of the argument."""
         words = self._around[0]
         if self._head(1) in ("define-rap", "index"):
             return

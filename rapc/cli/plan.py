@@ -199,7 +199,7 @@ def _missing(found: Plan) -> str:
 
 
 def _steps(found: Plan) -> list[str]:
-    """Return a line for each step with what it serves, and a line of figures."""
+    """Return a line for each step with its purpose, and a line of figures."""
     width = max(map(len, found.steps), default=0)
     linked = {
         (at, int(text.partition(":")[0]))
