@@ -163,7 +163,7 @@ def test_view_writes_the_picture_of_a_moment(tmp_path: Path) -> None:
     run = ("run", TRUCK, "--world", "truck", *given, "-q", "--trace", str(trace))
     assert command(*run).returncode == 0
     drawings = []
-    for at in ((), ("--at", "1"), ("--at", "200")):
+    for at in ((), ("--at", "1"), ("--at", "150")):
         file = tmp_path / "moment.svg"
         done = command("view", str(trace), "--picture", str(file), *at)
         assert (done.returncode, done.stdout) == (0, f"wrote {file}\n")
@@ -175,7 +175,7 @@ def test_view_writes_the_picture_of_a_moment(tmp_path: Path) -> None:
     file = tmp_path / "other.svg"
     text = with_pictures.read_text().replace('"digest":"', '"digest":"0', 1)
     with_pictures.write_text(text)
-    more = ("--picture", str(file), "--at", "200")
+    more = ("--picture", str(file), "--at", "150")
     assert command("view", str(with_pictures), *more).returncode == 0
     assert file.read_text(encoding="utf-8").replace("pictured", "run") == drawings[2]
 
