@@ -46,6 +46,7 @@ def formats() -> str:
         "compiled library": ("rapc.library.saved", "FORMAT"),
         "saved run": ("rapc.runtime.saving.format", "FORMAT"),
         "trace": ("rapc.runtime.interpreter", "TRACE_FORMAT"),
+        "journal": ("rapc.durable.folder", "FORMAT"),
         "bug report": ("rapc.debug.bug", "FORMAT"),
         "protocol of remote worlds": ("rapc.worlds.remote.protocol", "PROTOCOL"),
         "results of experiments": ("rapc.experiments.store", "FORMAT"),
