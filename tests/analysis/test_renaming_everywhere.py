@@ -107,9 +107,10 @@ def test_names_of_a_library_are_renamed_without_new_findings() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("count", [10, pytest.param(50, marks=pytest.mark.nightly)])
 @pytest.mark.parametrize("folder", FOLDERS)
-def test_every_name_is_renamed_without_new_findings(folder: str) -> None:
-    hold(folder, 50)
+def test_names_are_renamed_without_new_findings(folder: str, count: int) -> None:
+    hold(folder, count)
 
 
 @pytest.mark.slow

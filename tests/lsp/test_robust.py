@@ -198,7 +198,9 @@ def random_edits(editor: Editor, files: list[Path], count: int, seed: int) -> No
         assert sorted(found) == expected
 
 
-@pytest.mark.parametrize("count", [300, pytest.param(10_000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "count", [300, pytest.param(10_000, marks=pytest.mark.nightly)]
+)
 def test_findings_after_edits_are_those_of_a_fresh_check(
     tmp_path: Path, count: int
 ) -> None:

@@ -364,8 +364,9 @@ def _excerpt(args: tuple[str, ...], folder: Path) -> list[dict[str, Any]]:
     return [{**one, "n": at} for at, one in enumerate(whole)]
 
 
+@pytest.mark.parametrize("count", [20, pytest.param(200, marks=pytest.mark.nightly)])
 def test_hostile_traces_change_nothing_but_text(
-    opened: Browser, pages: dict[str, Path], tmp_path: Path
+    opened: Browser, pages: dict[str, Path], tmp_path: Path, count: int
 ) -> None:
     runs = (
         _excerpt((*TRUCK, *FAILING, "--until", "172"), tmp_path),
@@ -375,7 +376,7 @@ def test_hostile_traces_change_nothing_but_text(
     assert {"task-failed", "method-suspended", "task-blocked", "fact-erased"} <= kinds
     file = tmp_path / "trace.jsonl"
     shown = Shown(opened, pages["none"])
-    for seed in range(200):
+    for seed in range(count):
         counts = []
         for inert in (False, True):
             text = hostile_trace(runs[seed % 2], seed, inert=inert)
