@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -11,7 +12,7 @@ import click
 from rapc.base.names import plural
 from rapc.base.source import SourceFile
 from rapc.base.visible import visible
-from rapc.cli.common import load_checked
+from rapc.cli.common import load_checked, write_output
 from rapc.cli.options import Amount, WholeNumber, command, fail, settings
 from rapc.cli.run_options import (
     end_time,
@@ -20,7 +21,7 @@ from rapc.cli.run_options import (
     run_options,
     until_option,
 )
-from rapc.errors import FactError, PlanError, TextError
+from rapc.errors import FactError, PlanError, TextError, reason
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import read_settings
 
@@ -79,6 +80,16 @@ _MOST_STATES = 10_000_000
     metavar="FILE",
     help="Write the RAP with its plan to a new RAP file.",
 )
+@click.option(
+    "--export",
+    "exported",
+    type=click.Path(file_okay=False),
+    metavar="DIR",
+    help="Write DIR/domain.pddl and DIR/problem.pddl.",
+)
+@click.option(
+    "--strips", is_flag=True, help="With --export: write actions without costs."
+)
 @click.option("--run", "execute", is_flag=True, help="Also run the plan.")
 @click.option("--priority", type=int, default=0, help="Priority of the run's task.")
 @until_option
@@ -92,6 +103,8 @@ def plan(
     explain: bool,
     output_format: str,
     kept: str | None,
+    exported: str | None,
+    strips: bool,
     execute: bool,
     priority: int,
     until: float | None,
@@ -101,6 +114,9 @@ def plan(
 
     The plan begins with the facts of the world and of --fact; with --after, with the
     facts in memory at that time of a run.
+
+    --export writes the situation, the goal and the instances of operators as PDDL
+    without variables. If actions have different costs, it uses `:action-costs`.
 
     With --run, the run continues with a task for the goal; the planner is asked again
     if the plan fails.
@@ -140,12 +156,26 @@ def plan(
     if explain:
         for part in found.left_out:
             click.echo(visible(f"left out: {part}"))
+    if exported is not None:
+        _export(exported, found.pddl(costs=not strips))
     if not found:
         raise SystemExit(1)
     if kept is not None:
         keep_plan(kept, text, path)
     if execute and run is not None and not _achieved(run, goal, priority, use, until):
         raise SystemExit(1)
+
+
+def _export(folder: str, texts: tuple[str, str] | None) -> None:
+    """Write a domain and a problem to a folder; an error ends the command."""
+    if texts is None:
+        fail("--export: the problem has too many instances of operators")
+    try:
+        Path(folder).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        fail(f"--export: cannot create `{folder}`: {reason(error)}")
+    for name, text in zip(("domain", "problem"), texts, strict=True):
+        write_output(f"{folder}/{name}.pddl", text.encode())
 
 
 def _advance(run: Interpreter, after: float | None) -> None:

@@ -14,6 +14,7 @@ from rapc.compiler.program import Program
 from rapc.ir import nodes
 from rapc.ir.printer import format_node
 from rapc.planning.model import Model
+from rapc.planning.pddl import written
 from rapc.planning.sketch import link_texts, method
 from rapc.planning.solver import Solution, situation, solve
 from rapc.runtime.memory.access import MemoryView
@@ -48,7 +49,7 @@ class Plan:
                 for one in found.left_out
             ]
         )
-        self._sketch, self._rap = found.sketch, rap
+        self._sketch, self._rap, self._problem = found.sketch, rap, found.problem
 
     def __bool__(self) -> bool:
         return self.reason == "solved"
@@ -85,6 +86,17 @@ class Plan:
         """Return pairs of numbers of steps: the first ends before the second starts."""
         order = () if self._sketch is None else self._sketch.order
         return tuple([(first + 1, second + 1) for first, second in order])
+
+    def pddl(self, *, costs: bool = True) -> tuple[str, str] | None:
+        """Return the domain and the problem as PDDL; None if they are too large.
+
+        Args:
+            costs: whether actions have their costs, if these are different whole
+                numbers.
+        """
+        return (
+            None if self._problem is None else written(self._problem, costs=costs)[:2]
+        )
 
 
 def plan(  # each goes by name

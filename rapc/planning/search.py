@@ -68,14 +68,7 @@ class Search:
     ) -> None:
         self._limit = limit
         self.expanded = 0
-        added = {at for action in problem.actions for at in action.adds}
-        lost = {at for action in problem.actions for at in action.deletes}
-        #: The atoms that hold always, and those that never hold.
-        always = problem.state - lost
-        never = frozenset(range(len(problem.literals))) - problem.state - added
-        self._goal = _simplified(problem.goal, always, never)
-        actions = [one for one in problem.actions if never.isdisjoint(one.needs)]
-        actions = _relevant(actions, self._goal, always)
+        self._goal, actions, always = reduced(problem)
         atoms = [at for part in self._goal for ways in part for w in ways for at in w]
         needed = [at for one in actions for at in one.needs if at not in always]
         numbers = {at: n for n, at in enumerate(dict.fromkeys([*atoms, *needed]))}
@@ -393,6 +386,17 @@ def _bits(atoms: Sequence[int]) -> int:
     for atom in atoms:
         found |= 1 << atom
     return found
+
+
+def reduced(problem: Problem) -> tuple[Goal, list[Action], frozenset[int]]:
+    """Return the goal and the actions that matter, and the atoms that always hold."""
+    added = {at for action in problem.actions for at in action.adds}
+    lost = {at for action in problem.actions for at in action.deletes}
+    always = problem.state - lost
+    never = frozenset(range(len(problem.literals))) - problem.state - added
+    goal = _simplified(problem.goal, always, never)
+    actions = [one for one in problem.actions if never.isdisjoint(one.needs)]
+    return goal, _relevant(actions, goal, always), always
 
 
 def _simplified(goal: Goal, always: frozenset[int], never: frozenset[int]) -> Goal:

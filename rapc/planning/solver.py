@@ -8,7 +8,7 @@ from typing import NamedTuple
 from rapc.base.values import Fact, Number
 from rapc.ir import nodes
 from rapc.library.library import usable_in_plans
-from rapc.planning.ground import Grounding, Situation, TooLargeError
+from rapc.planning.ground import Grounding, Problem, Situation, TooLargeError
 from rapc.planning.model import Conjunction, LeftOut, Model, constants_of
 from rapc.planning.search import Search
 from rapc.planning.sketch import Sketch, method, sketch
@@ -25,6 +25,8 @@ class Solution(NamedTuple):
     expanded: int
     left_out: tuple[LeftOut, ...]
     unreachable: tuple[str, ...]
+    #: The problem; None for a problem that is too large.
+    problem: Problem | None
 
 
 def situation(memory: MemoryView) -> Situation:
@@ -61,15 +63,15 @@ def solve(  # all but three have defaults and go by name
     try:
         problem = Grounding(model, facts, goal, excluded).problem()
     except TooLargeError:
-        return Solution("limit", None, 0, 0, left_out, ())
+        return Solution("limit", None, 0, 0, left_out, (), None)
     steps = () if last is None else _goals(last)
     found = Search(problem, limit, steps).run(tries)
     if found.outcome != "solved":
-        missing = problem.unreachable
-        return Solution(found.outcome, None, 0, found.expanded, left_out, missing)
+        rest = left_out, problem.unreachable, problem
+        return Solution(found.outcome, None, 0, found.expanded, *rest)
     made = sketch(problem, found.actions)
     cost = sum(action.operator.cost for action in found.actions)
-    return Solution("solved", made, cost, found.expanded, left_out, ())
+    return Solution("solved", made, cost, found.expanded, left_out, (), problem)
 
 
 def _goals(last: nodes.Method) -> tuple[nodes.Goal, ...]:

@@ -78,6 +78,20 @@ def test_later_situation_is_that_of_a_run() -> None:
     assert done.stdout.startswith("1 (bring medicine ward-3)")
 
 
+def test_problem_is_exported_as_pddl(tmp_path: Path) -> None:
+    folder = tmp_path / "new" / "pddl"
+    options = ("--world", "courier", "--export", str(folder))
+    assert rapc("plan", GOAL, COURIER, *options).returncode == 0
+    assert "(:action go-into-dock" in (folder / "domain.pddl").read_text()
+    assert "(delivered_medicine_ward-3) (docked)" in (
+        (folder / "problem.pddl").read_text()
+    )
+    (tmp_path / "file").touch()
+    done = rapc("plan", GOAL, COURIER, "--export", str(tmp_path / "file" / "x"))
+    assert done.returncode == 2
+    assert done.stderr.startswith("error: --export: cannot create")
+
+
 def test_invalid_input_is_refused() -> None:
     for options, said in (
         (("(delivred a b)", COURIER), "unknown predicate `delivred`"),
