@@ -80,26 +80,45 @@ function link(text, act, title) {
   return el("button.link", { type: "button", title, click: act }, text);
 }
 
-/** Replace the children of an element, and keep its scroll position and focused row. */
+/** What to do when all panels are written: it needs the layout, which is made once. */
+let pending = [];
+
+/** Call two functions after the page is written: what the first returns goes to the second. */
+function whenWritten(read, write) {
+  if (!pending.length) queueMicrotask(settle);
+  pending.push([read, write]);
+}
+
+/** Make the layout, and do what waits for it: all that reads before all that writes. */
+function settle() {
+  const acts = pending;
+  pending = [];
+  const found = acts.map(([read]) => read());
+  acts.forEach(([, write], index) => write(found[index]));
+}
+
+/** Replace the children of an element, and keep its focused row. */
 function fill(parent, children) {
   const key = parent.contains(document.activeElement) && document.activeElement.dataset.key;
-  const top = parent.scrollTop;
   parent.replaceChildren(...children);
-  parent.scrollTop = top;
-  if (key) {
-    const rows = [...parent.querySelectorAll("[data-key]")];
-    const found = rows.find((one) => one.dataset.key === key) || rows[0];
-    if (found) found.focus({ preventScroll: true });
-  }
+  if (!key) return;
+  const rows = [...parent.querySelectorAll("[data-key]")];
+  const found = rows.find((one) => one.dataset.key === key) || rows[0];
+  if (found) whenWritten(() => found, () => found.focus({ preventScroll: true }));
 }
 
 /** Scroll an element into view within its panel, if it is not visible. */
 function reveal(parent, element) {
   if (!element) return;
-  const outer = parent.getBoundingClientRect();
-  const inner = element.getBoundingClientRect();
-  if (inner.top < outer.top || inner.bottom > outer.bottom)
-    parent.scrollTop += inner.top - outer.top - parent.clientHeight / 3;
+  const topOf = () => {
+    const outer = parent.getBoundingClientRect();
+    const inner = element.getBoundingClientRect();
+    if (inner.top >= outer.top && inner.bottom <= outer.bottom) return null;
+    return parent.scrollTop + inner.top - outer.top - outer.height / 3;
+  };
+  whenWritten(topOf, (top) => {
+    if (top !== null) parent.scrollTop = top;
+  });
 }
 
 /** Let the arrow keys move the focus between the rows of an element. */

@@ -18,6 +18,7 @@ class App {
     this.task = null;
     this.fact = "";
     this.place = "";
+    this.drawing = new Drawing();
     this.colours = coloursOf(document.body);
     const end = Math.max(...runs.map((run) => run.timeOf(run.last)), 1e-9);
     const start = Math.min(...runs.map((run) => run.timeOf(0)));
@@ -151,6 +152,7 @@ class App {
       one.setAttribute("aria-pressed", String(index === this.current));
     this._writeAddress();
     const root = document.documentElement;
+    settle();
     void root.offsetHeight; // the layout counts
     Object.assign(root.dataset, { moment: at, redraw: (performance.now() - begun).toFixed(1) });
   }
@@ -283,10 +285,11 @@ function showMap(app) {
   const before = app.pictures[app.current].upTo(at, PATH + 1);
   const picture = before.pop() || null;
   const facts = [...run.memoryAt(at)].map(([fact, since]) => [fact, run.timeOf(since)]);
-  const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+  const drawing = app.drawing;
   try {
-    const drawn = drawMap(svg, picture, { facts, now: run.timeOf(at), before });
-    byId("map").replaceChildren(drawn ? svg : "no place is known");
+    const drawn = drawing.draw(picture, { facts, now: run.timeOf(at), before });
+    if (!drawn) byId("map").replaceChildren("no place is known");
+    else if (!drawing.svg.isConnected) byId("map").replaceChildren(drawing.svg);
   } catch (error) {
     byId("map").textContent = visible(`cannot draw the picture: ${error.message}`);
   }
@@ -448,7 +451,6 @@ function wire() {
     recolour();
   });
   dark.addEventListener("change", recolour);
-  window.addEventListener("resize", () => app && app.drawTimelines());
   window.addEventListener("hashchange", (event) => app && app.open(event.newURL));
   byId("file").addEventListener("change", (event) => {
     const [file] = event.target.files;

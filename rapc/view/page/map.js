@@ -59,6 +59,15 @@ class Pictures {
   }
 }
 
+/** The words of each fact that has been read. */
+const wordsRead = new Map();
+
+/** Return the words of a fact that is given as text; null without any. */
+function wordsOf(text) {
+  if (!wordsRead.has(text)) wordsRead.set(text, text.slice(1, -1).match(FACT_WORD));
+  return wordsRead.get(text);
+}
+
 /** The facts of memory at a moment. */
 class Beliefs {
   /**
@@ -69,7 +78,7 @@ class Beliefs {
     this._now = now;
     this._facts = new Map();
     for (const [text, since] of facts) {
-      const words = text.slice(1, -1).match(FACT_WORD);
+      const words = wordsOf(text);
       if (!words) continue;
       if (!this._facts.has(words[0])) this._facts.set(words[0], []);
       this._facts.get(words[0]).push([words, since]);
@@ -542,30 +551,56 @@ function textShape(kind, text, x, y, more = {}) {
 
 const SVG = "http://www.w3.org/2000/svg";
 
-/**
- * Draw a picture into an SVG element; return whether there is something to draw.
- *
- * @param svg the element
- * @param picture the picture, or null: then what memory believes
- * @param options `facts`: pairs of a fact and the time of its assertion; `now`: the time;
- *   `before`: the pictures before, for the path
- */
-function drawMap(svg, picture, { facts = [], now = 0, before = [] } = {}) {
-  const scene = sceneOf(picture, new Beliefs(facts, now), before);
-  if (scene === null) return false;
-  svg.setAttribute("viewBox", `0 0 ${scene.width} ${scene.height}`);
-  svg.setAttribute("class", "map");
-  svg.setAttribute("role", "img");
-  svg.replaceChildren(...scene.shapes.map(([tag, attributes, text]) => {
-    const element = document.createElementNS(SVG, tag);
-    for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, String(value));
-    if (tag === "text") element.textContent = visible(text);
-    else if (text) {
-      const title = document.createElementNS(SVG, "title");
-      title.textContent = visible(text);
-      element.append(title);
+/** An SVG element with the drawing of a picture. */
+class Drawing {
+  constructor() {
+    this.svg = document.createElementNS(SVG, "svg");
+    this.svg.setAttribute("class", "map");
+    this.svg.setAttribute("role", "img");
+    this.svg.setAttribute("aria-labelledby", "h-map");
+    /** The elements by the text of their shape, in the order of the drawing. */
+    this._drawn = new Map();
+  }
+
+  /**
+   * Draw a picture; return whether there is something to draw.
+   *
+   * The elements of shapes that are drawn already stay.
+   *
+   * @param picture the picture, or null: then what memory believes
+   * @param options `facts`: pairs of a fact and the time of its assertion; `now`: the
+   *   time; `before`: the pictures before, for the path
+   */
+  draw(picture, { facts = [], now = 0, before = [] } = {}) {
+    const scene = sceneOf(picture, new Beliefs(facts, now), before);
+    if (scene === null) return false;
+    const { shapes, width, height } = scene;
+    const next = new Map();
+    for (const one of shapes) {
+      let key = JSON.stringify(one);
+      while (next.has(key)) key += " ";
+      next.set(key, this._drawn.get(key) || elementOf(one));
     }
-    return element;
-  }));
-  return true;
+    for (const [key, element] of this._drawn) if (!next.has(key)) element.remove();
+    let here = this.svg.firstElementChild;
+    for (const element of next.values())
+      if (element === here) here = here.nextElementSibling;
+      else this.svg.insertBefore(element, here);
+    this.svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
+    this._drawn = next;
+    return true;
+  }
+}
+
+/** Return the element of a shape. */
+function elementOf([tag, attributes, text]) {
+  const element = document.createElementNS(SVG, tag);
+  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, String(value));
+  if (tag === "text") element.textContent = visible(text);
+  else if (text) {
+    const title = document.createElementNS(SVG, "title");
+    title.textContent = visible(text);
+    element.append(title);
+  }
+  return element;
 }

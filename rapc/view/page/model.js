@@ -119,8 +119,11 @@ class Run {
     /** The intervals of skills and requests, each with its family. */
     this.requests = [];
     this.end = null;
-    this._copies = [new Map()];
+    /** Memory and the live tasks before each event at a multiple of CHECKPOINT. */
+    this._copies = [{ facts: new Map(), tasks: [] }];
+    this._order = [];
     this._tree = null;
+    this._states = { at: -1, known: new Map() };
     this._memory = { at: -1, facts: new Map() };
     this._index();
   }
@@ -137,6 +140,7 @@ class Run {
 
   _index() {
     const memory = new Map();
+    const live = new Set();
     const open = [];
     const waits = new Map();
     for (let at = 0; at < this.events.length; at++) {
@@ -154,12 +158,13 @@ class Run {
           break;
         case "task-created":
           this._create(event, at);
+          if (this._order.at(-1)?.made === at) live.add(this._order.at(-1));
           break;
         case "task-failed":
           this.failures.push(at);
           if (task) {
             this._end(task, at);
-            this._familyOf(task).failures.push(at);
+            this.familyOf(task).failures.push(at);
           }
           break;
         case "task-succeeded":
@@ -184,13 +189,15 @@ class Run {
           break;
         case "deadline-missed":
         case "deadlock":
-          if (task) this._familyOf(task).marks.push(at);
+          if (task) this.familyOf(task).marks.push(at);
           break;
         case "run-ended":
           this.end = event;
           break;
       }
-      if ((at + 1) % CHECKPOINT === 0) this._copies.push(new Map(memory));
+      if (task && task.ended === at) live.delete(task);
+      if ((at + 1) % CHECKPOINT === 0)
+        this._copies.push({ facts: new Map(memory), tasks: [...live] });
     }
     for (const one of this.tasks.values()) this._endWait(waits, one, this.last);
     for (const one of asList(this.end && this.end.results)) {
@@ -214,13 +221,14 @@ class Run {
       log: [at],
     };
     this.tasks.set(task.number, task);
+    this._order.push(task);
     if (parent === null) {
       Object.assign(task, { pieces: [], waits: [], failures: [], marks: [] });
       this.families.push(task);
     }
   }
 
-  _familyOf(task) {
+  familyOf(task) {
     let above = task;
     while (above.parent) above = above.parent;
     return above;
@@ -256,7 +264,7 @@ class Run {
       result: "",
     };
     this.requests.push(piece);
-    this._familyOf(task).pieces.push(piece);
+    this.familyOf(task).pieces.push(piece);
     return piece;
   }
 
@@ -283,7 +291,7 @@ class Run {
     waits.delete(task.number);
     const suspended = this.events[start].event === "method-suspended";
     const kind = suspended ? "suspended" : "waiting";
-    this._familyOf(task).waits.push({ kind, task: task.number, start, stop: at });
+    this.familyOf(task).waits.push({ kind, task: task.number, start, stop: at });
   }
 
   // --- moments ----------------------------------------------------------------------
@@ -354,8 +362,7 @@ class Run {
     const add = (task) => {
       for (let one = task; one && !shown.has(one); one = one.parent) shown.add(one);
     };
-    for (const task of this.tasks.values()) {
-      if (task.made > at) break;
+    for (const task of this._candidates(since, at)) {
       if (task.ended < 0 || task.ended > at || task.ended >= since) add(task);
     }
     if (also && also.made <= at) add(also);
@@ -379,6 +386,14 @@ class Run {
     return rows;
   }
 
+  /** Return all tasks that were live between two moments, and some that ended before. */
+  _candidates(since, at) {
+    const copy = Math.floor(since / CHECKPOINT);
+    const first = search(this._order.length, (one) => this._order[one].made >= copy * CHECKPOINT);
+    const last = search(this._order.length, (one) => this._order[one].made > at);
+    return [...this._copies[copy].tasks, ...this._order.slice(first, last)];
+  }
+
   /** Return the events of a task up to a moment, as indices. */
   logOf(task, at) {
     return task.log.slice(0, search(task.log.length, (index) => task.log[index] > at));
@@ -392,8 +407,18 @@ class Run {
    * index, or -1); `text` says for what the task waits or what it does.
    */
   stateAt(task, at) {
+    if (this._states.at !== at) this._states = { at, known: new Map() };
+    const { known } = this._states;
+    if (!known.has(task)) known.set(task, this._stateOf(task, at));
+    return known.get(task);
+  }
+
+  _stateOf(task, at) {
     const state = { kind: "new", since: task.made, method: -1, wait: -1, text: "" };
-    for (const index of this.logOf(task, at)) {
+    const log = this.logOf(task, at);
+    // A choice of a method leaves nothing of the state before it.
+    const chosen = log.findLastIndex((one) => this.events[one].event === "method-chosen");
+    for (const index of chosen < 0 ? log : log.slice(chosen)) {
       const event = this.events[index];
       switch (event.event) {
         case "task-selected":
@@ -457,7 +482,7 @@ class Run {
   badRequest(task, at) {
     const bad = (one) =>
       one.task === task.number && one.stop >= 0 && one.stop <= at && one.result !== "okay";
-    return this._familyOf(task).pieces.findLast((one) => !one.skill && bad(one)) || null;
+    return this.familyOf(task).pieces.findLast((one) => !one.skill && bad(one)) || null;
   }
 
   /** Return the requests and skills under way at a moment. */
@@ -476,7 +501,7 @@ class Run {
     const near = this._memory;
     if (near.at > at || at - near.at > CHECKPOINT) {
       const copy = Math.floor((at + 1) / CHECKPOINT);
-      near.facts = new Map(this._copies[copy]);
+      near.facts = new Map(this._copies[copy].facts);
       near.at = copy * CHECKPOINT - 1;
     }
     for (near.at++; near.at <= at; near.at++) {

@@ -16,16 +16,17 @@ const LEGEND = [
 
 /** Return the colours of the page as the browser resolves them. */
 function coloursOf(root) {
-  const probe = el("span");
-  root.append(probe);
-  const found = {};
-  for (const name of ["panel", "line", "text", "dim", "accent", "chosen", "acting",
-    "sensing", "waiting", "suspended", "failed", "done"]) {
+  const names = ["panel", "line", "text", "dim", "accent", "chosen", "acting",
+    "sensing", "waiting", "suspended", "failed", "done"];
+  const probes = names.map((name) => {
+    const probe = el("span");
     probe.style.color = `var(--${name})`;
-    found[name] = getComputedStyle(probe).color;
-  }
-  probe.remove();
-  return found;
+    return probe;
+  });
+  root.append(...probes);
+  const found = names.map((name, index) => [name, getComputedStyle(probes[index]).color]);
+  for (const probe of probes) probe.remove();
+  return Object.fromEntries(found);
 }
 
 /** Prepare a canvas for drawing in CSS pixels; return its context. */
@@ -160,9 +161,23 @@ class Timeline {
     this.names.append(el("div.run", {}, `${name} · time (time units) →`));
     this.buttons = this.lanes.map((lane) => this._name(lane));
     this.names.append(...this.buttons);
-    this.element = el("div.lanes", {}, this.names, el("div.stage", {}, this.canvas));
+    this.cursor = el("div.cursor", { "aria-hidden": "true" });
+    const stage = el("div.stage", {}, el("div.drawing", {}, this.canvas, this.cursor));
+    this.element = el("div.lanes", {}, this.names, stage);
     this.element.style.height = `${AXIS + this.lanes.length * LANE + 4}px`;
-    this.element.addEventListener("scroll", () => this.draw(), { passive: true });
+    /** The size of the drawing and the scroll position: read when they change. */
+    this.size = { width: 0, height: 0, top: 0 };
+    /** What the canvas shows: it is drawn again only if this changes. */
+    this.drawn = "";
+    const measure = () => {
+      this.size = {
+        width: stage.clientWidth, height: this.element.clientHeight, top: this.element.scrollTop,
+      };
+      this.draw();
+    };
+    this.element.addEventListener("scroll", measure, { passive: true });
+    new ResizeObserver(measure).observe(stage);
+    new ResizeObserver(measure).observe(this.element);
     moveWithArrows(this.names, "button");
     this._listen();
   }
@@ -264,26 +279,52 @@ class Timeline {
     tip.style.top = `${event.clientY + 14}px`;
   }
 
-  /** Mark the selected lane, and scroll to it. */
+  /** Mark the lane of the selected task; if the lane is another one, scroll to it. */
   mark(task) {
-    const family = task && this.run.tasks.get(task.number) === task && this.run._familyOf(task);
+    const own = task && this.run.tasks.get(task.number) === task;
+    const family = own ? this.run.familyOf(task) : null;
+    this.task = task || null;
+    if (family === this.family) return;
+    this.family = family;
     this.lanes.forEach((lane, index) => {
       const chosen = lane.task !== null && lane.task === family;
       this.buttons[index].setAttribute("aria-pressed", String(chosen));
       if (!chosen) return;
-      const top = index * LANE;
-      const room = this.element.clientHeight - AXIS - LANE;
-      if (top < this.element.scrollTop || top > this.element.scrollTop + room)
-        this.element.scrollTop = top - room / 2;
+      const topOf = () => {
+        const room = this.element.clientHeight - AXIS - LANE;
+        const away = index * LANE - this.element.scrollTop;
+        return away < 0 || away > room ? index * LANE - room / 2 : null;
+      };
+      whenWritten(topOf, (top) => {
+        if (top !== null) this.element.scrollTop = top;
+      });
     });
-    this.task = task || null;
   }
 
+  /** Show the moment, and draw the lanes if they look different now. */
   draw() {
-    const { run, element, canvas } = this;
-    const width = canvas.parentElement.clientWidth;
-    const height = element.clientHeight;
+    const { run, canvas } = this;
+    const { width, height, top } = this.size;
     if (!width || !height) return;
+    const { from, to } = this.view;
+    const at = this.app.momentOf(this.index);
+    const now = Math.round(((run.timeOf(at) - from) * width) / (to - from || 1));
+    this.cursor.style.height = `${height}px`;
+    this.cursor.style.transform = `translateX(${Math.min(Math.max(now, -6), width + 6)}px)`;
+    canvas.setAttribute("aria-valuemin", run.timeOf(0));
+    canvas.setAttribute("aria-valuemax", run.timeOf(run.last));
+    canvas.setAttribute("aria-valuenow", run.timeOf(at));
+    canvas.setAttribute("aria-valuetext", `time ${readable(run.timeOf(at))}`);
+    const colours = this.app.colours;
+    const scale = window.devicePixelRatio;
+    const drawn = JSON.stringify([width, height, top, from, to, scale, this.task?.number, colours.text]);
+    if (this.drawn === drawn) return;
+    this.drawn = drawn;
+    this._lanes(width, height, top);
+  }
+
+  _lanes(width, height, top) {
+    const { canvas } = this;
     canvas.style.height = `${height}px`;
     const context = contextOf(canvas, width, height);
     const { from, to } = this.view;
@@ -293,7 +334,6 @@ class Timeline {
     const scale = width / (to - from || 1);
     const x = (time) => (time - from) * scale;
     this._axis(context, colours, x, width, height);
-    const top = element.scrollTop;
     context.save();
     context.beginPath();
     context.rect(0, AXIS, width, height - AXIS);
@@ -304,12 +344,6 @@ class Timeline {
       this._lane(context, colours, lane, x, AXIS + (first + index) * LANE - top, width);
     });
     context.restore();
-    this._cursor(context, colours, x, height);
-    const at = this.app.momentOf(this.index);
-    canvas.setAttribute("aria-valuemin", run.timeOf(0));
-    canvas.setAttribute("aria-valuemax", run.timeOf(run.last));
-    canvas.setAttribute("aria-valuenow", run.timeOf(at));
-    canvas.setAttribute("aria-valuetext", `time ${readable(run.timeOf(at))}`);
   }
 
   _axis(context, colours, x, width, height) {
@@ -338,7 +372,7 @@ class Timeline {
       for (const one of bars) this._bars(context, colours, one, top, width);
       return;
     }
-    if (this.task && run._familyOf(this.task) === task) {
+    if (this.task && run.familyOf(this.task) === task) {
       context.fillStyle = colours.chosen;
       context.fillRect(0, top, width, LANE);
       const [from, to] = [x(now(this.task.made)), x(now(this.task.ended))];
@@ -381,17 +415,6 @@ class Timeline {
       drawBar(context, colours, kind, Math.max(left, -2), Math.min(right, width + 2), top);
       reached = Math.floor(Math.max(right, left + 1));
     }
-  }
-
-  _cursor(context, colours, x, height) {
-    const at = x(this.run.timeOf(this.app.momentOf(this.index)));
-    context.fillStyle = colours.text;
-    context.fillRect(Math.round(at), 0, 1, height);
-    context.beginPath();
-    context.moveTo(at - 5, 0);
-    context.lineTo(at + 6, 0);
-    context.lineTo(at + 0.5, 7);
-    context.fill();
   }
 }
 
