@@ -601,13 +601,44 @@ class SolverCalled(Event, frozen=True, kw_only=True):
         return f"    ... problem solver for {self.goal}: {self.methods} methods"
 
 
+class PlanLink(msgspec.Struct, frozen=True):
+    """A fact that a step of a plan makes true for another step, or for the goal."""
+
+    #: The tag of the other step; None for the goal.
+    step: str | None
+    #: The fact, as RAP text.
+    fact: str
+
+    def __str__(self) -> str:
+        return f"for {self.step or 'the goal'}: {self.fact}"
+
+
+class PlanStep(msgspec.Struct, frozen=True):
+    """A step of a plan, with its purpose."""
+
+    tag: str
+    #: The goal of the step, as RAP text.
+    goal: str
+    links: tuple[PlanLink, ...]
+    #: The tags of the other steps that only start after the end of this step.
+    before: tuple[str, ...]
+
+    @property
+    def purpose(self) -> str:
+        """Return the links and the order as text."""
+        order = [f"before {', '.join(self.before)}"] if self.before else []
+        return "; ".join([*map(str, self.links), *order])
+
+
 class PlanMade(Event, frozen=True, kw_only=True):
     """The planner has looked for a method of a RAP with `(plan)` [L 10].
 
-    `outcome` is `solved`, `unsolvable` or `limit`; `text` is the whole method.
-    `expanded` is the number of states that the planner looked at, `left_out` the number
-    of parts of RAPs that it did not see. `unreachable` has the parts of the goal that
-    nothing brings about.
+    `outcome` is `solved`, `unsolvable` or `limit`; `text` is the whole method. Each of
+    `steps` has its `tag`, its `goal`, its `links` (a `fact`, and the tag of the `step`
+    that needs the fact, null for the goal of the plan), and in `before` the tags of the
+    steps that only start after its end. `expanded` is the number of states that the
+    planner looked at, `left_out` the number of parts of RAPs that it did not see.
+    `unreachable` has the parts of the goal that nothing brings about.
     """
 
     task: int
@@ -615,7 +646,7 @@ class PlanMade(Event, frozen=True, kw_only=True):
     outcome: str
     method: str | None
     text: str
-    steps: int
+    steps: tuple[PlanStep, ...]
     expanded: int
     left_out: int
     unreachable: tuple[str, ...]
@@ -624,7 +655,7 @@ class PlanMade(Event, frozen=True, kw_only=True):
         if self.method is None:
             missing = "".join(f" {one}" for one in self.unreachable)
             return f"    ... no plan for {self.goal}: {self.outcome}{missing}"
-        return f"    ... {self.method} for {self.goal}: {self.steps} steps"
+        return f"    ... {self.method} for {self.goal}: {len(self.steps)} steps"
 
 
 class TaskResult(msgspec.Struct, frozen=True, omit_defaults=True):

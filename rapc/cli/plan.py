@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from rapc.base.names import plural
 from rapc.base.source import SourceFile
 from rapc.base.visible import visible
 from rapc.cli.common import load_checked, write_output
@@ -211,7 +210,7 @@ def _print(found: Plan, text: str, output_format: str) -> None:
     if output_format == "json":
         click.echo(_json(found))
     elif not found:
-        click.echo(visible(_missing(found)))
+        click.echo(visible(found.summary))
     elif output_format == "rap":
         click.echo(text, nl=False)
     else:
@@ -219,33 +218,14 @@ def _print(found: Plan, text: str, output_format: str) -> None:
             click.echo(visible(line))
 
 
-def _missing(found: Plan) -> str:
-    """Return the reason why there is no plan."""
-    if found.unreachable:
-        return f"no plan: nothing brings about {', '.join(found.unreachable)}"
-    if found.reason == "limit":
-        return f"no plan: limit of {plural(found.expanded, 'state')} reached"
-    return "no plan: the operators cannot bring about all parts of the goal"
-
-
 def _steps(found: Plan) -> list[str]:
     """Return a line for each step with its purpose, and a line of figures."""
-    width = max(map(len, found.steps), default=0)
-    linked = {
-        (at, int(text.partition(":")[0]))
-        for at, links in enumerate(found.links, 1)
-        for text in links
-        if text[0].isdigit()
-    }
-    lines = []
-    for at, (step, links) in enumerate(zip(found.steps, found.links, strict=True), 1):
-        serves = [f"for {text}" for text in links]
-        later = [str(b) for a, b in found.order if a == at and (a, b) not in linked]
-        if later:
-            serves.append(f"before {', '.join(later)}")
-        lines.append(f"{at} {step:<{width}}  {'; '.join(serves)}".rstrip())
-    steps, states = plural(len(lines), "step"), plural(found.expanded, "state")
-    return [*lines, f"{steps} of {plural(found.operators, 'operator')}, {states}"]
+    width = max(len(step.goal) for step in found.steps) if found.steps else 0
+    lines = [
+        f"{step.tag} {step.goal:<{width}}  {step.purpose}".rstrip()
+        for step in found.steps
+    ]
+    return [*lines, found.summary]
 
 
 def _json(found: Plan) -> str:
@@ -254,11 +234,7 @@ def _json(found: Plan) -> str:
 
     said = {
         "reason": found.reason,
-        "steps": [
-            {"goal": step, "for": links}
-            for step, links in zip(found.steps, found.links, strict=True)
-        ],
-        "order": found.order,
+        "steps": found.steps,
         "cost": found.cost,
         "expanded": found.expanded,
         "unreachable": found.unreachable,

@@ -11,13 +11,15 @@ from rapc.base.names import plural
 from rapc.base.source import place
 from rapc.base.values import Number
 from rapc.compiler.program import Program
+from rapc.events import PlanStep
 from rapc.ir import nodes
 from rapc.ir.printer import format_node
 from rapc.planning.model import Model
 from rapc.planning.pddl import written
-from rapc.planning.sketch import link_texts, method
+from rapc.planning.sketch import achieved, method
 from rapc.planning.solver import Solution, situation, solve
 from rapc.runtime.memory.access import MemoryView
+from rapc.runtime.planner import steps_of
 from rapc.worlds.scripted import ScriptedWorld
 
 
@@ -68,24 +70,24 @@ class Plan:
         methods = () if self.method is None else (self.method,)
         return format_node(replace(self._rap, methods=methods))
 
-    @property
-    def steps(self) -> tuple[str, ...]:
-        """Return the goals of the steps, as text, in an order that the plan allows."""
-        body = None if self.method is None else self.method.body
-        if not isinstance(body, nodes.TaskNet):
-            return ()
-        return tuple([format_node(step.goal) for step in body.steps])
+    @cached_property
+    def steps(self) -> tuple[PlanStep, ...]:
+        """Return the steps with their purposes, in an order that the plan allows."""
+        parts = () if self._sketch is None else achieved(self._sketch)
+        return steps_of(self.method, parts)
 
     @property
-    def links(self) -> tuple[tuple[str, ...], ...]:
-        """Return for each step what it serves: `2: (on-tray meals ward-4)`."""
-        return () if self._sketch is None else link_texts(self._sketch)
-
-    @property
-    def order(self) -> tuple[tuple[int, int], ...]:
-        """Return pairs of numbers of steps: the first ends before the second starts."""
-        order = () if self._sketch is None else self._sketch.order
-        return tuple([(first + 1, second + 1) for first, second in order])
+    def summary(self) -> str:
+        """Return the size of the plan, or the reason why there is none, as a line."""
+        if self:
+            steps, states = plural(len(self.steps), "step"), self.expanded
+            size = f"{steps} of {plural(self.operators, 'operator')}"
+            return f"{size}, {plural(states, 'state')}"
+        if self.unreachable:
+            return f"no plan: nothing brings about {', '.join(self.unreachable)}"
+        if self.reason == "limit":
+            return f"no plan: limit of {plural(self.expanded, 'state')} reached"
+        return "no plan: the operators cannot bring about all parts of the goal"
 
     def pddl(self, *, costs: bool = True) -> tuple[str, str] | None:
         """Return the domain and the problem as PDDL; None if they are too large.

@@ -190,12 +190,12 @@ def _tag(at: int) -> str:
     return f"t{at + 1}"
 
 
-def link_texts(made: Sketch) -> tuple[tuple[str, ...], ...]:
-    """Return for each step what it serves, as text: `2: (on-tray meals ward-4)`."""
+def achieved(made: Sketch) -> tuple[tuple[str, ...], ...]:
+    """Return for each step the parts of the goal that the step makes true, as text."""
     outputs = _outputs(made)
     found: list[dict[str, None]] = [{} for _ in made.actions]
     for link in made.links:
-        target = "the goal" if link.consumer is None else str(link.consumer + 1)
-        fact = Literal(link.literal.present, link.literal.plain)
-        found[link.producer][f"{target}: {format_node(_formula(fact, outputs))}"] = None
+        if link.consumer is None:
+            fact = Literal(link.literal.present, link.literal.plain)
+            found[link.producer][format_node(_formula(fact, outputs))] = None
     return tuple([tuple(one) for one in found])

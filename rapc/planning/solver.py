@@ -11,7 +11,7 @@ from rapc.library.library import usable_in_plans
 from rapc.planning.ground import Grounding, Problem, Situation, TooLargeError
 from rapc.planning.model import Conjunction, LeftOut, Model, constants_of
 from rapc.planning.search import Search
-from rapc.planning.sketch import Sketch, method, sketch
+from rapc.planning.sketch import Sketch, achieved, method, sketch
 from rapc.runtime.memory.access import MemoryView
 from rapc.runtime.planner import Planned, PlanRequest
 
@@ -106,5 +106,11 @@ def plan_for_task(request: PlanRequest) -> Planned:
         inputs = constants_of(request.values)
         made = method(found.sketch, request.name, inputs)
     outcome = found.outcome if made or found.sketch is None else "unsolvable"
-    left_out = len(found.left_out)
-    return Planned(outcome, made, found.expanded, left_out, found.unreachable)
+    return Planned(
+        outcome,
+        made,
+        found.expanded,
+        len(found.left_out),
+        found.unreachable,
+        achieved(found.sketch) if made and found.sketch else (),
+    )

@@ -194,10 +194,10 @@ class Shell:
         words = text[1:].split(maxsplit=1)
         head = words[0].rstrip("()").lower() if words else ""
         if head.startswith(("define-", "declare-")):
-            return self._define(text)
+            return self.define(text)
         return self.submit(text) if self._is_goal(head, text) else self.ask(text)
 
-    def _define(self, text: str) -> Answer:
+    def define(self, text: str) -> Answer:
         """Check a definition, then add it to the library or replace the old text."""
         new = definitions(text)
         kept = {named: said for named, said in self.typed.items() if named not in new}

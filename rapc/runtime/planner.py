@@ -13,7 +13,9 @@ import msgspec
 from rapc.base.resources import Value
 from rapc.base.values import Fact
 from rapc.compiler.program import Program
-from rapc.ir import nodes
+from rapc.events import PlanLink, PlanStep
+from rapc.ir import nodes, walk
+from rapc.ir.printer import format_node
 from rapc.runtime.memory.access import MemoryView
 
 PLAN = "(plan)"
@@ -53,6 +55,37 @@ class Planned(msgspec.Struct, frozen=True):
     left_out: int
     #: The parts of the goal that nothing brings about, as text.
     unreachable: tuple[str, ...] = ()
+    #: For each step the parts of the goal that the step makes true, as text.
+    achieved: tuple[tuple[str, ...], ...] = ()
+
+    @property
+    def steps(self) -> tuple[PlanStep, ...]:
+        """Return the steps with their purposes, in an order that the plan allows."""
+        return steps_of(self.method, self.achieved)
+
+
+def steps_of(
+    method: nodes.Method | None, achieved: Sequence[Sequence[str]]
+) -> tuple[PlanStep, ...]:
+    """Return the steps of the method of a plan, with their purposes.
+
+    Args:
+        method: the method, or None.
+        achieved: the parts of the goal that the steps make true, by position.
+    """
+    found = []
+    for at, step in enumerate(() if method is None else walk.steps(method)):
+        links, before = list[PlanLink](), list[str]()
+        for one in step.annotations:
+            if isinstance(one, nodes.For) and one.formula is not None:
+                links.append(PlanLink(one.tag, format_node(one.formula)))
+            elif isinstance(one, nodes.For):
+                before.append(one.tag)
+        parts = achieved[at] if at < len(achieved) else ()
+        links += [PlanLink(None, part) for part in parts]
+        goal = format_node(step.goal)
+        found.append(PlanStep(step.tag, goal, tuple(links), tuple(before)))
+    return tuple(found)
 
 
 Planner = Callable[[PlanRequest], Planned]

@@ -16,11 +16,11 @@ def test_plan_is_printed_as_steps_with_links() -> None:
     done = rapc("plan", GOAL, COURIER, "--world", "courier", "--format", "steps")
     assert done.returncode == 0
     assert done.stdout.splitlines() == [
-        "1 (fetch medicine ward-3)  for 2: (on-tray medicine ward-3)",
-        "2 (bring medicine ward-3)  for the goal: (delivered medicine ward-3); "
-        "before 3",
-        "3 (travel-to base)         for 4: (robot-at base)",
-        "4 (go-into-dock)           for the goal: (docked)",
+        "t1 (fetch medicine ward-3)  for t2: (on-tray medicine ward-3)",
+        "t2 (bring medicine ward-3)  for the goal: (delivered medicine ward-3); "
+        "before t3",
+        "t3 (travel-to base)         for t4: (robot-at base)",
+        "t4 (go-into-dock)           for the goal: (docked)",
         "4 steps of 5 operators, 4 states",
     ]
 
@@ -75,7 +75,7 @@ def test_later_situation_is_that_of_a_run() -> None:
     task = ("--task", "(fetch medicine ward-3)")
     options = ("--world", "courier", *task, "--after", "60", "--format", "steps")
     done = rapc("plan", GOAL, COURIER, *options)
-    assert done.stdout.startswith("1 (bring medicine ward-3)")
+    assert done.stdout.startswith("t1 (bring medicine ward-3)")
 
 
 def test_problem_is_exported_as_pddl(tmp_path: Path) -> None:

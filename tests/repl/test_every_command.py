@@ -75,7 +75,7 @@ def test_every_example_of_the_help_answers_in_a_script(
     expected = re.compile(
         r"has ended|unknown|no failed task|has not failed|no method"
         r"|was never selected|cannot (be )?read|was not selected"
-        r"|unknown predicate|unknown event|is set by|does not exist"
+        r"|unknown predicate|unknown event|is set by|does not exist|no plan:"
     )
     strange = {text: why for text, why in refused.items() if not expected.search(why)}
     assert strange == {}

@@ -15,7 +15,7 @@ PLAIN = {
     *(str, int, bool, int | float, events.Goal, RunSpec, str | None, int | None),
     *(int | float | None, events.Cause | None),
     *(tuple[int, ...], tuple[str, ...], tuple[events.TaskResult, ...]),
-    *(Mapping[str, str], dict[str, Any]),
+    *(tuple[events.PlanStep, ...], Mapping[str, str], dict[str, Any]),
 }
 """The types of fields that an encoder writes as they are."""
 

@@ -47,6 +47,8 @@ class Choice(msgspec.Struct, frozen=True):
     candidates: tuple[int, ...]
     #: The applied rules of choice, each with the tasks that remain.
     rules: tuple[tuple[str, tuple[int, ...]], ...]
+    #: The step of a plan that the task is, with its purpose; may be empty.
+    step: str = ""
 
 
 class Doing(msgspec.Struct, frozen=True):
@@ -87,11 +89,12 @@ def why(history: History, args: Arguments) -> Answer:
     """Explain why a task was selected, and what it did; or why it failed.
 
     The answer lists each rule of selection with the tasks left by the rule, then the
-    chosen method with the facts that made its context true. `end` explains the end of
-    the run: its symptoms, each after its file and line, and, if the world has ended the
-    run, the last request with the decisions and wakes behind it. Symptoms are failed
-    top-level tasks, wrong beliefs of rules, signals and facts that never came, sets and
-    counters that a loop did not change, and missing claims.
+    chosen method with the facts that made its context true. For a step of a plan, it
+    lists the facts that the step makes true, each for a step or the goal of the plan.
+    `end` explains the end of the run: its symptoms, each after its file and line, and,
+    if the world has ended the run, the last request with the decisions and wakes behind
+    it. Symptoms are failed top-level tasks, wrong beliefs of rules, signals and facts
+    that never came, sets and counters that a loop did not change, and missing claims.
     """
     if args.takes("end"):
         return why_end(history)
@@ -109,10 +112,12 @@ def of_choice(choice: Choice) -> Iterator[str]:
     yield f"[{choice.task}] was selected {at}:"
     if len(choice.candidates) == 1:
         yield "  the only eligible task"
-        return
-    yield f"  {len(choice.candidates)} eligible tasks: {numbers(choice.candidates)}"
+    else:
+        yield f"  {len(choice.candidates)} eligible tasks: {numbers(choice.candidates)}"
     for rule, left in choice.rules:
         yield f"  {rule}: {numbers(left)}"
+    if choice.step:
+        yield f"It is {choice.step}"
 
 
 def of_doing(doing: Doing) -> Iterator[str]:
@@ -156,10 +161,29 @@ def reasons(
         raise ArgumentError(f"task [{task}] was not selected in cycle {last}")
     settled = next((one for one in own if one.kind in _SETTLES), None)
     with history.at_choice(last) as run:
-        choice = _choice(history, task)
-        doing, rests_on = _doing(run, run.task(task), settled)
+        choice, subject = _choice(history, task), run.task(task)
+        doing, rests_on = _doing(run, subject, settled)
     known = origins(history, rests_on, (last, own[0].serial))
-    return choice, msgspec.structs.replace(doing, rests_on=known)
+    step = _planned_step(history, subject)
+    return (
+        msgspec.structs.replace(choice, step=step),
+        msgspec.structs.replace(doing, rests_on=known),
+    )
+
+
+def _planned_step(history: History, task: Task) -> str:
+    """Return the step of a plan that a task is, with its purpose; else nothing."""
+    within, step = task.within, task.step
+    if within is None or step is None or within.task.plan.node.plan is None:
+        return ""
+    rap, method = within.task.plan.name, within.plan.name
+    made = history.last(
+        events.PlanMade,
+        want=lambda o: o.keys["goal"].name == rap and o.keys["method"] == method,
+    )
+    steps = () if made is None else made.keys["steps"]
+    found = next((one for one in steps if one.tag == step.node.tag), None)
+    return "" if found is None else f"step {found.tag} of {method}, {found.purpose}"
 
 
 _RULES = (

@@ -133,7 +133,7 @@ class MethodAnswer(msgspec.Struct, frozen=True):
     tries: int
     #: The holder of a thing that the method needs; empty without a conflict.
     held_by: str = ""
-    #: Whether a problem solver has just added the method.
+    #: Whether a problem solver or the planner has just added the method.
     solved: bool = False
 
     @property
@@ -219,7 +219,7 @@ def method_in_words(method: MethodAnswer) -> str:
     if method.otherwise:
         told = "excluded by `otherwise`: a preceding method holds"
     elif method.solved:
-        told = "added by the problem solver"
+        told = "added during the run"
     elif method.context is None:
         told = "no context"
     else:

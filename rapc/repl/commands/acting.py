@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from msgspec.structs import replace
+
 from rapc.base.values import typed
 from rapc.debug.acts import (
     Act,
@@ -15,11 +17,14 @@ from rapc.debug.acts import (
     change_option,
     changeable_options,
 )
-from rapc.debug.answer import Answer, command, say, table
+from rapc.debug.answer import Answer, command, failure, say, table
 from rapc.debug.arguments import Arguments, read_pattern
 from rapc.debug.reload import reread
 from rapc.errors import TextError
+from rapc.host import plan
+from rapc.ir.printer import format_node
 from rapc.repl.shell import Shell
+from rapc.runtime.achieve import achieving
 
 
 def _do(shell: Shell, act: Act) -> Answer:
@@ -49,6 +54,39 @@ def _submit(shell: Shell, args: Arguments) -> Answer:
     args.word("goal")
     args.rest()
     return shell.submit(args.text)
+
+
+@command(
+    "GOAL [do [OPTIONS]]",
+    ":plan (truck-location depot)",
+    ":plan (truck-location depot) do :priority 2",
+)
+def _plan(shell: Shell, args: Arguments) -> Answer:
+    """Show a plan for GOAL, a formula, that begins with the present memory.
+
+    The plan uses RAPs with `effects`. `do` also adds a RAP with this goal and the
+    clause `(plan)` to the library, and submits its task.
+    """
+    goal, run = args.word("goal"), shell.history.run
+    limits, library = run.settings, shell.history.library
+    found = plan(
+        library, goal, run=run, limit=limits.plan_limit, tries=limits.plan_tries
+    )
+    rows = [(step.tag, step.goal, step.purpose) for step in found.steps]
+    columns = "step", "goal", "purpose"
+    answer = table(
+        columns, rows, none=found.summary, notes=[found.summary][: len(rows)]
+    )
+    if not args.takes("do"):
+        return answer
+    options = args.rest()
+    if not found:
+        return failure(found.summary)
+    rap = achieving(library.program, goal)
+    added = shell.define(format_node(rap))
+    submitted = shell.submit(" ".join([f"({rap.name})", *options]))
+    lines = (*answer.notes, *added.lines, *submitted.lines)
+    return replace(answer, notes=lines)
 
 
 @command("GOAL", ":cancel (rock-order red ?)")

@@ -16,7 +16,7 @@ from rapc.base.resources import frozen
 from rapc.compiler.rap_plan import MethodPlan, RapPlan
 from rapc.errors import PortError
 from rapc.events import PlanMade, SolverCalled
-from rapc.ir import nodes, walk
+from rapc.ir import nodes
 from rapc.ir.printer import format_node
 from rapc.library.saved_check import UnsoundError
 from rapc.runtime.planner import PLAN, PlanRequest
@@ -193,7 +193,6 @@ def _ask_planner(run: Run, task: Task) -> bool:
         _add_method(run, rap, planned.method, planner)
     run.planned = task, planned
     if run.recorder.on:
-        steps = () if planned.method is None else walk.steps(planned.method)
         run.recorder.emit(
             PlanMade,
             task=task.number,
@@ -201,7 +200,7 @@ def _ask_planner(run: Run, task: Task) -> bool:
             outcome=planned.outcome,
             method=request.name if planned.method else None,
             text=format_node(planned.method) if planned.method else "",
-            steps=len(steps),
+            steps=planned.steps,
             expanded=planned.expanded,
             left_out=planned.left_out,
             unreachable=planned.unreachable,
