@@ -71,7 +71,7 @@ def started(args: Sequence[str], errors: Path, cycles: int) -> int:
     process = os.fork()
     if process:
         return process
-    journal.CYCLES = cycles
+    journal.CYCLES, journal.PAUSE = cycles, 0
     os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
     os.dup2(os.open(errors, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), 2)
     # those of a test write elsewhere
@@ -265,6 +265,8 @@ def measured(kills: int, cuts: int, seed: int, folder: Path) -> dict[str, Counts
                     shutil.copytree(copy, one)
                     refused += not run.cut()
                     cut += 1
+            counts = f"{done} kills, {cut} cuts ({refused} refused)"
+            print(f"{name}: {counts}", file=sys.stderr, flush=True)
         found[f"{name}: kills"] = Counts(done)
         found[f"{name}: cuts"] = Counts(cut - refused, refused)
     return found
@@ -281,9 +283,11 @@ def main() -> None:
     while done < given.live:
         with tempfile.TemporaryDirectory() as folder:
             done += killed_live(KILLS, rng, Path(folder))
+        print(f"live: {done} kills", file=sys.stderr, flush=True)
     print(f"{done} kills with a live robot: each request done once")
-    with tempfile.TemporaryDirectory() as folder:
-        found = measured(given.kills, given.cuts, given.seed, Path(folder))
+    scratch = Path(tempfile.mkdtemp())
+    found = measured(given.kills, given.cuts, given.seed, scratch)
+    shutil.rmtree(scratch)  # not after an error: its message names a file in there
     for name, counts in found.items():
         print(f"{name:<22} {counts.same:>6} same {counts.refused:>6} refused")
 

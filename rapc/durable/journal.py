@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Sequence
+from io import TextIOWrapper
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -44,7 +45,10 @@ CYCLES = 1_000
 """The number of cycles between two snapshots."""
 
 SECONDS = 30.0
-"""The time between two snapshots, if the run has gone on."""
+"""The longest time between two snapshots, if the run has gone on."""
+
+PAUSE = 50
+"""The shortest time between two snapshots, as a multiple of the time that one takes."""
 
 _PROGRESS = 0.1
 """The time between two records of the reached cycle."""
@@ -79,23 +83,22 @@ class Trace:
     def __init__(self, path: Path, size: int = 0) -> None:
         self.path = path
         try:
-            self._stream = path.open("r+b" if size else "wb")
-            if self._stream.seek(0, os.SEEK_END) < size:
-                self._stream.close()
+            self._file = path.open("r+b" if size else "wb")
+            if self._file.seek(0, os.SEEK_END) < size:
+                self._file.close()
                 raise WriteError(f"cannot continue the trace `{path}`: it is too short")
-            self._stream.seek(size)
-            self._stream.truncate()
+            self._file.seek(size)
+            self._file.truncate()
         except OSError as error:
             raise WriteError(f"cannot write `{path}`: {reason(error)}") from error
-
-    def write(self, text: str) -> int:
-        """Write text."""
-        return self._stream.write(text.encode())
+        self._stream = TextIOWrapper(self._file, "utf-8", newline="\n")
+        #: Write text.
+        self.write = self._stream.write
 
     def size(self) -> int:
         """Flush the stream; return the size of the file."""
         self._stream.flush()
-        return self._stream.tell()
+        return self._file.tell()
 
     def close(self) -> None:
         """Close the file."""
@@ -132,7 +135,9 @@ class Journal:
         self._acknowledge: Callable[[int], None] | None = None
         self._acknowledged = 0
         self._next_progress = 0.0
+        #: The cycle and the time of the last snapshot, and the time that it took.
         self._last = 0, time.monotonic()
+        self._cost = 0.0
 
     def follow(self, run: Interpreter) -> None:
         """Receive the answers of a run from now on."""
@@ -233,7 +238,8 @@ class Journal:
             return  # the run repeats what is in the journal
         clock = time.monotonic()
         cycle, since = self._last
-        due = run.cycle - cycle >= CYCLES or clock - since >= SECONDS
+        due = run.cycle - cycle >= CYCLES and clock - since >= PAUSE * self._cost
+        due = due or clock - since >= SECONDS
         due = due and run.cycle > cycle and run.reason is None
         if due or clock >= self._next_progress:
             self._next_progress = clock + _PROGRESS
@@ -248,7 +254,8 @@ class Journal:
         """
         run = self.run
         assert run is not None
-        self._last = run.cycle, time.monotonic()
+        begun = time.monotonic()
+        self._last = run.cycle, begun
         try:
             state = run.save()
         except StateError:
@@ -269,6 +276,7 @@ class Journal:
         self.acknowledge()
         if self._before > self._limit:
             self._before = drop(self.folder, number, self._limit)
+        self._cost = time.monotonic() - begun
 
     def close(self) -> None:
         """Close the files."""

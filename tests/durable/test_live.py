@@ -67,6 +67,7 @@ def test_each_request_is_done_once_whatever_the_last_record(
     tmp_path: Path, sync: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(journal, "CYCLES", 3)
+    monkeypatch.setattr(journal, "PAUSE", 0)
     for writes in range(3, 60, 1 if sync == "off" else 7):
         folder = tmp_path / str(writes)
         folder.mkdir()

@@ -38,6 +38,7 @@ def _history(opened: Opened, kind: type[World], seed: int = 0) -> History:
 def live(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
     """Return a run with a robot, and a snapshot every 5 cycles."""
     monkeypatch.setattr(journal, "CYCLES", 5)
+    monkeypatch.setattr(journal, "PAUSE", 0)
     monkeypatch.setattr(journal, "_PROGRESS", 0)
     peer = Peer()
     program = rapc.loads(library(8)).program
