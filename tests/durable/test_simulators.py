@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import rapc
+from bench.journal import LIMITS, RUNS, row
 from bench.kills import measured
 from rapc.durable import folder as files
 from rapc.durable import journal
@@ -28,6 +29,7 @@ ROCKS = str(ROOT / "examples" / "rock-order.rap")
 def courier(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
     """Return a run of the courier, with a snapshot every 20 cycles."""
     monkeypatch.setattr(journal, "CYCLES", 20)
+    monkeypatch.setattr(journal, "PAUSE", 0)
     library = rapc.load(ROOT / "examples" / "courier").program
     spec = RunSpec(agenda="shift", seed=3, until=1500)
     return Run(tmp_path, library, spec, lambda: rapc.open_world("courier", seed=3))
@@ -171,7 +173,7 @@ def _killed(folder: Path) -> None:
     code = (
         "import os, rapc.durable.runs as runs, rapc.durable.journal as journal\n"
         "from rapc.cli.main import main\n"
-        "journal.CYCLES = 30\n"
+        "journal.CYCLES, journal.PAUSE = 30, 0\n"
         "step = runs.DurableRun.step\n"
         "def stop(self):\n"
         "    if self.run.cycle == 100: os._exit(9)\n"
@@ -264,3 +266,10 @@ def test_full_disk_ends_the_command_and_loses_nothing(
 def test_killed_and_cut_runs_have_the_same_trace(tmp_path: Path) -> None:
     found = measured(20, 20, 2, tmp_path)
     assert len(found) == 6
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("both", LIMITS)
+@pytest.mark.parametrize("name", RUNS)
+def test_processor_time_of_a_journal_is_within_its_limit(name: str, both: str) -> None:
+    assert row(name, both, 9).ratio <= LIMITS[both]
