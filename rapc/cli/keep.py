@@ -22,18 +22,18 @@ from rapc.parser.formatter import formatted
 from rapc.runtime.interpreter import Interpreter
 
 
-def refuse_kept(file: str) -> None:
-    """End the command if `--keep` cannot write a new RAP file."""
+def refuse_kept(file: str, option: str = "--keep") -> None:
+    """End the command if an option cannot write a new RAP file."""
     if not file.endswith(SUFFIX) or file.endswith(TEST_SUFFIX):
-        fail(f"--keep: expected the name of a RAP file, not `{file}`")
+        fail(f"{option}: expected the name of a RAP file, not `{file}`")
     try:
         open(file, "xb").close()
         os.unlink(file)
     except FileExistsError:
-        said = f"--keep: cannot write `{file}`: the file exists"
+        said = f"{option}: cannot write `{file}`: the file exists"
         fail(said, "choose another file, or remove this one")
     except OSError as error:
-        fail(f"--keep: cannot write `{file}`: {reason(error)}")
+        fail(f"{option}: cannot write `{file}`: {reason(error)}")
 
 
 def keep(file: str, interpreter: Interpreter, library: str) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
 import shutil
 import tempfile
 from collections.abc import Mapping
@@ -12,11 +13,17 @@ from pathlib import Path
 
 import click
 
+from rapc.base.files import path_named, read_text
+from rapc.base.visible import visible
+from rapc.cli.common import write_output
+from rapc.cli.keep import refuse_kept
 from rapc.cli.options import command, fail
+from rapc.errors import LoadError, TextError
 
 EXAMPLES = """\b
 Examples:
   rapc new my-robot
+  rapc new logistics.rap --pddl domain.pddl
 """
 
 FILES: Mapping[str, str] = {
@@ -34,14 +41,37 @@ _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
 
 @command(EXAMPLES)
 @click.argument("name")
-def new(name: str) -> None:
+@click.option(
+    "--pddl",
+    "domain",
+    type=click.Path(),
+    metavar="DOMAIN",
+    help="Convert this PDDL domain to the RAP file NAME.",
+)
+@click.option(
+    "--problem",
+    type=click.Path(),
+    metavar="PROBLEM",
+    help="With --pddl: also convert the objects of a problem.",
+)
+def new(name: str, domain: str | None, problem: str | None) -> None:
     """Create the folder NAME with a world, a library and a test.
 
     The project is the result of the tutorial `tutorials/first-robot`: a robot that
     fetches a cup, its simulated world, tests, a configuration and a file for CI.
 
-    Exit status: 0 if the folder was created, 2 if not.
+    With --pddl, create the file NAME: a library with a kind for each type of the
+    domain, a proposition for each predicate, and a RAP with `effects`, but without
+    methods, for each action. With --problem, the kinds have the objects as values, and
+    the command prints the `rapc plan` for its goal.
+
+    Exit status: 0 if the folder or the file was created, 2 if not.
     """
+    if domain is not None:
+        _convert(name, domain, problem)
+        return
+    if problem is not None:
+        fail("--problem requires --pddl")
     if _NAME.fullmatch(name) is None:
         fail(f"invalid name `{name}`: expected letters, digits, `-`, `_` and `.`")
     folder = Path(name)
@@ -52,6 +82,28 @@ def new(name: str) -> None:
     except OSError as error:
         fail(f"cannot create `{name}`: {error.strerror}")
     click.echo(f"created {name}: continue with `cd {name}` and `rapc test .`")
+
+
+def _convert(name: str, domain: str, problem: str | None) -> None:
+    """Write the library of a PDDL domain to a new file."""
+    from rapc.base.source import SourceFile
+    from rapc.planning.from_pddl import converted
+
+    refuse_kept(name, "NAME")
+    names = [one for one in (domain, problem) if one is not None]
+    try:
+        files = [SourceFile(one, read_text(path_named(one))) for one in names]
+        found = converted(*files)
+    except (LoadError, TextError) as error:
+        fail(error.message)
+    write_output(name, found.library.encode())
+    for one in found.left_out:
+        click.echo(visible(f"note: {one}"), err=True)
+    click.echo(visible(f"created {name}"))
+    if found.goal is not None:
+        facts = [word for fact in found.facts for word in ("--fact", fact)]
+        command = shlex.join(["rapc", "plan", found.goal, name, *facts])
+        click.echo(visible(f"plan for the goal: {command}"))
 
 
 def _create(folder: Path) -> None:

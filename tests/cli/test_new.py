@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 
 import pytest
 
 from rapc.cli.new import FILES
 from tests.docs.pages import blocks, page
+from tests.planning.logistics import DOMAIN, PROBLEM
 
 from .command import rapc
 
@@ -68,3 +70,33 @@ def test_new_leaves_nothing_if_the_system_refuses_the_folder(tmp_path: Path) -> 
     assert made.returncode == 2
     assert made.stderr.startswith("error: cannot create `xxx")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_domain_becomes_a_library_and_its_goal_a_command(tmp_path: Path) -> None:
+    (tmp_path / "d.pddl").write_text(DOMAIN)
+    (tmp_path / "p.pddl").write_text(PROBLEM)
+    options = ("--pddl", "d.pddl", "--problem", "p.pddl")
+    made = rapc("new", "moves.rap", *options, cwd=tmp_path)
+    assert made.returncode == 0
+    created, printed = made.stdout.splitlines()
+    assert created == "created moves.rap"
+    name, *arguments = shlex.split(printed.partition(": ")[2])
+    assert name == "rapc"
+    planned = rapc(*arguments, "--format", "steps", cwd=tmp_path)
+    assert planned.returncode == 0
+    assert "(fly a1 ap2 ap1)" in planned.stdout
+    assert rapc("check", "moves.rap", cwd=tmp_path).returncode == 0
+
+
+def test_domain_that_cannot_be_read_makes_no_file(tmp_path: Path) -> None:
+    (tmp_path / "d.pddl").write_text("(define (domain d)\n (:derived (p)))")
+    for options, said in (
+        (("m.rap", "--pddl", "d.pddl"), "d.pddl:2:3: unsupported section `:derived`"),
+        (("m.rap", "--pddl", "e.pddl"), "cannot read `e.pddl`"),
+        (("m", "--pddl", "d.pddl"), "NAME: expected the name of a RAP file"),
+        (("m.rap", "--problem", "d.pddl"), "--problem requires --pddl"),
+    ):
+        made = rapc("new", *options, cwd=tmp_path)
+        assert made.returncode == 2
+        assert said in made.stderr
+    assert not (tmp_path / "m.rap").exists()
