@@ -54,8 +54,8 @@ def test_problem_of_a_domain_is_solved() -> None:
     plan = rapc.plan(rapc.loads(found.library), found.goal, facts=found.facts)
     assert plan
     assert not plan.left_out
-    flights = [step for step in plan.steps if step.startswith("(fly")]
-    assert all(step.startswith("(fly a1") for step in flights)
+    flights = [one.goal for one in plan.steps if one.goal.startswith("(fly")]
+    assert all(one.startswith("(fly a1") for one in flights)
     assert len(flights) == 2
 
 
