@@ -6,6 +6,7 @@ import asyncio
 import os
 import sys
 from collections.abc import Generator
+from contextlib import suppress
 from typing import Any
 
 from lsprotocol import types
@@ -15,6 +16,7 @@ from pygls.protocol import LanguageServerProtocol
 from pygls.protocol.language_server import lsp_method
 
 from rapc.analysis.libraries import LibrarySpec
+from rapc.base.files import SUFFIX
 from rapc.base.version import VERSION
 from rapc.lsp import (
     actions,
@@ -32,6 +34,9 @@ from rapc.lsp.hover import hover
 from rapc.lsp.positions import Text
 from rapc.lsp.project import Delays, Snapshot, Worker
 from rapc.lsp.workspace import View, Workspace, aliases, name_of
+
+_PATIENCE = 10.0
+"""The number of seconds that a request waits for the first snapshot of a file."""
 
 
 class Protocol(LanguageServerProtocol):
@@ -93,6 +98,10 @@ class Server(LanguageServer):
         self.pulls = False
         #: Whether the client has the command `hints.SHOW_CALLERS`.
         self.shows_callers = False
+        #: The requests that make the client ask for hints again.
+        self.refreshes: list[str] = []
+        #: Set when the next snapshot arrives.
+        self._arrival = asyncio.Event()
         #: The last published diagnostics of each file.
         self._published: dict[str, list[types.Diagnostic]] = {}
 
@@ -105,7 +114,8 @@ class Server(LanguageServer):
         folders = [one.uri for one in params.workspace_folders or ()]
         if not folders and params.root_uri:
             folders = [params.root_uri]
-        self.pulls = _refreshes(params.capabilities)
+        self.pulls = _pulls(params.capabilities)
+        self.refreshes = _refreshes(params.capabilities)
         self.rap = Workspace(
             types.PositionEncodingKind.Utf32 not in encodings, map(name_of, folders)
         )
@@ -154,6 +164,11 @@ class Server(LanguageServer):
         self.rap.snapshots[snapshot.spec] = snapshot
         names = files_with_findings(snapshot)
         self._publish(names if before is None else names | files_with_findings(before))
+        self._arrival.set()
+        self._arrival = asyncio.Event()
+        if snapshot.whole:
+            for method in self.refreshes:
+                self.protocol.send_request(method, None)
 
     def _forget(self, gone: list[LibrarySpec]) -> None:
         """Remove the snapshots of libraries that are no longer there."""
@@ -187,9 +202,24 @@ class Server(LanguageServer):
         """Return the latest snapshot with the file of a request."""
         return self.rap.view(params.text_document.uri)
 
+    async def first_view(self, params: Any) -> View | None:
+        """Return `view`; for an open file without a snapshot, wait for the first one.
+
+        For requests that editors send when they open a file, and not again.
+        """
+        end = asyncio.get_running_loop().time() + _PATIENCE
+        while True:
+            found = self.view(params)
+            left = end - asyncio.get_running_loop().time()
+            if found is not None or left <= 0 or self.text(params) is None:
+                return found
+            with suppress(TimeoutError):
+                await asyncio.wait_for(self._arrival.wait(), left)
+
     def text(self, params: Any) -> Text | None:
-        """Return the text of the open file of a request."""
-        document = self.rap.document(name_of(params.text_document.uri))
+        """Return the text of the open RAP file of a request."""
+        name = name_of(params.text_document.uri)
+        document = self.rap.document(name) if name.endswith(SUFFIX) else None
         return None if document is None else document.text
 
     def _log(self, message: str) -> None:
@@ -202,7 +232,19 @@ def files_with_findings(snapshot: Snapshot) -> set[str]:
     return {*snapshot.findings, *snapshot.unreadable}
 
 
-def _refreshes(client: types.ClientCapabilities) -> bool:
+def _refreshes(client: types.ClientCapabilities) -> list[str]:
+    """Return the requests to ask for hints again that a client supports."""
+    workspace = client.workspace
+    if workspace is None:
+        return []
+    known = {
+        types.WORKSPACE_CODE_LENS_REFRESH: workspace.code_lens,
+        types.WORKSPACE_INLAY_HINT_REFRESH: workspace.inlay_hint,
+    }
+    return [method for method, one in known.items() if one and one.refresh_support]
+
+
+def _pulls(client: types.ClientCapabilities) -> bool:
     """Return whether a client requests diagnostics, and again after a refresh."""
     pulls = client.text_document is not None and client.text_document.diagnostic
     workspace = client.workspace
@@ -289,8 +331,10 @@ def _add_texts(server: Server) -> None:
         return [] if text is None else formatting.format_typed(text, params.position)
 
     @feature(types.TEXT_DOCUMENT_DOCUMENT_SYMBOL)
-    def on_symbols(params: types.DocumentSymbolParams) -> list[types.DocumentSymbol]:
-        view = server.view(params)
+    async def on_symbols(
+        params: types.DocumentSymbolParams,
+    ) -> list[types.DocumentSymbol]:
+        view = await server.first_view(params)
         return [] if view is None else outline.document_symbols(view)
 
     @feature(types.WORKSPACE_SYMBOL)
@@ -300,13 +344,13 @@ def _add_texts(server: Server) -> None:
         return outline.workspace_symbols(server.rap, params.query)
 
     @feature(types.TEXT_DOCUMENT_FOLDING_RANGE)
-    def on_folding(params: types.FoldingRangeParams) -> list[types.FoldingRange]:
-        view = server.view(params)
+    async def on_folding(params: types.FoldingRangeParams) -> list[types.FoldingRange]:
+        view = await server.first_view(params)
         return [] if view is None else outline.folding_ranges(view)
 
     @feature(types.TEXT_DOCUMENT_DOCUMENT_LINK)
-    def on_links(params: types.DocumentLinkParams) -> list[types.DocumentLink]:
-        view = server.view(params)
+    async def on_links(params: types.DocumentLinkParams) -> list[types.DocumentLink]:
+        view = await server.first_view(params)
         return [] if view is None else navigation.links(view)
 
 
@@ -435,16 +479,16 @@ def _add_hints(server: Server) -> None:
         return None if view is None else hints.signature_help(view, params.position)
 
     @server.feature(types.TEXT_DOCUMENT_INLAY_HINT)
-    def on_hints(params: types.InlayHintParams) -> list[types.InlayHint]:
-        view = server.view(params)
+    async def on_hints(params: types.InlayHintParams) -> list[types.InlayHint]:
+        view = await server.first_view(params)
         if view is None:
             return []
         start, end = view.then(params.range.start), view.then(params.range.end)
         return hints.inlay_hints(view, start, end)
 
     @server.feature(types.TEXT_DOCUMENT_CODE_LENS)
-    def on_lenses(params: types.CodeLensParams) -> list[types.CodeLens]:
-        view = server.view(params)
+    async def on_lenses(params: types.CodeLensParams) -> list[types.CodeLens]:
+        view = await server.first_view(params)
         return [] if view is None else hints.lenses(view, server.shows_callers)
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from tests.lsp.client import Editor  # before lsprotocol: it skips without it
+from tests.lsp.client import PATIENCE, Editor  # before lsprotocol: it skips without it
 
 from lsprotocol import types  # isort: skip
 from pygls.exceptions import JsonRpcException  # isort: skip
@@ -428,3 +429,36 @@ def test_inlay_hints_show_inferred_kinds(editor: Editor, raps: str) -> None:
     params = types.InlayHintParams(document(raps), place)
     found = editor.ask(types.TEXT_DOCUMENT_INLAY_HINT, params)
     assert [one.label for one in found] == [": symbol"]
+
+
+def test_requests_at_opening_wait_for_the_first_check(tmp_path: Path) -> None:
+    (tmp_path / "raps.rap").write_text(
+        '(require "world")\n(declare-kind room)\n' + RAPS
+    )
+    (tmp_path / "world.rap").write_text(WORLD)
+    editor = Editor(tmp_path, like="visual_studio_code")
+    refreshed = threading.Event()
+
+    def refresh(params: None) -> None:
+        refreshed.set()
+
+    editor.client.feature(types.WORKSPACE_CODE_LENS_REFRESH)(refresh)
+
+    uri = editor.open(tmp_path / "raps.rap")
+    params = types.CodeLensParams(document(uri))
+    assert len(editor.ask(types.TEXT_DOCUMENT_CODE_LENS, params)) == 2
+    assert refreshed.wait(PATIENCE)
+    place = types.Range(types.Position(0, 0), types.Position(20, 0))
+    hints = types.InlayHintParams(document(uri), place)
+    assert editor.ask(types.TEXT_DOCUMENT_INLAY_HINT, hints)
+    editor.close()
+
+
+def test_other_files_are_not_read_as_raps(editor: Editor) -> None:
+    uri = editor.open(editor.folders[0] / "rapc.toml", 'libraries = ["."]\n(go  a)\n')
+    params = types.SemanticTokensParams(document(uri))
+    assert editor.ask(types.TEXT_DOCUMENT_SEMANTIC_TOKENS_FULL, params) is None
+    options = types.FormattingOptions(2, True)
+    format_ = types.DocumentFormattingParams(document(uri), options)
+    assert not editor.ask(types.TEXT_DOCUMENT_FORMATTING, format_)
+    editor.shut(uri)
