@@ -44,3 +44,30 @@ def driven(memory, request, result):
 
 HANDLERS = Handlers({"drive": driven})
 """
+
+SUPPRESSED = RAPS.replace(
+    "      (t2 (go hall", "      ; rapc: ignore[copied-step]\n      (t2 (go kitchen"
+)
+"""`RAPS` with a copied step whose finding is ignored."""
+
+EXTRACTED = """\
+(require "world")
+
+; Go to a place.
+(define-rap (go ?place)
+  (succeed (at robot ?place))
+  (method
+    (primitive (drive ?place))))
+
+(define-rap (tour)
+  (method
+    (task-net
+      (t1 (tour-t1)))))
+
+(define-rap (tour-t1)
+  (method
+    (task-net
+      (t1 (go kitchen))
+      (t2 (go hall)))))
+"""
+"""`RAPS` with the steps of `tour` in a RAP of their own."""
