@@ -12,8 +12,10 @@ import pytest
 from msgspec.structs import replace
 
 import rapc
+from rapc.base.values import Fact
 from rapc.durable import journal
 from rapc.durable.folder import Options, Writer
+from rapc.durable.resuming import LOST
 from rapc.durable.runs import DurableRun
 from rapc.errors import StateError
 from rapc.spec import RunSpec
@@ -32,9 +34,10 @@ def _ends(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     traces.close()
 
 
-def _run(folder: Path, peer: Peer, kind: type[PeerWorld], jobs: int = JOBS) -> Run:
-    program = rapc.loads(library(jobs)).program
-    return Run(folder, program, RunSpec(tasks=("(all)",)), lambda: kind(of(peer)))
+def _run(folder: Path, peer: Peer, kind: type[PeerWorld], *tasks: str) -> Run:
+    program = rapc.loads(library(JOBS)).program
+    spec = RunSpec(tasks=tasks or ("(all)",))
+    return Run(folder, program, spec, lambda: kind(of(peer)))
 
 
 def _kill(run: Run, writes: int) -> None:
@@ -57,9 +60,8 @@ def _go(run: Run) -> str:
     return reason
 
 
-def _once(jobs: int) -> Counter[Any]:
-    names = ("look", "work")
-    return Counter((name, n) for name in names for n in range(1, jobs + 1))
+ONCE = Counter((name, n) for name in ("look", "work") for n in range(1, JOBS + 1))
+"""Each request of all jobs once."""
 
 
 @pytest.mark.parametrize("sync", ["off", "requests", "always"])
@@ -76,7 +78,7 @@ def test_each_request_is_done_once_whatever_the_last_record(
         run.options = Options(sync=sync)
         _kill(run, writes)
         assert _go(run) == "done"
-        assert peer.started == peer.done == _once(JOBS), writes
+        assert peer.started == peer.done == ONCE, writes
 
 
 def test_each_request_is_done_once_in_a_run_killed_often(tmp_path: Path) -> None:
@@ -85,7 +87,7 @@ def test_each_request_is_done_once_in_a_run_killed_often(tmp_path: Path) -> None
     for writes in (12, 9, 7, 9, 8, 9):
         _kill(run, writes)
     assert _go(run) == "done"
-    assert peer.started == peer.done == _once(JOBS)
+    assert peer.started == peer.done == ONCE
     assert peer.resumed == 6
     events = [json.loads(line) for line in run.trace.read_text().splitlines()]
     assert [one["n"] for one in events] == [*range(len(events))]
@@ -117,11 +119,15 @@ class Anew(PeerWorld):
 
 
 def _killed_in(
-    folder: Path, request: str, *, answered: bool, kind: type[PeerWorld] = Anew
+    folder: Path,
+    request: str,
+    *tasks: str,
+    answered: bool = True,
+    kind: type[PeerWorld] = Anew,
 ) -> tuple[Run, Peer]:
     """Return a run that was killed before or after the answer to a request."""
     peer = Peer()
-    run = _run(folder, peer, kind)
+    run = _run(folder, peer, kind, *tasks)
     write = Writer.write
     wanted = b'"told"' if answered else b'"ask"'
 
@@ -140,12 +146,13 @@ def _killed_in(
     return run, peer
 
 
-def _methods(run: Run) -> list[tuple[str, str]]:
+def _refused(run: Run) -> list[tuple[str, str]]:
+    """Return the refused requests of a run, each with its reason."""
     events = [json.loads(line) for line in run.trace.read_text().splitlines()]
     return [
-        (one["event"], one.get("because") or one.get("result"))
+        (one["request"], one["because"])
         for one in events
-        if one.get("request", "") == "(work 2)" and one["event"] != "request"
+        if one["event"] == "request-refused"
     ]
 
 
@@ -186,16 +193,46 @@ def test_request_with_unknown_outcome_fails(
     run, peer = _killed_in(tmp_path, '["work",2]', answered=answered)
     run.options = replace(run.options, after_crash=treatment)
     assert _go(run) == "done"
-    told = [one for one in _methods(run) if one[0] == "request-refused"]
-    assert [said for _, said in told] == [
-        "the process of the interpreter ended before the outcome was known"
-    ]
+    assert _refused(run) == [("(work 2)", LOST)]
     # the method fails, and the task chooses again
     assert peer.started["work", 2] == 1 + answered
 
 
+ALL_AT_ONCE = tuple(f"(work-p {n}) :priority {9 - n}" for n in range(1, JOBS + 1))
+
+
+def test_requests_under_way_at_once_are_decided_one_by_one(tmp_path: Path) -> None:
+    run, peer = _killed_in(tmp_path, '["work",4]', *ALL_AT_ONCE)
+    run.options = replace(run.options, after_crash={"work": "ask"})
+    asked: list[Fact] = []
+
+    def decide(request: Fact) -> str:
+        asked.append(request)
+        return "fail" if request[1] in (2, 4) else "repeat"
+
+    run.decide = decide
+    assert _go(run) == "done"
+    assert asked == [("work", n) for n in range(1, JOBS + 1)]
+    assert _refused(run) == [("(work 2)", LOST), ("(work 4)", LOST)]
+    assert peer.done == Counter(asked)
+    assert peer.started == Counter(asked * 2)
+
+
+def test_requests_under_way_at_once_are_done_once(tmp_path: Path) -> None:
+    for writes in range(3, 24):
+        folder = tmp_path / str(writes)
+        folder.mkdir()
+        peer = Peer()
+        run = _run(folder, peer, ResumablePeer, *ALL_AT_ONCE)
+        _kill(run, writes)
+        peer.advance(peer.now() + 2 * (writes % 3))  # the robot goes on alone
+        assert _go(run) == "done"
+        wanted = Counter(("work", n) for n in range(1, JOBS + 1))
+        assert peer.started == peer.done == wanted, writes
+
+
 def test_clock_that_begins_again_goes_on(tmp_path: Path) -> None:
-    run, _ = _killed_in(tmp_path, '["work",3]', answered=True)
+    run, _ = _killed_in(tmp_path, '["work",3]')
     _go(run)
     events = [json.loads(line) for line in run.trace.read_text().splitlines()]
     times = [one["time"] for one in events]
@@ -203,7 +240,7 @@ def test_clock_that_begins_again_goes_on(tmp_path: Path) -> None:
 
 
 def test_world_that_has_forgotten_messages_is_refused(tmp_path: Path) -> None:
-    run, peer = _killed_in(tmp_path, '["work",3]', answered=True, kind=ResumablePeer)
+    run, peer = _killed_in(tmp_path, '["work",3]', kind=ResumablePeer)
     peer.forgotten = 100
     with pytest.raises(StateError, match="cannot resume: the world `peer` refuses"):
         run.resume().go()
@@ -212,7 +249,7 @@ def test_world_that_has_forgotten_messages_is_refused(tmp_path: Path) -> None:
 def test_kit_is_told_of_a_resumed_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    run, _ = _killed_in(tmp_path, '["work",3]', answered=True)
+    run, _ = _killed_in(tmp_path, '["work",3]')
     told: list[float] = []
 
     def resumed(memory: Any, seconds: float) -> None:
