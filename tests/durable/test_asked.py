@@ -108,7 +108,7 @@ def test_interrupted_decision_leaves_the_journal_as_it_was(crashed: Path) -> Non
     child.sendintr()
     child.expect(pexpect.EOF)
     child.close()
-    assert "Traceback" not in child.before
+    assert "Traceback" not in str(child.before)
     assert child.exitstatus == 130
     done = command(*RESUME, "--after-crash", "*=repeat", cwd=crashed)
     assert done.returncode == 0
