@@ -18,7 +18,7 @@ pytestmark = [
 
 @pytest.mark.parametrize(
     ("times", "events", "ready", "redraw", "megabytes"),
-    [(1, 48_000, 500, 50, 1.2), (10, 460_000, 4_000, 60, 10)],
+    [(1, 48_500, 500, 50, 1.2), (10, 488_000, 4_000, 60, 10)],
 )
 def test_page_is_ready_and_redrawn_in_time(
     tmp_path: Path,
@@ -31,11 +31,10 @@ def test_page_is_ready_and_redrawn_in_time(
     file = tmp_path / "page.html"
     write_page([*orders(times)], file)
     with browser() as found:
-        figures = min(
-            (measured(found, file) for _ in range(3)), key=lambda one: one.longest
-        )
+        visits = [measured(found, file) for _ in range(3)]
+    figures = visits[0]
     assert figures.events >= events
     assert figures.requests == ()
     assert figures.megabytes <= megabytes
-    assert figures.ready <= ready
-    assert figures.longest <= redraw
+    assert min(one.ready for one in visits) <= ready
+    assert min(one.longest for one in visits) <= redraw

@@ -5,6 +5,15 @@ const MOST_FACTS = 300;
 /** The groups of facts that the reader has opened. */
 const opened = new Set();
 
+/** The predicate of each fact that has been shown. */
+const predicates = new Map();
+
+function predicateOf(fact) {
+  let name = predicates.get(fact);
+  if (name === undefined) predicates.set(fact, (name = firstWord(fact)));
+  return name;
+}
+
 /** Return the row of a fact. */
 function factRow(app, fact, since, change) {
   const { run, at } = app;
@@ -65,7 +74,7 @@ function showMemory(app) {
   const groups = new Map();
   for (const [fact, since] of memory) {
     if (wanted && !fact.toLowerCase().includes(wanted)) continue;
-    const name = firstWord(fact);
+    const name = predicateOf(fact);
     const known = groups.get(name);
     if (known) known.push([fact, since]);
     else groups.set(name, [[fact, since]]);
