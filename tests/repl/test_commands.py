@@ -126,6 +126,7 @@ def test_branches_are_listed_and_taken_up() -> None:
         (":stpe", "unknown command `:stpe`; did you mean `:step`?"),
         (":step x", "number of cycles must be a whole number, not `x`"),
         (":step 1 2", "unexpected argument `2`"),
+        (":assert (truck-status ready) 2", "unexpected argument `2`"),
         (":to", "missing cycle"),
         (":goto at noon", "time must be a number, not `noon`"),
         (":task 99", "unknown task [99]"),

@@ -27,7 +27,8 @@ from rapc.repl.shell import Shell
 from rapc.runtime.achieve import achieving
 
 
-def _do(shell: Shell, act: Act) -> Answer:
+def _do(shell: Shell, args: Arguments, act: Act) -> Answer:
+    args.end()
     before, branch = shell.history.serial, shell.history.branch
     shell.history.act(act)
     return say(*shell.happened(before), *shell.branched(branch), str(act))
@@ -39,13 +40,13 @@ def _assert(shell: Shell, args: Arguments) -> Answer:
 
     A replay repeats all acts of the user. An act in the past begins a new branch.
     """
-    return _do(shell, AssertFact(args.fact("fact")))
+    return _do(shell, args, AssertFact(args.fact("fact")))
 
 
 @command("PREFIX", ":erase (color item-1)")
 def _erase(shell: Shell, args: Arguments) -> Answer:
     """Erase all facts that begin with PREFIX."""
-    return _do(shell, EraseFacts(args.fact("fact")))
+    return _do(shell, args, EraseFacts(args.fact("fact")))
 
 
 @command("GOAL [OPTIONS]", ":submit (rock-order red 1) :priority 2 :deadline 400")
@@ -92,13 +93,13 @@ def _plan(shell: Shell, args: Arguments) -> Answer:
 @command("GOAL", ":cancel (rock-order red ?)")
 def _cancel(shell: Shell, args: Arguments) -> Answer:
     """Cancel the top-level tasks that match GOAL."""
-    return _do(shell, CancelTasks(read_pattern(args.word("goal"))))
+    return _do(shell, args, CancelTasks(read_pattern(args.word("goal"))))
 
 
 @command("SIGNAL", ":signal (:door-open hall)")
 def _signal(shell: Shell, args: Arguments) -> Answer:
     """Send a signal to the tasks that wait for it."""
-    return _do(shell, SendSignal(args.signal()))
+    return _do(shell, args, SendSignal(args.signal()))
 
 
 @command(
@@ -114,21 +115,20 @@ def _force(shell: Shell, args: Arguments) -> Answer:
     """
     request = read_pattern(args.word("request"))
     result = args.word("result").lower()
-    return _do(
-        shell, ForceResult(request, result, max(args.count("number of requests", 1), 1))
-    )
+    times = max(args.count("number of requests", 1), 1)
+    return _do(shell, args, ForceResult(request, result, times))
 
 
 @command("[TASK]", ":fail 12")
 def _fail(shell: Shell, args: Arguments) -> Answer:
     """Make a task fail, as if one of its conditions were false."""
-    return _do(shell, FailTask(args.task(shell.history)))
+    return _do(shell, args, FailTask(args.task(shell.history)))
 
 
 @command("[TASK]", ":retry 12")
 def _retry(shell: Shell, args: Arguments) -> Answer:
     """Make the method of a task fail, so that the task chooses again."""
-    return _do(shell, RetryTask(args.task(shell.history)))
+    return _do(shell, args, RetryTask(args.task(shell.history)))
 
 
 @command(
@@ -154,7 +154,7 @@ def _option(shell: Shell, args: Arguments) -> Answer:
     if not value:
         value = args.word(f"value of `{given}`").removeprefix("=")
         value = value or args.word(f"value of `{given}`")
-    return _do(shell, change_option(run, owner, name, value))
+    return _do(shell, args, change_option(run, owner, name, value))
 
 
 @command()
