@@ -136,6 +136,35 @@ class Course:
         """Close the files of the run."""
 
 
+class Controlled(Course):
+    """A run that the readers of its page control.
+
+    Args:
+        run: the run; it has not begun.
+        until: its time limit.
+        paused: whether the run pauses before its first cycle.
+    """
+
+    def __init__(self, run: Interpreter, until: Time | None, *, paused: bool) -> None:
+        from rapc.view.control import Control
+
+        super().__init__(run, until)
+        self.control = Control(run, paused=paused)
+
+    @property
+    def run(self) -> Interpreter:
+        """Return the run."""
+        return self.control.run
+
+    def begin(self) -> None:
+        """Begin the run."""
+        self.run.start(self.until)
+
+    def go(self) -> None:
+        """Run to the end."""
+        self.control.go()
+
+
 class Begun(Course):
     """A run with a new journal.
 

@@ -27,7 +27,14 @@ from rapc.cli.common import (
     width_of,
     write_output,
 )
-from rapc.cli.durable import Begun, Course, JournalOptions, Resumed, refuse_trace
+from rapc.cli.durable import (
+    Begun,
+    Controlled,
+    Course,
+    JournalOptions,
+    Resumed,
+    refuse_trace,
+)
 from rapc.cli.options import WholeNumber, command, fail, options_of, settings
 from rapc.cli.run_options import (
     end_time,
@@ -127,6 +134,9 @@ _MOST_TOLD = 60_000
     metavar="[PORT]",
     help="Serve the page of the run on this computer until Ctrl-C.",
 )
+@click.option(
+    "--paused", is_flag=True, help="With --view: pause before the first cycle."
+)
 @options_of(JournalOptions)
 def run(
     path: str | None,
@@ -140,6 +150,7 @@ def run(
     show: bool,
     show_every: int | None,
     port: int | None,
+    paused: bool,
     **more: Any,
 ) -> None:
     """Run tasks of the library at PATH against a world.
@@ -167,7 +178,8 @@ def run(
     With --view, a server on this computer shows the run in a browser while the run goes
     on. Standard error has the address. Readers need its token; they see the run from
     its start. Without PORT, the server takes a free port. After the end of the run the
-    server waits for Ctrl-C.
+    server waits for Ctrl-C. Readers may pause the run, step, submit tasks, assert facts
+    and force results; with --save, they only watch.
 
     With --journal, the run can be resumed after the end of its process: `rapc run
     --resume FOLDER` continues the run and its trace. FOLDER names the world, whose code
@@ -183,9 +195,13 @@ def run(
         raise click.UsageError("--save requires --until")
     if port is not None and (more["journal"] or more["resume"]):
         raise click.UsageError("--view cannot be used with --journal or --resume")
+    if paused and (port is None or save is not None):
+        raise click.UsageError("--paused requires --view, without --save")
     keep = _keeping(kept)
     traced = trace, trace_format, trace_pictures
     course = _course(path, world_name, until, save, traced, more)
+    if port is not None and save is None:
+        course = Controlled(course.run, course.until, paused=paused)
     interpreter = course.run
     files = interpreter.library.library.files
     wanted = show or trace_pictures
@@ -206,7 +222,7 @@ def run(
                     stream = stack.enter_context(_opened(trace))
                     form = JsonTrace if trace_format == "jsonl" else TextTrace
                     interpreter.listen(form(stream))
-            live = None if port is None else _served(interpreter, str(path), port)
+            live = None if port is None else _served(course, str(path), port)
             interpreter.listen(report, *RunReport.kinds)
             interpreter.listen(mended, *MendedFailures.kinds)
             interpreter.listen(
@@ -225,16 +241,18 @@ def run(
             _wait_for_readers(live)
 
 
-def _served(interpreter: Interpreter, name: str, port: int) -> Live:
+def _served(course: Course, name: str, port: int) -> Live:
     """Serve the page of a run; a port that cannot be used ends the command."""
     from rapc.view.live import Live
     from rapc.view.page import live_page
 
+    control = course.control if isinstance(course, Controlled) else None
+    commands = () if control is None else control.commands()
     try:
-        live = Live(live_page(interpreter, name), port)
+        live = Live(live_page(course.run, name, commands), port, control)
     except OSError as error:
         fail(f"cannot serve the page: {reason(error)}")
-    interpreter.listen(JsonTrace(live.feed))
+    course.run.listen(JsonTrace(live.feed))
     click.echo(f"view: {live.address}", err=True)
     return live
 

@@ -505,9 +505,13 @@ class Interpreter(Run):
         """
         return self._go(1, wait) == 1
 
-    def run_ready(self) -> int:
-        """Run cycles until no task can go on now; return the number of cycles."""
-        return self._go(None, wait=False)
+    def run_ready(self, most: int | None = None) -> int:
+        """Run cycles until no task can go on now; return the number of cycles.
+
+        Args:
+            most: the highest number of cycles; default: no limit.
+        """
+        return self._go(most, wait=False)
 
     def come_to_choice(self) -> bool:
         """Advance to the next choice of a task, and stop before the choice.

@@ -2,6 +2,7 @@
 
 The thread of the run only appends lines to a list. Each reader has a thread that sends
 the lines from the start of the run, so neither many nor slow readers slow the run.
+Requests of readers go to the control of the run (`rapc.view.control`).
 """
 
 from __future__ import annotations
@@ -12,12 +13,19 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from threading import Event, Thread
 from typing import Any
 
+import msgspec
+
+from rapc.view.control import Control
+
 HOST = "127.0.0.1"
 _PAUSE = 0.1
 """The seconds after which a reader looks for new lines."""
 
 _MOST = 5_000
 """The number of lines in a message to a reader."""
+
+_LONGEST = 20_000
+"""The highest number of bytes of a request."""
 
 
 class Feed:
@@ -30,20 +38,33 @@ class Feed:
         self.write = self.lines.append
 
 
+_json = msgspec.json.encode
+
+
+class Request(msgspec.Struct, frozen=True):
+    """A request of a reader; see `Control.ask`."""
+
+    name: str
+    text: str = ""
+
+
 class Live(ThreadingHTTPServer):
     """A server of the page of one run, and of its events.
 
     Args:
         page: the page; see `rapc.view.page.live_page`.
         port: the port; 0 for any free port.
+        control: the control of the run; without it, readers only watch.
 
     Raises:
         OSError: if the port cannot be used.
     """
 
-    def __init__(self, page: str, port: int = 0) -> None:
+    def __init__(
+        self, page: str, port: int = 0, control: Control | None = None
+    ) -> None:
         super().__init__((HOST, port), _Handler)
-        self.page, self.feed = page.encode(), Feed()
+        self.page, self.feed, self.control = page.encode(), Feed(), control
         self.token = secrets.token_urlsafe(24)
         self.hosts = {f"{name}:{self.server_port}" for name in (HOST, "localhost")}
         Thread(target=self.serve_forever, daemon=True).start()
@@ -67,21 +88,47 @@ class _Handler(BaseHTTPRequestHandler):
 
     def do_GET(self) -> None:
         """Send the page or the events; without the token and the host, nothing."""
+        name = self._name()
+        try:
+            if name == "events":
+                self._send_events()
+            elif name == "":
+                self._begin("text/html; charset=utf-8")
+                self.wfile.write(self.server.page)
+            else:
+                self.send_error(HTTPStatus.NOT_FOUND)
+        except ConnectionError:
+            self.close_connection = True  # the reader has gone
+
+    def do_POST(self) -> None:
+        """Carry out a request; without the token and the host, nothing."""
+        size = self.headers.get("Content-Length", "")
+        length = int(size) if size.isascii() and size.isdigit() else 0
+        data = self.rfile.read(min(length, _LONGEST))
+        control = self.server.control
+        if self._name() != "control" or control is None:
+            self.send_error(HTTPStatus.NOT_FOUND)
+            return
+        try:
+            asked = msgspec.json.decode(data, type=Request)
+        except (msgspec.MsgspecError, ValueError, RecursionError):
+            self.send_error(HTTPStatus.BAD_REQUEST)
+            return
+        answer = control.ask(asked.name, asked.text)
+        told = {"failed": answer.failed, "said": "; ".join(answer.lines)}
+        try:
+            self._begin("application/json")
+            self.wfile.write(_json(told))
+        except ConnectionError:
+            self.close_connection = True
+
+    def _name(self) -> str | None:
+        """Return the path after the token; None without the token and the host."""
         _, _, rest = self.path.partition("/")
         token, _, name = rest.partition("/")
         known = secrets.compare_digest(token.encode(), self.server.token.encode())
         host = self.headers.get("Host", "")
-        if not known or host not in self.server.hosts or name not in {"", "events"}:
-            self.send_error(HTTPStatus.NOT_FOUND)
-            return
-        try:
-            if name:
-                self._send_events()
-            else:
-                self._begin("text/html; charset=utf-8")
-                self.wfile.write(self.server.page)
-        except ConnectionError:
-            self.close_connection = True  # the reader has gone
+        return name if known and host in self.server.hosts else None
 
     def _begin(self, kind: str) -> None:
         self.send_response(HTTPStatus.OK)
@@ -94,12 +141,16 @@ class _Handler(BaseHTTPRequestHandler):
         """Send the events after the last one that the reader has, until the end."""
         last = self.headers.get("Last-Event-ID", "")
         at = int(last) if last.isascii() and last.isdigit() else 0
-        feed = self.server.feed
+        feed, control = self.server.feed, self.server.control
+        told = None
         self._begin("text/event-stream; charset=utf-8")
         while True:
-            ended = feed.ended.is_set()
+            ended, status = feed.ended.is_set(), control and control.status
             lines = feed.lines[at : at + _MOST]
             at += len(lines)
+            if status is not told:
+                told = status
+                self.wfile.write(b"event: status\ndata: %b\n\n" % _json(status))
             if lines:
                 text = "".join(f"data: {line}" for line in lines)
                 self.wfile.write(f"id: {at}\n{text}\n".encode())

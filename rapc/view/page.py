@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import gzip
 from base64 import b64encode
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from hashlib import sha256
 from pathlib import Path
 
@@ -22,7 +22,7 @@ _SOURCES = Path(__file__).parent / "page"
 
 _SCRIPTS = (
     *("model.js", "dom.js", "timeline.js", "tasks.js", "why.js", "memory.js"),
-    *("events.js", "map.js", "main.js"),
+    *("events.js", "map.js", "live.js", "main.js"),
 )
 """The scripts, in the order in which they are joined."""
 
@@ -39,10 +39,19 @@ def page(views: Sequence[Viewed] = ()) -> str:
     return composed(BEGINNING, _SCRIPTS, "index.html", _data(views))
 
 
-def live_page(run: Interpreter, name: str) -> str:
-    """Return the page of a run that goes on: it requests the events of the run."""
+def live_page(
+    run: Interpreter, name: str, commands: Sequence[Mapping[str, str]] = ()
+) -> str:
+    """Return the page of a run that goes on: it requests the events of the run.
+
+    Args:
+        run: the run.
+        name: its name.
+        commands: the commands for readers who control the run; see `Control.commands`.
+    """
     sensors = sorted(run.world.kit.offer.sensors)
-    more = {"name": name, "sensors": sensors, **sources(run.library)}
+    more = {"name": name, "sensors": sensors, "commands": commands}
+    more |= sources(run.library)
     data = (*_data(()), json_element("live", more))
     policy = "connect-src 'self'"
     return composed(BEGINNING, _SCRIPTS, "index.html", data, policy)

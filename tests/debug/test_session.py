@@ -360,7 +360,7 @@ def test_pause_before_the_continuation_counts() -> None:
     assert session.go().kind == "over"
 
 
-class _Breaking(ScriptedWorld):
+class Breaking(ScriptedWorld):
     """A world that breaks at the time 2."""
 
     def perform(self, ticket: int, request: Fact) -> Reply | Refused | None:
@@ -377,7 +377,7 @@ def test_times_before_the_break_of_a_world_are_reached() -> None:
     (define-rap (use ?x) (method (primitive (act ?x))))
     """
     library = rapc.loads(text, "small.rap")
-    world = _Breaking([row("(act ?)")], declared=library.program.library)
+    world = Breaking([row("(act ?)")], declared=library.program.library)
     session = History.open(library, world, tasks=["(top)"])
     assert session.go().kind == "broken"
     stood = set()

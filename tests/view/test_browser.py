@@ -6,7 +6,9 @@ import json
 import random
 import string
 from collections.abc import Iterator
+from io import StringIO
 from pathlib import Path
+from threading import Thread
 from typing import Any
 
 import pytest
@@ -14,6 +16,8 @@ from playwright.sync_api import Browser, Page
 
 from bench.browser import browser, chromium
 from rapc import load
+from rapc.runtime.events.trace import JsonTrace
+from rapc.view.control import Control
 from rapc.view.live import Live
 from rapc.view.page import live_page
 from rapc.view.page import page as page_text
@@ -418,3 +422,106 @@ def test_page_follows_a_run_that_goes_on(
     page.close()
     live.close()
     assert faults == []
+
+
+class Steered:
+    """The page of a paused run of the truck in a window, with its trace."""
+
+    def __init__(self, opened: Browser) -> None:
+        text = self.text = StringIO()
+        tasks = ["(rock-order red 1)"]
+        listeners = [JsonTrace(text)]
+        library = load("examples/rock-order.rap")
+        run = library.start("truck", tasks=tasks, seed=7, listeners=listeners)
+        self.control = Control(run, paused=True)
+        page = live_page(run, "rock-order", self.control.commands())
+        self.live = Live(page, control=self.control)
+        for line in text.getvalue().splitlines(keepends=True):
+            self.live.feed.write(line)
+        run.listen(JsonTrace(self.live.feed))
+        Thread(target=self._go, daemon=True).start()
+        self.page = opened.new_page(viewport={"width": 1500, "height": 950})
+        self.faults: list[str] = []
+        self.page.on("pageerror", lambda one: self.faults.append(str(one)))
+        self.page.goto(self.live.address)
+        self.wait('#control[data-state="paused"]')
+        self.wait("html[data-ready]")
+
+    def _go(self) -> None:
+        self.control.go()
+        self.live.feed.ended.set()
+
+    def wait(self, selector: str) -> None:
+        self.page.wait_for_selector(selector, state="attached")
+
+    def do(self, name: str, text: str) -> str:
+        """Fill in the form and send it; return the answer."""
+        self.page.evaluate("document.querySelector('#answer').textContent = ''")
+        self.page.select_option("#command", name)
+        self.page.fill("#argument", text)
+        self.page.press("#argument", "Enter")
+        self.wait("#answer:not(:empty)")
+        return self.page.inner_text("#answer")
+
+    def close(self) -> None:
+        self.page.close()
+        self.live.close()
+        assert self.faults == []
+
+
+def test_page_pauses_steps_and_continues_a_run(opened: Browser) -> None:
+    shown = Steered(opened)
+    assert shown.page.inner_text("#status") == "paused at cycle 0, time 0"
+    assert "under way" in shown.page.inner_text("#verdict")
+    shown.page.click("#step")
+    shown.wait('#status:text-is("paused at cycle 1, time 0")')
+    shown.page.keyboard.press("s")
+    shown.wait('#status:text-is("paused at cycle 2, time 0")')
+    assert shown.do("continue", "100").startswith("cycle 2, time 0")
+    shown.wait('#control[data-state="paused"]:has(#status:text("time 1"))')
+    shown.page.keyboard.press("Escape")
+    shown.page.evaluate("document.activeElement.blur()")
+    shown.page.keyboard.press("p")
+    shown.wait('#control[data-state="ended"]')
+    for name in ("pause", "step", "command", "argument", "perform"):
+        assert shown.page.is_disabled(f"#{name}")
+    shown.wait('#verdict:text("done at time")')
+    shown.close()
+
+
+def test_page_changes_a_run(opened: Browser) -> None:
+    shown = Steered(opened)
+    assert shown.do("submit", "(rock-order red 1) :priority 2") == (
+        "[2] (rock-order red 1) :priority 2"
+    )
+    assert shown.page.input_value("#argument") == ""
+    said = shown.do("assert", "(truck-status ready)")
+    assert said == "asserted (truck-status ready)"
+    said = shown.do("force", "(arm-grasp ? ?) arm-dropped 2")
+    assert said == "forced (arm-grasp ? ?) arm-dropped 2 times"
+    shown.wait(".lanes .goal >> nth=1")
+    shown.page.click("#pause")
+    shown.wait('#verdict:text("done at time")')
+    text = shown.text.getvalue()
+    assert '"fact":"(truck-status ready)","by":"user"' in text
+    assert text.count('"result":"arm-dropped"') >= 2
+    assert "2 succeeded" in shown.page.inner_text("#verdict")
+    shown.close()
+
+
+def test_page_shows_why_an_input_is_refused(opened: Browser) -> None:
+    shown = Steered(opened)
+    before = shown.text.getvalue()
+    for name, text, said in (
+        ("submit", "(nothing", "the list of `nothing` is not closed: (nothing"),
+        ("submit", "(rock-ordr red 1)", "unknown RAP `rock-ordr`; did you mean"),
+        ("assert", "(x)", "unknown predicate `x`"),
+        ("submit", "<img src=x onerror=alert(1)>", "expected"),
+    ):
+        assert shown.do(name, text).startswith(said)
+        assert shown.page.locator("#answer.failed").count() == 1
+        assert shown.page.input_value("#argument") == text
+    assert shown.text.getvalue() == before
+    assert shown.do("submit", "(rock-order red 1)").startswith("[2]")
+    assert shown.page.locator("#answer.failed").count() == 0
+    shown.close()

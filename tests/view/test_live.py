@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import http.client
+import json
 import signal
 import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from threading import Thread
 
 import pytest
 
+from rapc import load
+from rapc.view.control import Control
 from rapc.view.live import HOST, Live
 
 LINES = [f'{{"n":{n}}}\n' for n in range(12_000)]
@@ -33,10 +37,21 @@ def get(live: Live, path: str, **headers: str) -> tuple[int, str]:
     return answer.status, body
 
 
+def post(live: Live, path: str, body: bytes) -> tuple[int, str]:
+    """Return the status and the body of the answer to a request."""
+    link = http.client.HTTPConnection(HOST, live.server_port, timeout=60)
+    link.request("POST", path.replace("TOKEN", live.token), body=body)
+    answer = link.getresponse()
+    found = answer.status, answer.read().decode()
+    link.close()
+    return found
+
+
 def data(body: str) -> str:
-    """Return the lines of the messages of a body."""
-    rows = body.splitlines(keepends=True)
-    return "".join(r.removeprefix("data: ") for r in rows if r.startswith("data: "))
+    """Return the lines of the events in a body."""
+    messages = [one for one in body.split("\n\n") if one.startswith("id: ")]
+    rows = [row for one in messages for row in one.split("\n")[1:]]
+    return "".join(row.removeprefix("data: ") + "\n" for row in rows)
 
 
 def test_page_has_the_token_in_its_address(live: Live) -> None:
@@ -94,6 +109,72 @@ def test_reader_that_comes_back_gets_the_rest(live: Live) -> None:
     live.feed.ended.set()
     _, body = get(live, "/TOKEN/events", **{"Last-Event-ID": "11990"})
     assert data(body) == "".join(LINES[11_990:])
+
+
+def test_requests_need_the_token_and_a_control(live: Live) -> None:
+    for path in ("/control", "/x/control", "/TOKEN/control", "/TOKEN/events"):
+        status, body = post(live, path, b'{"name":"pause"}')
+        assert status == 404
+        assert live.token not in body
+
+
+@pytest.fixture
+def controlled() -> Iterator[Live]:
+    control = Control(
+        load("examples/courier").start("courier", agenda="shift"), paused=True
+    )
+    found = Live("", control=control)
+    Thread(target=control.go, daemon=True).start()
+    yield found
+    control.ask("continue")
+    found.close()
+
+
+def test_requests_are_carried_out(controlled: Live) -> None:
+    status, body = post(controlled, "/TOKEN/control", b'{"name":"pause"}')
+    assert (status, json.loads(body)) == (
+        200,
+        {"failed": False, "said": "cycle 0, time 0"},
+    )
+    request = {"name": "submit", "text": "(deliver"}
+    status, body = post(controlled, "/TOKEN/control", json.dumps(request).encode())
+    assert (status, json.loads(body)["failed"]) == (200, True)
+    assert post(controlled, "/x/control", b'{"name":"pause"}')[0] == 404
+    host = {"Host": "evil.example"}
+    link = http.client.HTTPConnection(HOST, controlled.server_port, timeout=60)
+    link.request("POST", f"/{controlled.token}/control", b'{"name":"step"}', host)
+    assert link.getresponse().status == 404
+    link.close()
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        b"",
+        b"[]",
+        b'{"name":3}',
+        b'{"name":"\xff"}',
+        b"[" * 10_000,
+        b'{"name":"submit","text":"' + b"x" * 30_000 + b'"}',
+    ],
+)
+def test_invalid_requests_are_refused(controlled: Live, body: bytes) -> None:
+    assert post(controlled, "/TOKEN/control", body)[0] == 400
+
+
+def test_readers_get_the_state_of_the_run(controlled: Live) -> None:
+    link = http.client.HTTPConnection(HOST, controlled.server_port, timeout=60)
+    link.request("GET", f"/{controlled.token}/events")
+    answer = link.getresponse()
+    control = controlled.control
+    assert control is not None
+    control.ask("step")
+    seen: list[dict[str, str]] = []
+    while not seen or seen[-1]["moment"] != "cycle 1, time 0":
+        if answer.readline() == b"event: status\n":
+            seen.append(json.loads(answer.readline().removeprefix(b"data: ")))
+    assert seen[-1]["state"] == "paused"
+    link.close()
 
 
 def test_events_of_a_run_equal_its_trace(tmp_path: Path) -> None:

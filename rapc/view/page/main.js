@@ -36,12 +36,16 @@ class App {
     return this.moments[this.current];
   }
 
+  get more() {
+    return this.mores[this.current];
+  }
+
   get sources() {
-    return this.mores[this.current].sources || {};
+    return this.more.sources || {};
   }
 
   get raps() {
-    return this.mores[this.current].raps || {};
+    return this.more.raps || {};
   }
 
   momentOf(index) {
@@ -229,7 +233,7 @@ function verdictOf(app) {
     if (!task.background || task.outcome === "failed")
       counts.set(task.outcome || "unfinished", (counts.get(task.outcome || "unfinished") || 0) + 1);
   const parts = [];
-  const reason = run.end ? asText(run.end.reason) : "cut off";
+  const reason = run.end ? asText(run.end.reason) : app.more.commands ? "under way" : "cut off";
   parts.push(el("b", {}, reason), ` at time ${readable(last)}`);
   if (run.end && run.end.because) parts.push(`: ${asText(run.end.because)}`);
   for (const kind of ["succeeded", "failed", "removed", "unfinished"])
@@ -381,7 +385,7 @@ const KEYS = {
 
 function pressed(event) {
   if (!app || event.ctrlKey || event.metaKey || event.altKey) return;
-  if (event.target.closest("input, dialog[open]") && event.target.type !== "checkbox") return;
+  if (event.target.closest("input, select, dialog[open]") && event.target.type !== "checkbox") return;
   if (event.shiftKey && event.key.startsWith("Arrow")) {
     const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
     if (step) app.go(app.at + step);
@@ -463,41 +467,6 @@ function wire() {
       document.body.classList.toggle("over", kind === "dragover");
       if (kind === "drop" && event.dataTransfer.files[0]) readFile(event.dataTransfer.files[0]);
     });
-}
-
-/** The least number of milliseconds between two pictures of a run that goes on. */
-const REFRESH = 250;
-
-/** Show a run that goes on. A reader at its last event stays at its last event. */
-function follow(more) {
-  const events = [];
-  let timer = 0;
-  let cost = 0;
-  const refresh = () => {
-    timer = 0;
-    const begun = performance.now();
-    const before = app;
-    const run = new Run(events.slice(), more);
-    if (!before) start([run], [more], null);
-    else {
-      app = new App([run], [more], null);
-      app.fact = before.fact;
-      if (before.view.to - before.view.from < before.whole.to - before.whole.from)
-        Object.assign(app.view, before.view);
-      byId("verdict").replaceChildren();
-      app.begin();
-      const at = before.at === before.run.last ? run.last : before.at;
-      app.go(at, before.task ? { task: before.task.number } : {});
-      document.documentElement.dataset.events = run.events.length;
-    }
-    cost = performance.now() - begun;
-  };
-  const source = new EventSource("events");
-  source.addEventListener("message", (message) => {
-    for (const line of message.data.split("\n")) events.push(JSON.parse(line));
-    timer = timer || setTimeout(refresh, Math.max(REFRESH, 4 * cost));
-  });
-  source.addEventListener("end", () => source.close());
 }
 
 async function main() {

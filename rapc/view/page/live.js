@@ -1,0 +1,108 @@
+// A run that goes on: its events as they arrive, and its control by the reader.
+
+/** The least number of milliseconds between two pictures of a run that goes on. */
+const REFRESH = 250;
+
+/** Show a run that goes on. A reader at its last event stays at its last event. */
+function follow(more) {
+  const events = [];
+  let timer = 0;
+  let cost = 0;
+  const refresh = () => {
+    timer = 0;
+    const begun = performance.now();
+    const before = app;
+    const run = new Run(events.slice(), more);
+    if (!before) start([run], [more], null);
+    else {
+      app = new App([run], [more], null);
+      app.fact = before.fact;
+      if (before.view.to - before.view.from < before.whole.to - before.whole.from)
+        Object.assign(app.view, before.view);
+      byId("verdict").replaceChildren();
+      app.begin();
+      const at = before.at === before.run.last ? run.last : before.at;
+      app.go(at, before.task ? { task: before.task.number } : {});
+      document.documentElement.dataset.events = run.events.length;
+    }
+    cost = performance.now() - begun;
+  };
+  const source = new EventSource("events");
+  source.addEventListener("message", (message) => {
+    for (const line of message.data.split("\n")) events.push(JSON.parse(line));
+    timer = timer || setTimeout(refresh, Math.max(REFRESH, 4 * cost));
+  });
+  source.addEventListener("end", () => source.close());
+  if (more.commands.length) control(more.commands, source);
+}
+
+// --- control --------------------------------------------------------------------------
+
+/** The words of the states of a run. */
+const STATES = { running: "running", paused: "paused at", ended: "ended" };
+
+/** Send a request to the run; return its answer. */
+async function request(name, text = "") {
+  const answer = await fetch("control", { method: "POST", body: JSON.stringify({ name, text }) });
+  if (!answer.ok) throw new Error(`${answer.status} ${answer.statusText}`);
+  return answer.json();
+}
+
+/** Let the reader control the run. */
+function control(commands, source) {
+  const bar = byId("control");
+  let state = "running";
+  let busy = false;
+  const enable = () => {
+    const over = state === "ended";
+    byId("pause").disabled = over || (busy && state !== "running");
+    for (const id of ["step", "command", "argument", "perform"]) byId(id).disabled = over || busy;
+  };
+  const perform = async (name, text) => {
+    busy = true;
+    enable();
+    let answer;
+    try {
+      answer = await request(name, text);
+    } catch (error) {
+      answer = { failed: true, said: `cannot reach the run: ${error.message}` };
+    }
+    busy = false;
+    enable();
+    byId("answer").textContent = visible(answer.said);
+    byId("answer").classList.toggle("failed", answer.failed);
+    return !answer.failed;
+  };
+  const choose = () => {
+    const found = commands.find((one) => one.name === byId("command").value);
+    byId("argument").placeholder = found.takes;
+    byId("command").title = found.doc;
+  };
+  const keys = {
+    p: () => byId("pause").click(),
+    s: () => byId("step").click(),
+    t: () => byId("argument").focus(),
+  };
+  source.addEventListener("status", (message) => {
+    const status = JSON.parse(message.data);
+    state = status.state;
+    byId("pause").textContent = state === "paused" ? "Continue" : "Pause";
+    byId("status").textContent = visible(`${STATES[state]} ${status.moment}`.trim());
+    bar.dataset.state = state;
+    enable();
+  });
+  byId("pause").addEventListener("click", () =>
+    perform(state === "paused" ? "continue" : "pause"));
+  byId("step").addEventListener("click", () => perform("step"));
+  byId("act").addEventListener("submit", async (event) => {
+    event.preventDefault();
+    const done = await perform(byId("command").value, byId("argument").value);
+    if (done) byId("argument").value = "";
+    byId("argument").focus();
+  });
+  byId("command").replaceChildren(...commands.map(({ name }) => el("option", { value: name }, name)));
+  byId("command").addEventListener("change", choose);
+  choose();
+  Object.assign(KEYS, keys);
+  byId("live-keys").hidden = bar.hidden = false;
+}
