@@ -851,6 +851,19 @@ class MethodChosen(Node, frozen=True, eq=False):
     times: int | None
 
 
+class Plans(Node, frozen=True, eq=False):
+    """`(plans goal step...)`: all steps of a plan; none for any plan."""
+
+    goal: Goal
+    steps: tuple[Goal, ...]
+
+
+class PlansNone(Node, frozen=True, eq=False):
+    """`(plans-none goal)`."""
+
+    goal: Goal
+
+
 class SelectedBefore(Node, frozen=True, eq=False):
     """`(selected-before goal goal)`."""
 
@@ -894,6 +907,8 @@ Expectation = (
     | Never
     | MemoryHolds
     | MethodChosen
+    | Plans
+    | PlansNone
     | SelectedBefore
     | EndsBy
     | TraceHas

@@ -24,11 +24,14 @@ from rapc.base.values import (
 from rapc.ir import nodes, walk
 from rapc.runtime.events.report import cause_lines
 from rapc.runtime.events.trace import record
-from rapc.testing.patterns import atom, event_matches, flat
+from rapc.testing.patterns import atom, event_matches, flat, goal_matches, read_value
 from rapc.testing.record import Record, TaskStory
 
 _MANY = 8
 """The highest number of listed tasks, requests or facts."""
+
+_MOST_STARTS = 10_000
+"""The highest number of sets of steps with which an order of a plan may begin."""
 
 Happened = tuple[str, ...]
 
@@ -238,6 +241,73 @@ def _method(node: nodes.MethodChosen, scene: Evidence) -> Happened | None:
     return _some([f"method {name} was chosen {often}" for name, often in said.items()])
 
 
+def _plans(node: nodes.Plans, scene: Evidence) -> Happened | None:
+    asked = _planned(node.goal, scene)
+    made = [one for one in asked if one.method is not None]
+    wanted = [flat(step) for step in node.steps]
+    if any(not wanted or _allows(plan.steps, wanted) for plan in made):
+        return None
+    if not asked:
+        return (f"the planner was not asked for {format_list(flat(node.goal))}",)
+    lines = []
+    for plan in asked:
+        lines.append(_told_plan(plan))
+        lines += [f"  {one.tag} {one.goal}  {one.purpose}" for one in plan.steps]
+    return tuple(lines)
+
+
+def _plans_none(node: nodes.PlansNone, scene: Evidence) -> Happened | None:
+    made = [one for one in _planned(node.goal, scene) if one.method is not None]
+    return _some([_told_plan(one) for one in made]) if made else None
+
+
+def _planned(goal: nodes.Goal, scene: Evidence) -> list[events.PlanMade]:
+    """Return the answers of the planner for the tasks that match a goal."""
+    return [
+        event
+        for event in scene.record.events
+        if isinstance(event, events.PlanMade)
+        and goal_matches(goal, (event.goal.name, *event.goal.inputs))
+    ]
+
+
+def _told_plan(event: events.PlanMade) -> str:
+    """Return the answer of the planner with its task and time, as text."""
+    line = (event.line() or "").strip(" .")
+    return f"{line} [{event.task}] at time {readable(event.time)}"
+
+
+def _allows(steps: Sequence[events.PlanStep], wanted: Sequence[Fact]) -> bool:
+    """Return whether patterns match all steps of a plan in an order that it allows."""
+    if len(steps) != len(wanted):
+        return False
+    goals = {step.tag: _inputs(step.goal) for step in steps}
+    earlier: dict[str, set[str]] = {tag: set() for tag in goals}
+    for step in steps:
+        for tag in (*step.before, *[one.step for one in step.links if one.step]):
+            earlier[tag].add(step.tag)
+    starts = [frozenset[str]()]
+    for pattern in wanted:
+        matching = [
+            t for t, g in goals.items() if match_pattern(pattern, g) is not None
+        ]
+        found = dict.fromkeys(
+            done | {tag}
+            for done in starts
+            for tag in matching
+            if tag not in done and earlier[tag] <= done
+        )
+        starts = list(found)[:_MOST_STARTS]
+    return bool(starts)
+
+
+def _inputs(goal: str) -> Fact:
+    """Return the RAP and the inputs of a goal; an item not yet found is a variable."""
+    parts = read_value(goal)
+    assert isinstance(parts, tuple)
+    return parts[: parts.index("=>")] if "=>" in parts else parts
+
+
 def _trace(node: nodes.TraceHas, scene: Evidence) -> Happened | None:
     reached = -1
     for at, pattern in enumerate(node.events):
@@ -298,6 +368,8 @@ _JUDGES: Mapping[type, Callable[[Any, Evidence], Happened | None]] = {
     nodes.Never: _never,
     nodes.MemoryHolds: _memory,
     nodes.MethodChosen: _method,
+    nodes.Plans: _plans,
+    nodes.PlansNone: _plans_none,
     nodes.TraceHas: _trace,
     nodes.Figure: _figure,
     nodes.FailsAtMost: _fails_at_most,

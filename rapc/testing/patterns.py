@@ -118,13 +118,19 @@ def _text(event: events.Event, key: str) -> str:
 
 
 def _term(value: object, outputs: bool = True) -> Value:
-    """Return a value of an event as a term: objects as lists of pairs, text parsed."""
+    """Return a value of an event as a term.
+
+    Objects are lists of pairs, text is parsed, and a missing value inside an object is
+    the symbol `null`.
+    """
     match value:
+        case None:
+            value = "null"
         case events.Goal():
             return value.parts if outputs else (value.name, *value.inputs)
         case events.ResourceChange():
             value = Text(str(value))
-        case events.TaskResult():
+        case events.TaskResult() | events.PlanStep() | events.PlanLink():
             value = _term(msgspec.structs.asdict(value))
         case Mapping():
             value = tuple([(str(name), _term(one)) for name, one in value.items()])

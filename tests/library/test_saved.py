@@ -232,13 +232,13 @@ def test_suites_of_one_library_read_it_once(monkeypatch: pytest.MonkeyPatch) -> 
     assert len(linked) == 1
 
 
-SHAPE = "ddb77d20ba6cc244"
-"""The checksum of all kinds of nodes in format 12: another one, another format."""
+SHAPE = "86f4cdd9a28c2d6e"
+"""The checksum of all kinds of nodes in format 13: another one, another format."""
 
 
 def test_another_shape_of_nodes_is_another_format() -> None:
     shape = hashlib.sha256(_shape().encode()).hexdigest()[:16]
-    assert (saved_module.FORMAT, shape) == (12, SHAPE)
+    assert (saved_module.FORMAT, shape) == (13, SHAPE)
 
 
 def _shape() -> str:
