@@ -126,7 +126,7 @@ def _under_way(stored: Stored) -> dict[int, str]:
         elif isinstance(record, Told) and record.call in ("perform", "activate"):
             if record.told is not None:
                 found.pop(record.asked[0], None)
-        elif isinstance(record, Told) and record.call == "deactivate":
+        elif isinstance(record, Told) and record.call in ("cancel", "deactivate"):
             found.pop(record.asked[0], None)
         elif isinstance(record, Told) and record.call == "messages":
             for one in record.told:

@@ -9,7 +9,7 @@ messages that the run then receives.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from rapc.base.messages import Resumed
 from rapc.base.offers import Offer
@@ -131,6 +131,7 @@ class ResumedWorld(Wrapper):
 
 def go_on(
     run: Interpreter,
+    question: tuple[str, tuple[Any, ...]],
     sent: Sent | None,
     treatments: Mapping[str, str],
     decide: Decide,
@@ -140,6 +141,7 @@ def go_on(
 
     Args:
         run: a run from a journal, at the end of the journal.
+        question: the first question whose answer is not in the journal.
         sent: the last request, if its answer is missing.
         treatments: the treatments by primitive, which replace those of the offer.
         decide: decides on requests whose treatment is `ask`.
@@ -154,6 +156,9 @@ def go_on(
     assert isinstance(recorded, RecordedWorld)
     assert isinstance(world, ResumedWorld)
     under_way: dict[int, Fact | Skills] = {**recorded.requests, **recorded.skills}
+    call, asked = question
+    if call in ("cancel", "deactivate"):  # the ticket is no longer needed
+        del under_way[asked[0]]
     # The clock of a resumable world is known after `resume`, and has gone on.
     world.go_on(0 if isinstance(world, Resumable) else run.now)
     first: list[Message | Resumed] = [Resumed(round(seconds, 3))]

@@ -344,7 +344,8 @@ class Resumption:
                     f"it asked `{past.sent.call}` before"
                 )
             answers.at_end = None
-            go_on(durable.run, past.sent, options.after_crash, decide, seconds)
+            treatments = options.after_crash
+            go_on(durable.run, question, past.sent, treatments, decide, seconds)
             return False
 
         if not isinstance(run.world, Savable):

@@ -288,6 +288,7 @@ class RecordedWorld(Wrapper):
     def cancel(self, ticket: int) -> None:
         """Stop the request under `ticket`."""
         self.answers.ask("cancel", (ticket,), self.behind.cancel)
+        self.requests.pop(ticket, None)
 
     def next_time(self) -> Time | None:
         """Return the time of the next message."""
@@ -329,8 +330,8 @@ class RecordedWorld(Wrapper):
         return told
 
     def _deactivate(self, ticket: int) -> None:
-        self.skills.pop(ticket, None)
         self.answers.ask("deactivate", (ticket,), self.behind.deactivate)
+        self.skills.pop(ticket, None)
 
     def _usual_time(self, request: Fact) -> Time:
         told: Time

@@ -17,7 +17,7 @@ from rapc.durable import journal
 from rapc.durable.folder import Options, Writer
 from rapc.durable.resuming import LOST
 from rapc.durable.runs import DurableRun
-from rapc.errors import StateError
+from rapc.errors import PortError, StateError
 from rapc.spec import RunSpec
 from tests.durable.helpers import Killed, Run, Traces, kill_after
 from tests.durable.peer import Peer, PeerWorld, ResumablePeer, library, of
@@ -34,8 +34,18 @@ def _ends(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     traces.close()
 
 
+BRIEFLY = """
+(define-rap (briefly ?n)
+  (method (task-net (t1 (work-p ?n) (until-end t2)) (t2 (await 2)))))
+(define-rap (await ?n)
+  (succeed (beaten ?n))
+  (monitor-state (beaten ?n))
+  (method (task-net)))
+"""
+
+
 def _run(folder: Path, peer: Peer, kind: type[PeerWorld], *tasks: str) -> Run:
-    program = rapc.loads(library(JOBS)).program
+    program = rapc.loads(library(JOBS) + BRIEFLY).program
     spec = RunSpec(tasks=tasks or ("(all)",))
     return Run(folder, program, spec, lambda: kind(of(peer)))
 
@@ -229,6 +239,32 @@ def test_requests_under_way_at_once_are_done_once(tmp_path: Path) -> None:
         assert _go(run) == "done"
         wanted = Counter(("work", n) for n in range(1, JOBS + 1))
         assert peer.started == peer.done == wanted, writes
+
+
+@pytest.mark.parametrize("kind", [Anew, ResumablePeer])
+@pytest.mark.parametrize("last", ['["work",3]', '["look",2]', '"cancel"'])
+def test_cancelled_request_is_not_sent_again(
+    tmp_path: Path, last: str, kind: type[PeerWorld]
+) -> None:
+    tasks = "(briefly 9) :priority 2", "(all)"
+    run, peer = _killed_in(tmp_path, last, *tasks, kind=kind)
+    run.options = replace(run.options, after_crash={"*": "repeat"})
+    _go(run)
+    assert peer.started["work", 9] == 1
+    assert peer.done["work", 9] == 0
+
+
+def test_request_is_not_sent_again_to_be_cancelled(tmp_path: Path) -> None:
+    peer = Peer()
+    run = _run(tmp_path, peer, Anew, "(briefly 9)")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.delattr(Peer, "cancel")
+        with pytest.raises(PortError):
+            run.begin().go()
+    peer.jobs.clear()
+    run.options = replace(run.options, after_crash={"*": "repeat"})
+    assert _go(run) == "done"
+    assert peer.started == {("work", 9): 1}
 
 
 def test_clock_that_begins_again_goes_on(tmp_path: Path) -> None:
