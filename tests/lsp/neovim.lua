@@ -219,16 +219,16 @@ function features.findings()
   edit("(t1 (go kitchen))", "(t1 (goo kitchen))\n      (t1 (go hall))")
   finding("unknown-rap")
   finding("duplicate-tag")
-  local found = {}
-  for _, one in ipairs(vim.diagnostic.get(0)) do
-    local lsp = one.user_data.lsp
-    found[one.code] = {
-      row = one.lnum,
-      message = one.message,
-      page = lsp.codeDescription.href,
-      related = #(lsp.relatedInformation or {}),
+  local found = vim.tbl_map(function(one)
+    local more = one.user_data.lsp
+    return {
+      one.lnum + 1,
+      one.message,
+      more.codeDescription.href,
+      #(more.relatedInformation or {}),
     }
-  end
+  end, vim.diagnostic.get(0))
+  table.sort(found, function(one, other) return one[1] < other[1] end)
   reset()
   return found
 end
@@ -300,7 +300,9 @@ end
 
 function features.references()
   at("go kitchen")
-  return places(vim.lsp.buf.references)
+  return vim.tbl_map(function(one)
+    return { one[1], one[2] }
+  end, places(vim.lsp.buf.references))
 end
 
 function features.highlight()
@@ -333,16 +335,19 @@ end
 
 function features.calls()
   at("go ?place")
-  local found = { incoming = places(vim.lsp.buf.incoming_calls) }
+  local found = { incoming = places(vim.lsp.buf.incoming_calls)[1][3] }
   at("tour")
-  found.outgoing = places(vim.lsp.buf.outgoing_calls)
+  found.outgoing = places(vim.lsp.buf.outgoing_calls)[1][3]
   return found
 end
 
 function features.symbols()
+  local function names(run)
+    return vim.tbl_map(function(one) return one[3]:match("%] (.*)") end, places(run))
+  end
   return {
-    file = places(vim.lsp.buf.document_symbol),
-    workspace = places(function() vim.lsp.buf.workspace_symbol("driv") end),
+    file = names(vim.lsp.buf.document_symbol),
+    workspace = names(function() vim.lsp.buf.workspace_symbol("driv") end),
   }
 end
 
@@ -500,7 +505,7 @@ function features.test_files()
   vim.cmd("edit raps.test.rap")
   edit("go kitchen", "goo kitchen")
   finding("unknown-rap")
-  local found = codes()
+  local found = vim.diagnostic.get(0)[1].message
   reset()
   vim.cmd("buffer raps.rap")
   return found

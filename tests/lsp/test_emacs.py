@@ -1,4 +1,4 @@
-"""The language server in Emacs, with the configuration of `editors/emacs`."""
+"""All features of the language server in Emacs, with `editors/emacs`."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from tests.lsp.programs import RAPS, TESTS, WORLD
+from tests.lsp.features import FEATURES, Features, project
 
 HERE = Path(__file__).parent
 CONFIG = HERE.parents[1] / "editors" / "emacs" / "rap.el"
@@ -29,48 +29,47 @@ def _has_eglot() -> bool:
 pytestmark = [
     pytest.mark.slow,
     pytest.mark.skipif(not _has_eglot(), reason="Emacs with Eglot is not installed"),
+    pytest.mark.xdist_group("emacs"),
 ]
 
 
-def emacs(folder: Path, file: str, script: str) -> Any:
-    """Open a file, run a script, and return what it passes to `told`."""
-    (folder / "rapc.toml").write_text("")
-    (folder / "world.rap").write_text(WORLD)
-    (folder / "raps.test.rap").write_text(TESTS)
-    connect = "(apply #'eglot (eglot--guess-contact))"
-    (folder / "script.el").write_text(f'(find-file "{file}")\n{connect}\n{script}')
+@pytest.fixture(scope="module")
+def shown(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    """What Emacs shows of each feature, in one session."""
+    folder = project(tmp_path_factory.mktemp("robot"))
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    more = {"PATH": path, "HOME": str(folder), "FEATURES": " ".join(FEATURES)}
     done = subprocess.run(
         [
             *("emacs", "--batch", "-q", "--eval", "(package-initialize)"),
-            *("-l", str(CONFIG), "-l", str(HERE / "emacs.el"), "-l", "script.el"),
+            *("-l", str(CONFIG), "-l", str(HERE / "emacs.el")),
         ],
+        check=False,
         cwd=folder,
-        env={**os.environ, "PATH": path, "HOME": str(folder)},
+        env={**os.environ, **more},
         capture_output=True,
         text=True,
         timeout=120,
-        check=False,
     )
-    lines = [one for one in done.stdout.splitlines() if one.startswith("told: ")]
-    assert lines, done.stdout + done.stderr
-    return json.loads(lines[-1].removeprefix("told: "))
+    result = folder / "result.json"
+    assert result.exists(), done.stdout + done.stderr
+    found = json.loads(result.read_text())
+    assert "problem" not in found, found["problem"]
+    return found
 
 
-def test_findings_hover_and_definition(tmp_path: Path) -> None:
-    (tmp_path / "raps.rap").write_text(RAPS.replace("go hall", "goo hall"))
-    found, hover, file = emacs(
-        tmp_path,
-        "raps.rap",
-        """
-        (let ((found (settle #'findings)) hover)
-          (from "drive")
-          (setq hover (ask :textDocument/hover))
-          (xref-find-definitions (xref-backend-identifier-at-point 'eglot))
-          (told (vconcat found) (plist-get (plist-get hover :contents) :value)
-                (file-name-nondirectory (buffer-file-name))))
-        """,
-    )
-    assert "unknown RAP `goo`" in found[0]
-    assert "äöü 🤖" in hover
-    assert file == "world.rap"
+class TestEmacs(Features):
+    """Eglot 1.9 shows no hierarchy of calls, folds, tokens, hints and lenses.
+
+    The session sends the requests of these features itself.
+    """
+
+    def test_words_have_colours(self, shown: Any) -> None:
+        assert shown["colours"]["tokens"] == 21
+        assert shown["colours"]["faces"] == [
+            "font-lock-keyword-face",
+            "font-lock-function-name-face",
+            "font-lock-variable-name-face",
+            "font-lock-comment-face",
+            "font-lock-string-face",
+        ]
