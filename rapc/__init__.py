@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from rapc.host import CheckError as CheckError
     from rapc.host import RunResult as RunResult
     from rapc.host import check as check
+    from rapc.host import engine as engine
     from rapc.host import load as load
     from rapc.host import loads as loads
     from rapc.host import methods as methods
@@ -49,6 +50,7 @@ if TYPE_CHECKING:
     from rapc.host import plan as plan
     from rapc.host import rap_text as rap_text
     from rapc.host import run as run
+    from rapc.planning.engines import Engine as Engine
     from rapc.planning.plan import Plan as Plan
     from rapc.runtime.events.logs import LogTrace as LogTrace
     from rapc.runtime.events.trace import JsonTrace as JsonTrace
@@ -71,9 +73,10 @@ _NAMES = {
         "WorldError"
     ),
     "rapc.host": (
-        "CheckError CheckedLibrary RunResult check load loads methods methods_text "
-        "plan rap_text run"
+        "CheckError CheckedLibrary RunResult check engine load loads methods "
+        "methods_text plan rap_text run"
     ),
+    "rapc.planning.engines": "Engine",
     "rapc.planning.plan": "Plan",
     "rapc.runtime.interpreter": "Interpreter",
     "rapc.runtime.events.logs": "LogTrace",

@@ -638,7 +638,9 @@ class PlanMade(Event, frozen=True, kw_only=True):
     that needs the fact, null for the goal of the plan), and in `before` the tags of the
     steps that only start after its end. `expanded` is the number of states that the
     planner looked at, `left_out` the number of parts of RAPs that it did not see.
-    `unreachable` has the parts of the goal that nothing brings about.
+    `unreachable` has the parts of the goal that nothing brings about. `engine` is
+    `builtin` or the engine that made the plan; `refused` is the reason why the answer
+    of an engine was not used, or empty.
     """
 
     task: int
@@ -650,12 +652,16 @@ class PlanMade(Event, frozen=True, kw_only=True):
     expanded: int
     left_out: int
     unreachable: tuple[str, ...]
+    engine: str
+    refused: str
 
     def line(self) -> str:  # noqa: D102  # see `Event`
+        by = "" if self.engine == "builtin" else f" by {visible(self.engine)}"
+        by += f" ({visible(self.refused)})" if self.refused else ""
         if self.method is None:
             missing = "".join(f" {one}" for one in self.unreachable)
-            return f"    ... no plan for {self.goal}: {self.outcome}{missing}"
-        return f"    ... {self.method} for {self.goal}: {len(self.steps)} steps"
+            return f"    ... no plan for {self.goal}{by}: {self.outcome}{missing}"
+        return f"    ... {self.method} for {self.goal}: {len(self.steps)} steps{by}"
 
 
 class TaskResult(msgspec.Struct, frozen=True, omit_defaults=True):

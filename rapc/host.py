@@ -10,8 +10,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Container, Iterable, Mapping, Sequence
+from functools import partial
 from importlib import import_module
 from itertools import count
+from math import inf
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
@@ -49,7 +51,7 @@ from rapc.runtime.arguments import (
 )
 from rapc.runtime.events.recorder import Listener
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.planner import Planned, PlanRequest
+from rapc.runtime.planner import BUILT_IN, Planned, Planner, PlanRequest
 from rapc.runtime.settings import Settings
 from rapc.runtime.task_request import TaskRequest, as_text
 from rapc.spec import RunSpec
@@ -71,6 +73,7 @@ Task = str | TaskRequest
 if TYPE_CHECKING:
     import networkx
 
+    from rapc.planning.engines import Engine
     from rapc.planning.plan import Plan
 
 
@@ -154,6 +157,7 @@ class CheckedLibrary:
         solvers: Callables | None = None,
         comparators: Callables | None = None,
         listeners: Iterable[Listener] = (),
+        engine: str | Engine | None = None,
     ) -> Interpreter:
         """Start a run for stepping, queries, and further tasks.
 
@@ -173,6 +177,8 @@ class CheckedLibrary:
                 a RAP.
             comparators: comparators, in addition to those of the world.
             listeners: called with every event of the run.
+            engine: the planner for RAPs with `(plan)`, see `rapc.engine`; None for the
+                planner of rapc.
 
         Raises:
             WorldError: if the world or an option is unknown, or the world cannot be
@@ -182,6 +188,7 @@ class CheckedLibrary:
             TextError: for an invalid task or fact.
             FactError: for a fact that the declarations do not allow.
             PortError: if the world violates the port.
+            PlanError: for an engine that is not installed, or an invalid command.
         """
         if agenda is not None and not isinstance(agenda, str):
             raise ArgumentError(f"`agenda` is {kind(agenda)}, no name")
@@ -206,7 +213,7 @@ class CheckedLibrary:
             functions=functions,
             solvers=solvers,
             comparators=comparators,
-            planner=find_plan,
+            planner=planner_of(engine),
         )
         for listener in listeners:
             run.listen(listener)
@@ -339,6 +346,53 @@ def find_plan(request: PlanRequest) -> Planned:
     return planned
 
 
+def planner_of(asked: str | Engine | None) -> Planner:
+    """Return the planner of a run: that of rapc, or one that asks an engine first.
+
+    Raises:
+        PlanError: for an engine that is not installed, or an invalid command.
+    """
+    found = _engine(asked)
+    if found is None:
+        return find_plan
+    return partial(_planning("solver").plan_for_task, engine=found)
+
+
+def _engine(asked: str | Engine | None) -> Engine | None:
+    if asked is None or isinstance(asked, str):
+        return engine(asked or BUILT_IN)
+    if not callable(getattr(asked, "ask", None)):
+        raise ArgumentError(f"`engine` is {kind(asked)}, no engine")
+    return asked
+
+
+def engine(name: str, timeout: float = 10, *, costs: bool = True) -> Engine | None:
+    """Return a planner that is not part of rapc, for `rapc.plan` and `library.start`.
+
+    An engine runs in a process of its own. rapc checks each of its plans; the planner
+    of rapc is asked if the engine has no valid plan.
+
+    Args:
+        name: `up:NAME` for an engine of unified-planning; a command with the words
+            `{domain}`, `{problem}` and `{plan}` for the names of the files; or
+            `builtin`, for which the result is None.
+        timeout: the limit in seconds for an answer.
+        costs: whether the engine gets the costs of steps, if these are different whole
+            numbers.
+
+    Raises:
+        PlanError: for an engine that is not installed, or an invalid command.
+    """
+    if not isinstance(name, str):
+        raise ArgumentError(f"`name` is {kind(name)}, no text")
+    if type(timeout) not in (int, float) or not 0 < timeout < inf:
+        raise ArgumentError("`timeout` takes a number of seconds above 0")
+    if name == BUILT_IN:
+        return None
+    found: Engine = _planning("engines").find_engine(name, timeout, costs=costs)
+    return found
+
+
 def plan(  # all but two have defaults and go by name
     library: CheckedLibrary,
     goal: str,
@@ -348,6 +402,7 @@ def plan(  # all but two have defaults and go by name
     use: Iterable[str] = (),
     limit: int = 20_000,
     tries: int = 0,
+    engine: str | Engine | None = None,
 ) -> Plan:
     """Return a plan for a goal, or the reason why there is none; nothing is run.
 
@@ -359,11 +414,13 @@ def plan(  # all but two have defaults and go by name
         use: the names of the RAPs that the plan may use; all with `effects` if empty.
         limit: the greatest number of states to look at.
         tries: the number of further states to look at for a cheaper plan.
+        engine: the planner to ask first, see `rapc.engine`; None for that of rapc.
 
     Raises:
         TextError: for a text that is no formula or fact, or with undeclared names.
         FactError: for a fact that the declarations do not allow.
-        PlanError: for a RAP in `use` that has no `effects`.
+        PlanError: for a RAP in `use` that has no `effects`, an engine that is not
+            installed, and an invalid command.
     """
     if not isinstance(library, CheckedLibrary):
         raise ArgumentError(f"`library` is {kind(library)}, no library")
@@ -371,7 +428,7 @@ def plan(  # all but two have defaults and go by name
         need_part(run, Interpreter, "`run`", "library.start")
     need_count(limit, "`limit`")
     need_count(tries, "`tries`")
-    names = tuple(_listed(use, "use"))
+    names, asked = tuple(_listed(use, "use")), _engine(engine)
     program = library.program if run is None else run.library
     rap = achieving(program, _text(goal), names)
     plans = _planning("plan")
@@ -380,7 +437,7 @@ def plan(  # all but two have defaults and go by name
         world = plans.still_world(program)
         run = library.start(world, facts=facts, functions=unknown)
     planned: Plan = plans.plan(
-        program, rap, run.memory, use=names, limit=limit, tries=tries
+        program, rap, run.memory, use=names, limit=limit, tries=tries, engine=asked
     )
     return planned
 

@@ -33,6 +33,7 @@ Examples:
   rapc plan '(and (delivered medicine ward-3) (docked))' examples/courier \\
       --world courier --format steps
   rapc plan '(docked)' examples/courier --fact '(robot-at kitchen)' --explain
+  rapc plan '(docked)' examples/courier --world courier --engine up:pyperplan
 """
 
 _MOST_STATES = 10_000_000
@@ -87,7 +88,22 @@ _MOST_STATES = 10_000_000
     help="Write DIR/domain.pddl and DIR/problem.pddl.",
 )
 @click.option(
-    "--strips", is_flag=True, help="With --export: write actions without costs."
+    "--engine",
+    metavar="ENGINE",
+    default="builtin",
+    show_default=True,
+    help="Planner: `builtin`, `up:NAME` or a command.",
+)
+@click.option(
+    "--engine-timeout",
+    type=Amount(min=0, min_open=True),
+    default=10,
+    show_default=True,
+    metavar="SECONDS",
+    help="Time limit for an answer of the engine.",
+)
+@click.option(
+    "--strips", is_flag=True, help="With --export, --engine: leave out costs."
 )
 @click.option("--run", "execute", is_flag=True, help="Also run the plan.")
 @click.option("--priority", type=int, default=0, help="Priority of the run's task.")
@@ -103,6 +119,8 @@ def plan(
     output_format: str,
     kept: str | None,
     exported: str | None,
+    engine: str,
+    engine_timeout: float,
     strips: bool,
     execute: bool,
     priority: int,
@@ -117,6 +135,11 @@ def plan(
     --export writes the situation, the goal and the instances of operators as PDDL
     without variables. If actions have different costs, it uses `:action-costs`.
 
+    With --engine, the planner is a program in a process of its own: `up:NAME` is an
+    engine of unified-planning, and a command has the words {domain}, {problem} and
+    {plan} for the names of the files. rapc checks each plan of an engine. If there is
+    no valid plan within --engine-timeout, the built-in planner is asked.
+
     With --run, the run continues with a task for the goal; the planner is asked again
     if the plan fails.
 
@@ -124,7 +147,8 @@ def plan(
     if the search could not start.
     """
     from rapc.cli.keep import keep_plan, refuse_kept
-    from rapc.host import CheckedLibrary
+    from rapc.host import CheckedLibrary, planner_of
+    from rapc.host import engine as find_engine
     from rapc.host import plan as find
     from rapc.parser.formatter import formatted
 
@@ -134,8 +158,13 @@ def plan(
         refuse_kept(kept)
     library = load_checked(path)
     spec = read_spec(world_name, **more)
-    run = None if world_name is None else prepared(library, spec, world_name)
-    if run is not None:
+    try:
+        asked = find_engine(engine, engine_timeout, costs=not strips)
+    except PlanError as error:
+        fail(error.message, error.help)
+    run = None
+    if world_name is not None:
+        run = prepared(library, spec, world_name, planner=planner_of(asked))
         _advance(run, after)
     limits = read_settings(spec.settings)
     try:
@@ -147,9 +176,13 @@ def plan(
             use=use,
             limit=limits.plan_limit if limit is None else limit,
             tries=limits.plan_tries,
+            engine=asked,
         )
     except (TextError, FactError, PlanError) as error:
-        fail(error.message)
+        fail(error.message, error.help)
+    if found.refused:
+        said = f"note: {found.refused}; the built-in planner was asked"
+        click.echo(visible(said), err=True)
     text = formatted(SourceFile("plan", found.text)).text
     _print(found, text, output_format)
     if explain:

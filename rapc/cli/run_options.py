@@ -16,6 +16,7 @@ from rapc.library.library import Library
 from rapc.library.signatures import Signatures
 from rapc.parser.parse import parse_fact
 from rapc.runtime.interpreter import Interpreter
+from rapc.runtime.planner import Planner
 from rapc.runtime.settings import read_settings
 from rapc.runtime.task_request import read_task_request
 from rapc.spec import RunSpec
@@ -177,6 +178,7 @@ def prepared(
     world_name: str | None = None,
     enclose: Callable[[World], World] = lambda world: world,
     build: Build = registry.build_world,
+    planner: Planner | None = None,
 ) -> Interpreter:
     """Return a run of a library that can start; else end the command.
 
@@ -186,6 +188,7 @@ def prepared(
         world_name: the name of the world of the spec, as for `read_spec`.
         enclose: returns the world in a wrapper, if necessary.
         build: makes the world.
+        planner: finds methods for RAPs with `(plan)`; None for that of rapc.
     """
     world: World
     if world_name is None:
@@ -200,7 +203,8 @@ def prepared(
 
     world = enclose(_with_faults(world, library.library, spec))
     try:
-        return Interpreter.prepared(library, world, spec, planner=find_plan)
+        planner = find_plan if planner is None else planner
+        return Interpreter.prepared(library, world, spec, planner=planner)
     except RefusedError as refused:
         fail(*refused.reasons, *registry.meant(refused))
     except FactError as error:

@@ -17,7 +17,7 @@ from rapc.ir.printer import format_node
 from rapc.planning.model import Model
 from rapc.planning.pddl import written
 from rapc.planning.sketch import achieved, method
-from rapc.planning.solver import Solution, situation, solve
+from rapc.planning.solver import Engine, Solution, situation, solve
 from rapc.runtime.memory.access import MemoryView
 from rapc.runtime.planner import steps_of
 from rapc.worlds.scripted import ScriptedWorld
@@ -40,6 +40,10 @@ class Plan:
         self.cost: Number = found.cost
         #: The number of states that the search looked at.
         self.expanded = found.expanded
+        #: The planner that was asked last: `builtin`, or the name of an engine.
+        self.engine = found.engine
+        #: The reason why the answer of an engine was not used; empty if there is none.
+        self.refused = found.refused
         #: The parts of the goal that nothing brings about.
         self.unreachable = found.unreachable
         #: The number of RAPs that may be used.
@@ -109,9 +113,12 @@ def plan(  # each goes by name
     use: Sequence[str],
     limit: int,
     tries: int,
+    engine: Engine | None,
 ) -> Plan:
     """Return a plan for the goal of a RAP in the situation of a memory."""
     model = Model(program.library, program.signatures, use or None)
     goal = model.goal(rap, {})
-    found = solve(model, situation(memory), goal, limit=limit, tries=tries)
+    found = solve(
+        model, situation(memory), goal, limit=limit, tries=tries, engine=engine
+    )
     return Plan(program, rap, model, found)

@@ -39,7 +39,8 @@ class Sketch(NamedTuple):
 
 def sketch(problem: Problem, actions: Sequence[Action]) -> Sketch:
     """Return the partial order of a sequence of actions that solves a problem."""
-    goal = _reached(problem, actions)
+    goal = goal_atoms(problem, actions)
+    assert goal is not None
     ends = [(at, action.needs) for at, action in enumerate(actions)]
     before = [set[int]() for _ in actions]
     links: list[Link] = []
@@ -69,10 +70,15 @@ def sketch(problem: Problem, actions: Sequence[Action]) -> Sketch:
     return Sketch(tuple(actions), *rest)
 
 
-def _reached(problem: Problem, actions: Sequence[Action]) -> tuple[int, ...]:
-    """Return the atoms of the goal that hold after the actions."""
+def goal_atoms(problem: Problem, actions: Sequence[Action]) -> tuple[int, ...] | None:
+    """Return the atoms of the goal that hold after the actions.
+
+    Return None if an action cannot start, or the actions do not reach the goal.
+    """
     state = set(problem.state)
     for action in actions:
+        if not state.issuperset(action.needs):
+            return None
         state.difference_update(action.deletes)
         state.update(action.adds)
     for branch in problem.goal:
@@ -83,7 +89,7 @@ def _reached(problem: Problem, actions: Sequence[Action]) -> tuple[int, ...]:
         if None not in chosen:
             atoms = [at for way in chosen if way is not None for at in way]
             return tuple(dict.fromkeys(atoms))
-    raise AssertionError("the actions do not reach the goal")
+    return None
 
 
 def _reduced(before: Sequence[set[int]]) -> tuple[tuple[int, int], ...]:

@@ -3,17 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 from rapc.base.values import Fact, Number
 from rapc.ir import nodes
 from rapc.library.library import usable_in_plans
-from rapc.planning.ground import Grounding, Problem, Situation, TooLargeError
+from rapc.planning.ground import Action, Grounding, Problem, Situation, TooLargeError
 from rapc.planning.model import Conjunction, LeftOut, Model, constants_of
-from rapc.planning.search import Search
+from rapc.planning.search import Found, Search
 from rapc.planning.sketch import Sketch, achieved, method, sketch
 from rapc.runtime.memory.access import MemoryView
-from rapc.runtime.planner import Planned, PlanRequest
+from rapc.runtime.planner import BUILT_IN, Planned, PlanRequest
+
+
+class Engine(Protocol):
+    """A planner that is not part of rapc; see `rapc.planning.engines`."""
+
+    @property
+    def name(self) -> str:
+        """Return the name of the engine."""
+
+    def ask(self, problem: Problem) -> tuple[Action, ...] | str:
+        """Return actions that solve a problem, or the reason why there are none."""
 
 
 class Solution(NamedTuple):
@@ -27,6 +38,10 @@ class Solution(NamedTuple):
     unreachable: tuple[str, ...]
     #: The problem; None for a problem that is too large.
     problem: Problem | None
+    #: The planner that was asked last.
+    engine: str = BUILT_IN
+    #: The reason why the answer of an engine was not used; empty if there is none.
+    refused: str = ""
 
 
 def situation(memory: MemoryView) -> Situation:
@@ -47,6 +62,7 @@ def solve(  # all but three have defaults and go by name
     tries: int = 0,
     excluded: Collection[Fact] = (),
     last: nodes.Method | None = None,
+    engine: Engine | None = None,
 ) -> Solution:
     """Return a plan for a goal.
 
@@ -58,20 +74,35 @@ def solve(  # all but three have defaults and go by name
         tries: the number of further states to look at for a cheaper plan.
         excluded: the goals of steps that must not be used.
         last: an earlier plan, whose steps are used where they still apply.
+        engine: asked before the search; the search is asked if the engine fails.
     """
     left_out = tuple(model.left_out)
     try:
         problem = Grounding(model, facts, goal, excluded).problem()
     except TooLargeError:
         return Solution("limit", None, 0, 0, left_out, (), None)
-    steps = () if last is None else _goals(last)
-    found = Search(problem, limit, steps).run(tries)
-    if found.outcome != "solved":
-        rest = left_out, problem.unreachable, problem
-        return Solution(found.outcome, None, 0, found.expanded, *rest)
-    made = sketch(problem, found.actions)
-    cost = sum(action.operator.cost for action in found.actions)
-    return Solution("solved", made, cost, found.expanded, left_out, (), problem)
+    name, refused, found = BUILT_IN, "", None
+    if engine is not None and problem.goal:
+        answer = engine.ask(problem)
+        if isinstance(answer, str):
+            refused = answer
+        else:
+            found, name = Found("solved", answer), engine.name
+    if found is None:
+        steps = () if last is None else _goals(last)
+        found = Search(problem, limit, steps).run(tries)
+    solved = found.outcome == "solved"
+    return Solution(
+        found.outcome,
+        sketch(problem, found.actions) if solved else None,
+        sum([action.operator.cost for action in found.actions]),
+        found.expanded,
+        left_out,
+        () if solved else problem.unreachable,
+        problem,
+        name,
+        refused,
+    )
 
 
 def _goals(last: nodes.Method) -> tuple[nodes.Goal, ...]:
@@ -82,7 +113,7 @@ def _goals(last: nodes.Method) -> tuple[nodes.Goal, ...]:
     )
 
 
-def plan_for_task(request: PlanRequest) -> Planned:
+def plan_for_task(request: PlanRequest, engine: Engine | None = None) -> Planned:
     """Return a method that brings about `succeed` of a RAP with `(plan)`."""
     rap, program = request.rap, request.library
     use = usable_in_plans(program.library.raps, rap)
@@ -99,6 +130,7 @@ def plan_for_task(request: PlanRequest) -> Planned:
                 tries=request.tries,
                 excluded=excluded,
                 last=request.last,
+                engine=engine,
             )
     assert found is not None
     made = None
@@ -113,4 +145,6 @@ def plan_for_task(request: PlanRequest) -> Planned:
         len(found.left_out),
         found.unreachable,
         achieved(found.sketch) if made and found.sketch else (),
+        found.engine,
+        found.refused,
     )

@@ -18,6 +18,9 @@ from rapc.ir import nodes, walk
 from rapc.ir.printer import format_node
 from rapc.runtime.memory.access import MemoryView
 
+BUILT_IN = "builtin"
+"""The name of the planner that is a part of rapc."""
+
 PLAN = "(plan)"
 """The beginning of the goals by which the answers of planners are kept."""
 
@@ -57,6 +60,10 @@ class Planned(msgspec.Struct, frozen=True):
     unreachable: tuple[str, ...] = ()
     #: For each step the parts of the goal that the step makes true, as text.
     achieved: tuple[tuple[str, ...], ...] = ()
+    #: The planner that was asked last: `builtin`, or the name of an engine.
+    engine: str = BUILT_IN
+    #: The reason why the answer of an engine was not used; empty if there is none.
+    refused: str = ""
 
     @property
     def steps(self) -> tuple[PlanStep, ...]:

@@ -204,6 +204,8 @@ def _ask_planner(run: Run, task: Task) -> bool:
             expanded=planned.expanded,
             left_out=planned.left_out,
             unreachable=planned.unreachable,
+            engine=planned.engine,
+            refused=planned.refused,
         )
     return planned.method is not None
 

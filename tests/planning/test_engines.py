@@ -1,0 +1,313 @@
+"""Engines: real child processes that answer, fail, hang, and leave processes behind."""
+
+from __future__ import annotations
+
+import os
+import random
+import shlex
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+
+import rapc
+from rapc import events
+from rapc.planning import engines
+from tests.cli.command import COMMAND
+from tests.cli.command import rapc as command
+
+COURIER = "examples/courier"
+GOAL = "(and (delivered medicine ward-3) (docked))"
+FAKE = Path(__file__).with_name("fake_engine.py")
+STEPS = (
+    "(fetch medicine ward-3)",
+    "(bring medicine ward-3)",
+    "(travel-to base)",
+    "(go-into-dock)",
+)
+LIMIT = 60.0
+
+
+def fake(deed: str, timeout: float = LIMIT) -> rapc.Engine:
+    words = [sys.executable, str(FAKE), deed]
+    found = rapc.engine(f"{shlex.join(words)} {{domain}} {{problem}} {{plan}}", timeout)
+    assert found is not None
+    return found
+
+
+def plan(engine: rapc.Engine | None) -> rapc.Plan:
+    facts = ["(robot-at base)"]
+    return rapc.plan(rapc.load(COURIER), GOAL, facts=facts, engine=engine)
+
+
+@pytest.fixture
+def pids(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """Yield the file for the numbers of the processes; end those that are left."""
+    file = tmp_path / "pids"
+    monkeypatch.setenv("FAKE_ENGINE_PIDS", str(file))
+    yield file
+    left = [one for one in numbers(file) if is_running(one)]
+    for one in left:
+        os.kill(one, signal.SIGKILL)
+    assert not left
+
+
+def numbers(file: Path) -> list[int]:
+    return [int(one) for one in file.read_text().split()] if file.exists() else []
+
+
+def is_running(number: int) -> bool:
+    try:
+        status = Path(f"/proc/{number}/stat").read_text()
+    except FileNotFoundError:
+        return False
+    return status.rpartition(")")[2].split()[0] not in "ZX"
+
+
+def wait_for_end(file: Path) -> None:
+    """Wait until the processes in a file have ended."""
+    ends = time.monotonic() + LIMIT
+    while any(map(is_running, numbers(file))) and time.monotonic() < ends:
+        time.sleep(0.01)
+    assert numbers(file)
+
+
+@pytest.mark.parametrize("deed", ["solve", "print-much", "plan-and-fail"])
+def test_valid_plan_of_an_engine_is_used(deed: str) -> None:
+    found = plan(fake(deed))
+    assert tuple(one.goal for one in found.steps) == STEPS
+    assert (found.engine, found.refused) == (fake(deed).name, "")
+    assert found.expanded == 0
+    assert found.steps[0].purpose == "for t2: (on-tray medicine ward-3)"
+
+
+@pytest.mark.parametrize(
+    ("deed", "said"),
+    [
+        ("half", "wrong-plan: unknown step in line 2"),
+        ("too-short", "wrong-plan: 2 steps that do not solve the problem"),
+        ("wrong-order", "wrong-plan: 6 steps that do not solve the problem"),
+        ("unknown", "wrong-plan: unknown step in line 2"),
+        ("no-steps", "wrong-plan: 0 steps that do not solve the problem"),
+        ("rubbish", "wrong-plan: unknown step in line 1"),
+        ("write-much", "wrong-plan: more than 10000 steps"),
+        ("one-long-line", "wrong-plan: unknown step in line 1"),
+        ("fail", "engine-failed: no plan, status 3"),
+        ("die", "engine-failed: no plan, SIGSEGV"),
+        ("kill-parent", "engine-failed: no plan, its process was killed"),
+    ],
+)
+def test_planner_of_rapc_is_asked_if_an_engine_fails(deed: str, said: str) -> None:
+    found = plan(fake(deed))
+    assert found.refused == said
+    assert found.engine == "builtin"
+    assert tuple(one.goal for one in found.steps) == STEPS
+
+
+def test_reason_has_the_last_line_without_temporary_names() -> None:
+    said = "engine-failed: no plan, status 1: out of memory in plan.pddl"
+    assert plan(fake("print-much-and-fail")).refused == said
+
+
+def test_engine_without_output_is_waited_for() -> None:
+    assert plan(fake("close-output")).engine == fake("close-output").name
+
+
+def test_process_that_an_engine_leaves_is_ended(pids: Path) -> None:
+    assert plan(fake("leave-a-process"))
+    wait_for_end(pids)
+
+
+def test_program_that_has_gone_is_a_failure(tmp_path: Path) -> None:
+    program = tmp_path / "engine"
+    program.write_text("#!/bin/sh\n")
+    program.chmod(0o700)
+    engine = rapc.engine(f"{program} {{domain}} {{problem}} {{plan}}")
+    program.unlink()
+    found = plan(engine)
+    assert found.refused.startswith("engine-failed: no plan, status 127: ")
+    assert found.refused.endswith("engine: No such file or directory")
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("nowhere {domain} {problem} {plan}", "cannot find the program `nowhere`"),
+        ("cat {domain} {problem}", "has no {plan}"),
+        ("cat", "has no {domain}, {problem}, {plan}"),
+        ("", "has no {domain}"),
+        ("sh '{domain} {problem} {plan}", "cannot read the engine"),
+        ("up:x y", "has no {domain}"),
+    ],
+)
+def test_engine_that_cannot_be_run_is_refused(name: str, said: str) -> None:
+    with pytest.raises(rapc.PlanError, match=f"^(?s:.*){said}"):
+        rapc.engine(name)
+
+
+def test_engine_of_a_missing_package_names_the_extra(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(engines, "find_spec", lambda name: None)
+    with pytest.raises(rapc.PlanError) as caught:
+        rapc.engine("up:aries")
+    assert caught.value.help == "pip install 'rapc[engines]'"
+
+
+def told(deed: str) -> tuple[list[events.Event], rapc.Interpreter]:
+    """Return the events of a run with a goal for a planner."""
+    text = f"(define-rap (evening) (succeed {GOAL}) (plan))"
+    found: list[events.Event] = []
+    run = (
+        rapc.load(COURIER)
+        .extend(text)
+        .start(
+            "courier", tasks=["(evening)"], engine=fake(deed), listeners=[found.append]
+        )
+    )
+    run.run(until=1000)
+    return found, run
+
+
+@pytest.mark.parametrize("deed", ["solve", "fail"])
+def test_run_emits_the_engine_of_a_plan(deed: str) -> None:
+    found, run = told(deed)
+    made = next(one for one in found if isinstance(one, events.PlanMade))
+    assert run.results()[0].outcome == "succeeded"
+    if deed == "fail":
+        assert (made.engine, made.refused) == (
+            "builtin",
+            "engine-failed: no plan, status 3",
+        )
+        assert made.line().endswith("4 steps (engine-failed: no plan, status 3)")
+    else:
+        assert (made.engine, made.refused) == (fake(deed).name, "")
+        assert made.line().endswith(f"4 steps by {made.engine}")
+    assert found == told(deed)[0]
+
+
+def test_command_asks_an_engine_and_reports_a_failure() -> None:
+    for deed, note in (("solve", ""), ("fail", "note: engine-failed: no plan, ")):
+        options = ("--world", "courier", "--engine", fake(deed).name, "--run")
+        done = command("plan", GOAL, COURIER, *options)
+        assert done.returncode == 0
+        assert done.stdout.endswith(f"{GOAL}: succeeded\n")
+        assert done.stderr.startswith(note)
+        assert done.stderr.count("\n") == bool(note)
+
+
+def test_command_refuses_an_engine_that_cannot_be_run() -> None:
+    done = command("plan", GOAL, COURIER, "--engine", "nowhere")
+    assert done.returncode == 2
+    assert done.stderr.startswith("error: the engine `nowhere` has no {domain}")
+
+
+# --- processes that do not end by themselves ------------------------------------------
+
+
+@pytest.mark.slow
+def test_engine_that_hangs_is_ended_with_its_group(pids: Path) -> None:
+    found = plan(fake("hang", timeout=1))
+    wait_for_end(pids)
+    assert found.refused == "engine-timeout: no answer in 1 s"
+    assert found.engine == "builtin"
+    assert found
+
+
+def begun(pids: Path) -> subprocess.Popen[str]:
+    """Start a command whose engine hangs, and wait for the engine."""
+    options = ["--engine", fake("hang").name, "--engine-timeout", "600"]
+    process = subprocess.Popen(
+        [str(COMMAND), "plan", GOAL, COURIER, *options],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    ends = time.monotonic() + LIMIT
+    while not pids.exists() and time.monotonic() < ends:
+        time.sleep(0.01)
+    return process
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("number", "status"),
+    [(signal.SIGINT, 130), (signal.SIGTERM, -15), (signal.SIGKILL, -9)],
+)
+def test_engine_ends_with_the_command(
+    pids: Path, number: signal.Signals, status: int
+) -> None:
+    process = begun(pids)
+    process.send_signal(number)
+    output, errors = process.communicate(timeout=LIMIT)
+    assert process.returncode == status
+    assert (output, errors.strip()) == ("", "")
+    wait_for_end(pids)
+
+
+def kill_at(moments: int, seed: int, pids: Path) -> None:
+    """Kill the processes of an engine at random moments; each plan is valid."""
+    rng = random.Random(seed)
+    for _ in range(moments):
+        pids.unlink(missing_ok=True)
+        late = rng.random() * 0.3
+        chosen = rng.randrange(2)
+
+        def kill(late: float = late, chosen: int = chosen) -> None:
+            while not pids.exists():
+                time.sleep(0.005)
+            time.sleep(late)
+            os.kill(numbers(pids)[chosen], signal.SIGKILL)
+
+        thread = threading.Thread(target=kill)
+        thread.start()
+        found = plan(fake("hang", timeout=2))
+        thread.join()
+        wait_for_end(pids)
+        assert tuple(one.goal for one in found.steps) == STEPS
+        assert found.refused in (
+            "engine-failed: no plan, SIGKILL",
+            "engine-timeout: no answer in 2 s",
+        )
+
+
+@pytest.mark.slow
+def test_killed_engine_does_not_end_the_plan(pids: Path) -> None:
+    kill_at(2, 1, pids)
+
+
+@pytest.mark.nightly
+def test_killed_engines_do_not_end_the_plan(pids: Path) -> None:
+    kill_at(20, 2, pids)
+
+
+# --- real engines ---------------------------------------------------------------------
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(find_spec("pyperplan") is None, reason="requires pyperplan")
+def test_pyperplan_is_an_engine() -> None:
+    script = (
+        f'{shlex.quote(sys.executable)} -m pyperplan -s gbf -H hff "$0" "$1" '
+        '&& mv "$1.soln" "$2"'
+    )
+    name = f"sh -c {shlex.quote(script)} {{domain}} {{problem}} {{plan}}"
+    found = plan(rapc.engine(name, LIMIT))
+    assert (found.engine, found.refused) == (name, "")
+    assert tuple(one.goal for one in found.steps) == STEPS
+
+
+@pytest.mark.nightly
+@pytest.mark.skipif(find_spec("up_pyperplan") is None, reason="requires up-pyperplan")
+def test_engine_of_unified_planning_is_asked() -> None:
+    found = plan(rapc.engine("up:pyperplan", LIMIT))
+    assert (found.engine, found.refused) == ("up:pyperplan", "")
+    missing = plan(rapc.engine("up:nowhere", LIMIT))
+    assert missing.refused.startswith("engine-failed: no plan, status 1: ")
+    assert missing
