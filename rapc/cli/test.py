@@ -29,7 +29,7 @@ from rapc.testing import discover
 from rapc.testing.coverage import Coverage, FileCoverage
 from rapc.testing.faults import read_fault
 from rapc.testing.run import Case, Outcome
-from rapc.testing.session import TestSession, exit_status, summary
+from rapc.testing.session import TestSession, effects_summary, exit_status, summary
 from rapc.worlds.registry import importing_from
 
 EXAMPLES = """\b
@@ -104,6 +104,11 @@ _MOST_JOBS = 1000
     metavar="N",
     help="Fail if the coverage is below N per cent.",
 )
+@click.option(
+    "--effects",
+    is_flag=True,
+    help="Check the declared effects of RAPs in simulators.",
+)
 def test(
     paths: Sequence[str],
     only: Sequence[str],
@@ -115,11 +120,15 @@ def test(
     junit: str | None,
     coverage: str | None,
     least: float | None,
+    effects: bool,
 ) -> None:
     """Run the tests in files, and in all *.test.rap files below folders.
 
     Tests may also import worlds from the `world-modules` of the nearest rapc.toml, or
     of `[tool.rapc]` in a pyproject.toml.
+
+    With --effects, a test in a simulator also fails if a RAP succeeds and one of its
+    declared effects has not come true.
 
     Exit status: 0 if all tests passed, 1 if a test failed, 2 if a test could not run.
     """
@@ -133,7 +142,9 @@ def test(
     injected = tuple([read_option("--fault", read_fault, text) for text in faults])
     configured = nearest_config(paths[0])
     permitted = (*modules, *configured.config.world_modules)
-    running = TestSession(range(seed, seed + seeds), injected, gathered, permitted)
+    running = TestSession(
+        range(seed, seed + seeds), injected, gathered, permitted, effects
+    )
     cases = _find(paths, only)
     inputs = {*paths, *(file for case in cases for file in _files(case))}
     told = "is a source file of the tests or of their library"
@@ -161,6 +172,8 @@ def test(
         print_coverage(gathered.files(), coverage)
         if least is not None and _falls_short(gathered, least):
             status = max(status, 1)
+    if effects:
+        _say("text", effects_summary(outcomes))
     if junit is not None:
         write_output(junit, explain.as_junit(outcomes))
     click.echo(summary(outcomes, seeds))

@@ -10,6 +10,7 @@ import enum
 from collections.abc import Callable, Collection, Sequence
 
 import msgspec
+from msgspec.structs import replace
 
 from rapc.analysis.driver import Finding
 from rapc.base.source import Span
@@ -33,6 +34,7 @@ from rapc.runtime.task_request import TaskRequest, as_text, of_agenda, of_node
 from rapc.runtime.truth import figures_of
 from rapc.spec import RunSpec
 from rapc.testing.coverage import Coverage
+from rapc.testing.effects import EffectsCheck
 from rapc.testing.judge import Evidence, judge
 from rapc.testing.patterns import atom, flat
 from rapc.testing.record import Record
@@ -86,6 +88,8 @@ class Outcome(msgspec.Struct, frozen=True):
     trace: tuple[str, ...] = ()
     #: The failures in a simulator that a retry has mended, a line for each RAP.
     mended: tuple[str, ...] = ()
+    #: The RAPs whose declared effects were checked.
+    checked: tuple[str, ...] = ()
 
 
 Wrap = Callable[[World, int], World]
@@ -100,6 +104,7 @@ def run_case(
     listener: Listener | None = None,
     modules: Collection[str] = (),
     state: SavedState | None = None,
+    effects: bool = False,
 ) -> Outcome:
     """Run a test once.
 
@@ -111,6 +116,7 @@ def run_case(
         listener: receives every event of the run, in the way of a trace.
         modules: the modules of which the test may name worlds, as `module:Class`.
         state: the saved state that the test names, if it is not read from its file.
+        effects: whether the declared effects of RAPs must come true in a simulator.
     """
     test, place = case.test, case.test.name_span
     seed = seed if test.seed is None else test.seed
@@ -138,6 +144,8 @@ def run_case(
         running.interpreter.watch_contexts(coverage.context)
     if listener is not None:
         running.interpreter.listen(listener)
+    if effects:
+        running.check_effects()
     running.run()
     return running.outcome()
 
@@ -177,6 +185,7 @@ class _Run:
         self._failures: list[Unmet] = []
         self._pending: list[nodes.Expect] = []
         self._unreached: dict[int, nodes.At] = dict(enumerate(case.test.ats))
+        self._effects: EffectsCheck | None = None
         self._broken = False
         self._note = ""
         test, library = case.test, case.library
@@ -219,6 +228,11 @@ class _Run:
             self.interpreter.check_fact(*fact)
 
     # --- during the run ------------------------------------------------------------
+
+    def check_effects(self) -> None:
+        """Check the declared effects of the RAPs that succeed, in a simulator."""
+        if self._simulated:
+            self._effects = EffectsCheck(self.interpreter, self._fail)
 
     def run(self) -> None:
         """Run the test to its end."""
@@ -367,14 +381,19 @@ class _Run:
     def outcome(self) -> Outcome:
         """Return the outcome of the test."""
         mended = tuple(self._record.mended.lines()) if self._simulated else ()
+        checked = () if self._effects is None else tuple(self._effects.checked)
+        passed = Outcome(
+            self._case, self._seed, Status.PASSED, mended=mended, checked=checked
+        )
         if not self._failures:
-            return Outcome(self._case, self._seed, Status.PASSED, mended=mended)
-        status = Status.ERROR if self._broken else Status.FAILED
-        count = self._failures[0].events
-        trace = tuple(self._record.last_lines(count))
-        failures = tuple(self._failures)
-        note = self._note
-        return Outcome(self._case, self._seed, status, failures, note, trace, mended)
+            return passed
+        return replace(
+            passed,
+            status=Status.ERROR if self._broken else Status.FAILED,
+            failures=tuple(self._failures),
+            note=self._note,
+            trace=tuple(self._record.last_lines(self._failures[0].events)),
+        )
 
 
 def _time(at: nodes.At, times: int) -> Time:

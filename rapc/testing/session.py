@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import ClassVar
 
 import msgspec
+from msgspec.structs import replace
 
 from rapc.base.names import plural
 from rapc.base.values import format_list
@@ -28,6 +29,8 @@ class TestSession(msgspec.Struct, frozen=True):
     coverage: Coverage | None = None
     #: The modules of which tests may name worlds, as `module:Class`.
     modules: tuple[str, ...] = ()
+    #: Whether the declared effects of RAPs must come true in a simulator.
+    effects: bool = False
 
     def run(self, cases: Iterable[Case]) -> Iterator[Outcome]:
         """Yield the outcome of each test: its first failure, or its last seed."""
@@ -43,11 +46,20 @@ class TestSession(msgspec.Struct, frozen=True):
 
         own, state = case.test.seed, case.test.saved_state
         seeds = self.seeds if own is None else range(own, own + 1)
+        checked: dict[str, None] = {}
         for seed in seeds if state is None else seeds[:1]:
-            outcome = run_case(case, seed, wrap, self.coverage, modules=self.modules)
+            outcome = run_case(
+                case,
+                seed,
+                wrap,
+                self.coverage,
+                modules=self.modules,
+                effects=self.effects,
+            )
+            checked |= dict.fromkeys(outcome.checked)
             if outcome.status is not Status.PASSED:
                 break
-        return outcome
+        return replace(outcome, checked=tuple(checked))
 
     def useless(self, cases: Sequence[Case]) -> Iterator[str]:
         """Return the faults that can occur in none of the tests, with the reason."""
@@ -81,3 +93,15 @@ def exit_status(outcomes: Sequence[Outcome]) -> int:
     if Status.ERROR in found:
         return 2
     return 1 if Status.FAILED in found else 0
+
+
+def effects_summary(outcomes: Iterable[Outcome]) -> str:
+    """Return a line that counts the RAPs with effects and names the unchecked ones."""
+    raps: dict[str, bool] = {}
+    for outcome in outcomes:
+        for name, rap in outcome.case.library.library.raps.items():
+            if rap.effects:
+                raps[name] = raps.get(name, False) or name in outcome.checked
+    missing = [f"`{name}`" for name, checked in raps.items() if not checked]
+    told = f"effects: {len(raps) - len(missing)} of {plural(len(raps), 'RAP')} checked"
+    return f"{told}; not: {', '.join(missing)}" if missing else told
