@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import termios
 from pathlib import Path
 
 import pexpect
@@ -105,6 +106,9 @@ def test_interrupted_decision_leaves_the_journal_as_it_was(crashed: Path) -> Non
         str(COMMAND), [*RESUME], cwd=crashed, env=BARE, encoding="utf-8", timeout=60
     )
     child.expect(r"\(repeat, fail\): ")
+    # before readline has the terminal, Python would not see the interrupt
+    while termios.tcgetattr(child.child_fd)[3] & termios.ICANON:
+        child.expect(pexpect.TIMEOUT, timeout=0.1)
     child.sendintr()
     child.expect(pexpect.EOF)
     child.close()
