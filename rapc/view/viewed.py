@@ -14,6 +14,7 @@ from rapc.compiler.program import Program
 from rapc.debug.history import History
 from rapc.debug.log import ToldEvent
 from rapc.debug.questions.differences import compared, first_difference, this_run
+from rapc.debug.questions.ends import why_end
 from rapc.debug.questions.times import sensors_of
 from rapc.debug.recording import Recording
 from rapc.ir import nodes
@@ -22,7 +23,7 @@ from rapc.runtime.events.trace import JsonTrace
 from rapc.view.pictures import Pictures, scene_at
 from rapc.view.scene import Scene
 
-_NO_SOURCES: dict[str, Any] = {"sources": {}, "raps": {}}
+_NO_SOURCES: dict[str, Any] = {"sources": {}, "raps": {}, "uses": {}}
 
 
 class Viewed(msgspec.Struct):
@@ -68,6 +69,7 @@ class Viewed(msgspec.Struct):
             "note": self.note,
             "sensors": sorted(sensors_of(self.history)),
             **(_NO_SOURCES if self.program is None else sources(self.program)),
+            "symptoms": why_end(self.history).lines[1:],
             "beliefs": _beliefs(self.history),
             "pictures": self.pictures.changes,
         }
@@ -127,7 +129,7 @@ def sources(program: Program) -> dict[str, Any]:
     """Return the texts and the RAPs of a library, as plain data."""
     files = program.library.files
     texts = {name: source.text for name, source in files.items()}
-    return {"sources": texts, "raps": _raps(program)}
+    return {"sources": texts, "raps": _raps(program), "uses": _uses(program)}
 
 
 def _raps(program: Program) -> dict[str, Any]:
@@ -140,6 +142,23 @@ def _raps(program: Program) -> dict[str, Any]:
             },
         }
         for name, rap in program.library.raps.items()
+    }
+
+
+def _uses(program: Program) -> dict[str, Any]:
+    """Return the arguments of each primitive and skill that uses things, and these."""
+    library = program.library
+    declared: list[nodes.DeclarePrimitive | nodes.DeclareSkill] = [
+        *library.primitives.values(),
+        *library.skills.values(),
+    ]
+    return {
+        node.name: {
+            "args": [one.variable.name for one in node.args],
+            "things": [format_formula(thing) for thing in node.uses],
+        }
+        for node in declared
+        if node.uses
     }
 
 

@@ -135,6 +135,7 @@ test("searching finds tasks, facts, requests, times and events", () => {
     [1, 1, "primitive-requested", { task: 1, request: "(take linen)", sent: "(take linen)" }],
   ]);
   assert.deepEqual(run.find("LINEN").map((one) => one.kind), ["task", "fact", "request"]);
-  assert.deepEqual(run.find("1").map((one) => one.kind), ["task", "time", "event"]);
+  assert.deepEqual(run.find("1").map((one) => one.kind), ["time", "task", "event"]);
+  assert.deepEqual(run.find("[1]").map((one) => one.kind), ["task", "time", "event"]);
   assert.deepEqual(run.find("linen", 1).length, 1);
 });

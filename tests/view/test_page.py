@@ -110,7 +110,14 @@ def test_wrong_beliefs_of_the_hallway_are_in_the_page(tmp_path: Path) -> None:
 def test_text_of_the_run_is_not_in_the_markup(tmp_path: Path) -> None:
     events = [
         {"event": "run-started", "format": 2, "spec": {"library": "</script><b>x"}},
-        {"event": "task-created", "task": 1, "goal": "<img src=x onerror=alert(1)>"},
+        {
+            **{
+                "event": "task-created",
+                "task": 1,
+                "goal": "<img src=x onerror=alert(1)>",
+            },
+            **{"parent": None, "family": 1, "priority": 0, "step": None},
+        },
     ]
     lines = [{**one, "n": n, "cycle": 0, "time": 0} for n, one in enumerate(events)]
     file = tmp_path / "odd.jsonl"

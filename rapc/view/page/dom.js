@@ -47,6 +47,11 @@ function ageText(now, then) {
   return now === then ? "now" : `${readable(now - then)} ago`;
 }
 
+/** Return the last part of a path. */
+function lastPart(path) {
+  return path.replace(/^.*[/\\](?=[^/\\]+[/\\]?$)/, "");
+}
+
 /** Return an element by its id. */
 function byId(id) {
   return document.getElementById(id);
@@ -68,7 +73,7 @@ function el(tag, props = {}, ...children) {
     else if (value !== undefined && value !== null && value !== false)
       made.setAttribute(key, value === true ? "" : value);
   }
-  for (const child of children.flat()) {
+  for (const child of children.flat(Infinity)) {
     if (child === null || child === undefined || child === "") continue;
     made.append(typeof child === "object" ? child : visible(String(child)));
   }

@@ -48,6 +48,10 @@ class App {
     return this.more.raps || {};
   }
 
+  get uses() {
+    return this.mores[this.current].uses || {};
+  }
+
   momentOf(index) {
     return this.moments[index];
   }
@@ -59,6 +63,9 @@ class App {
     if (this.current !== run || !byId("verdict").childElementCount) {
       this.current = run;
       byId("verdict").replaceChildren(...verdictOf(this));
+      const symptoms = asList(this.mores[run].symptoms).map((line) => symptomLine(this, asText(line)));
+      byId("symptoms").replaceChildren(...symptoms);
+      byId("symptoms").hidden = !symptoms.length;
     }
     this.moments[run] = Math.min(Math.max(at, 0), this.run.last);
     const time = this.run.timeOf(this.at);
@@ -182,7 +189,7 @@ class App {
     else this._openFirst(asList(this.comparison && this.comparison.first)[0]);
   }
 
-  /** Go to the first different decision, the first failed task, or the end. */
+  /** Go to the first different decision, the first failed task, or the first symptom. */
   _openFirst(different) {
     const { run } = this;
     if (Number.isInteger(different)) {
@@ -192,15 +199,18 @@ class App {
     const failed = run.firstFailed();
     const foreground = run.families.filter((task) => !task.background);
     const last = foreground.sort((one, other) => other.ended - one.ended)[0];
+    const [symptom] = asList(this.mores[this.current].symptoms);
+    const [, number] = /\[([0-9]+)\]/.exec(asText(symptom)) || [];
+    const named = run.tasks.get(Number(number)) || last;
     if (failed) this.go(failed.ended, { task: failed.number });
-    else this.go(run.last, last ? { task: last.number } : {});
+    else this.go(run.lastLive, named ? { task: named.number } : {});
   }
 
   /** Show what does not change with the moment. */
   begin() {
     const { run } = this;
     const { spec } = run;
-    const name = `${asText(spec.library) || "library"} in ${asText(spec.world) || "no world"}`;
+    const name = `${lastPart(asText(spec.library)) || "library"} in ${asText(spec.world) || "no world"}`;
     byId("title").textContent = visible(name);
     byId("title").title = visible(`${name}, seed ${asText(spec.seed)}`);
     document.title = visible(`${name} - rapc view`);
@@ -251,18 +261,33 @@ function verdictOf(app) {
   return parts;
 }
 
+/** Return a symptom of the run; its place and its tasks are links. */
+function symptomLine(app, text) {
+  const parts = text.split(/(\S+?:[0-9]+(?=[\s:,;]|$)|\[[0-9]+\])/);
+  return el("p", {}, parts.map((part, index) => {
+    if (index % 2 === 0) return part;
+    const task = app.run.tasks.get(Number(part.slice(1, -1)));
+    if (task) return link(part, () => app.choose(task, true), visible(task.goal));
+    return sourceAt(app, part) ? link(part, () => app.showPlace(part)) : part;
+  }));
+}
+
 /** Return the comparison of the two runs: the first difference, and a table. */
 function comparisonOf(app) {
-  const { lines, columns, rows, notes, first } = app.comparison;
+  const { lines, notes, first } = app.comparison;
+  const all = asList(app.comparison.rows).map(asList);
+  const used = asList(app.comparison.columns).map((_, at) => all.some((row) => row[at]));
+  const [columns, ...rows] = [asList(app.comparison.columns), ...all].map((row) =>
+    row.filter((_, at) => used[at]));
   const shown = asList(lines).map((line) => el("div", {}, asText(line)));
   const links = asList(first).map((at, index) => Number.isInteger(at) && app.runs[index]
     ? el("button", {
       type: "button",
       click: () => app.go(at, { run: index, task: app.runs[index].events[at]?.task }),
     }, `Go to it in ${app.names[index]}`) : "");
-  const cells = (name, row) => asList(row).map((one, index) =>
+  const cells = (name, row) => row.map((one, index) =>
     el(index > 1 ? `${name}.num` : name, name === "th" ? { scope: "col" } : {}, asText(one)));
-  const table = asList(rows).length
+  const table = rows.length
     ? el("table", {}, el("thead", {}, el("tr", {}, cells("th", columns))),
       el("tbody", {}, rows.map((row) => el("tr", {}, cells("td", row)))))
     : "";
@@ -442,7 +467,7 @@ function wire() {
   });
   byId("filter").addEventListener("input", () => showMemory(app));
   byId("own").addEventListener("change", () => showEvents(app));
-  for (const id of ["tasks", "claims", "memory", "events"]) moveWithArrows(byId(id));
+  for (const id of ["tasks", "claims", "memory", "beliefs", "events"]) moveWithArrows(byId(id));
   const dark = matchMedia("(prefers-color-scheme: dark)");
   const recolour = () => {
     if (!app) return;

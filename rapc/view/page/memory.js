@@ -117,8 +117,15 @@ function showBeliefs(app) {
       el("div.code", {}, el("span.dim", {}, "truth: "), asList(one.truth).map(asText).join(" or ") || "not so"),
       el("div.dim", {}, "wrong since ", link(readable(run.timeOf(one.n)), () => app.go(one.n, {})))));
   if (!rows.length) rows.push(el("p", {}, "Every compared belief is true at this moment."));
-  const next = run.beliefs.find((one) => one.n > at);
-  rows.push(el("p.dim", {}, `${run.beliefs.length} wrong beliefs in the run`,
-    next ? [", the next at ", link(readable(run.timeOf(next.n)), () => app.go(next.n, {}))] : ""));
+  const before = search(run.beliefs.length, (index) => run.beliefs[index].n > at);
+  const first = Math.max(Math.min(before - 4, run.beliefs.length - 8), 0);
+  const time = (index) => readable(run.timeOf(index));
+  rows.push(el("h3", {}, `Wrong beliefs of the run: ${run.beliefs.length}`));
+  rows.push(...run.beliefs.slice(first, first + 8).map((one) => el("div.row", {
+    ...choosable("option", `w${one.n}${asText(one.fact)}`, present.includes(one), () =>
+      app.go(one.n, { fact: asText(one.fact) })),
+  },
+  el("span.t", {}, time(one.n)), oneLine(asText(one.fact)),
+  el("span.age", {}, one.end === null ? "until the end" : `until ${time(one.end)}`))));
   fill(byId("beliefs"), rows);
 }

@@ -24,6 +24,15 @@ const WAKES = new Set([
   ...ENDS.keys(),
 ]);
 
+/** The events with which a run ends, or the tasks that are left. */
+const LEAVING = new Set([
+  "run-ended",
+  "task-removed",
+  "primitive-cancelled",
+  "skill-disabled",
+  "pictured",
+]);
+
 /** Return a value of a trace as text. */
 function asText(value) {
   if (typeof value === "string") return value;
@@ -130,6 +139,12 @@ class Run {
 
   get last() {
     return this.events.length - 1;
+  }
+
+  /** Return the last event before the tasks that are left are removed at the end. */
+  get lastLive() {
+    const after = (event) => LEAVING.has(event.event);
+    return this.end ? Math.max(this.events.findLastIndex((one) => !after(one)), 0) : this.last;
   }
 
   timeOf(at) {
@@ -565,9 +580,9 @@ class Run {
     const number = Number(text.replace(/^\[(\d+)\]$/, "$1"));
     if (text.trim() && Number.isFinite(number)) {
       const task = this.tasks.get(number);
-      if (task) found.push({ kind: "task", name: `[${number}] ${task.goal}`, at: task.made, task });
-      const at = this.atTime(number);
-      found.push({ kind: "time", name: `time ${text.trim()}`, at, task: null });
+      const own = task && { kind: "task", name: `[${number}] ${task.goal}`, at: task.made, task };
+      const time = { kind: "time", name: `time ${number}`, at: this.atTime(number), task: null };
+      found.push(...(text.startsWith("[") ? [own, time] : [time, own]).filter(Boolean));
       if (Number.isInteger(number) && number >= 0 && number <= this.last)
         found.push({ kind: "event", name: `event ${number}`, at: number, task: null });
     }

@@ -50,18 +50,43 @@ function taskRow(app, task, kind, text, more) {
   );
 }
 
+/** Return a text of the library with the values of its variables. */
+function withValues(text, values) {
+  const known = values && typeof values === "object" ? values : {};
+  return text.replace(/\?[^\s()?]+/g, (name) =>
+    Object.hasOwn(known, name) ? asText(known[name]) : name);
+}
+
+/** Return the things that a request or skill uses while it is under way. */
+function usedBy(app, request) {
+  const [name, ...given] = wordsOf(request) || [];
+  const declared = Object.hasOwn(app.uses, name) ? app.uses[name] : { args: [], things: [] };
+  const values = Object.fromEntries(declared.args.map((one, index) => [one, given[index]]));
+  return declared.things.map((thing) => withValues(thing, values));
+}
+
 /** Show what is claimed and used, who waits for what, and what is under way. */
 function showClaims(app) {
   const { run, at } = app;
   const now = run.timeOf(at);
   const since = (index) => el("span.age", {}, `since ${readable(run.timeOf(index))}`);
   const [held, waits, background] = [[], [], []];
-  for (const { task } of run.treeAt(at, app.task)) {
-    if (task.ended >= 0 && task.ended <= at) continue;
+  const claimRow = (thing, task, chosen) => {
+    const other = taken.find((one) => one.for === thing && one.above.includes(task));
+    const text = other ? `${thing}, taken by [${asText(other.by)}]` : thing;
+    return taskRow(app, task, other ? "suspended" : "active", text, since(chosen));
+  };
+  const live = run.treeAt(at, app.task).map(({ task }) => task)
+    .filter((task) => task.ended < 0 || task.ended > at);
+  const taken = live.map((task) => [task, run.stateAt(task, at)])
+    .filter(([, state]) => state.kind === "suspended")
+    .map(([task, state]) => ({ above: run.ancestors(task), ...run.events[state.wait] }));
+  for (const task of live) {
     const state = run.stateAt(task, at);
     const method = methodOf(app, state.method);
+    const values = state.method < 0 ? {} : run.events[state.method].bindings;
     for (const thing of asList(method && method.claims))
-      held.push(taskRow(app, task, "active", asText(thing), since(state.method)));
+      held.push(claimRow(withValues(asText(thing), values), task, state.method));
     if (state.wait < 0) continue;
     const event = run.events[state.wait];
     const holder = run.tasks.get(event.holder) || run.tasks.get(event.by);
@@ -72,6 +97,8 @@ function showClaims(app) {
   }
   const acts = run.underWay(at).map((one) => {
     const task = run.tasks.get(one.task);
+    for (const thing of usedBy(app, one.request))
+      held.push(taskRow(app, task, one.kind, `${thing}, used`, since(one.start)));
     return taskRow(app, task, one.kind, one.request, since(one.start));
   });
   const heard = [];
@@ -81,7 +108,7 @@ function showClaims(app) {
       heard.push(eventRow(app, index, false));
   }
   const rows = [
-    ...group("Claimed by methods", held),
+    ...group("Things that are claimed or used", held),
     ...group("Waits for other tasks", waits),
     ...group("Requests and skills under way", acts),
     ...group("Signals and data of this cycle", heard),

@@ -13,7 +13,7 @@ function methodOf(app, chosen) {
 function placeLink(app, place) {
   const text = asText(place);
   if (!text) return "";
-  const short = text.replace(/^.*[/\\](?=[^/\\]+$)/, "");
+  const short = lastPart(text);
   if (!sourceAt(app, text)) return el("span.dim", { title: visible(text) }, ` ${short}`);
   return [" ", link(short, () => app.showPlace(text), visible(text))];
 }
@@ -79,7 +79,8 @@ function causeLines(app, cause, before, depth = 0) {
   lines.push(...inside(cause.inside));
   const methods = inside(cause.methods);
   if (methods.length)
-    lines.push(el("details", {}, el("summary", {}, `methods that were excluded: ${methods.length}`), methods));
+    lines.push(el("details", { open: depth === 0 },
+      el("summary", {}, `methods that were excluded: ${methods.length}`), methods));
   return lines;
 }
 
@@ -150,6 +151,7 @@ function showWhy(app) {
   }
   const end = task.ended >= 0 && task.ended <= at ? run.events[task.ended] : null;
   if (end && end.event === "task-failed") lines.push(...causeChain(app, end.because, task, at));
+  lines.push(...wokenLines(app, task));
   if (state.method >= 0) {
     const event = run.events[state.method];
     lines.push(el("h3", {}, `Method ${asText(event.method)}`), bindingsLine(event.bindings));
@@ -165,6 +167,19 @@ function showWhy(app) {
   }
   lines.push(...triesLines(app, task));
   fill(body, lines.filter(Boolean));
+}
+
+/** Return what woke a task last, if it was blocked before. */
+function wokenLines(app, task) {
+  const { run, at } = app;
+  const woken = run.logOf(task, at).findLast((index) => run.events[index].event === "task-woken");
+  if (woken === undefined) return [];
+  const { on, holder } = run.events[woken];
+  const held = run.tasks.get(holder);
+  return [el("div", {}, el("span.dim", {}, "woken at "),
+    link(readable(run.timeOf(woken)), () => app.go(woken, {}), "Go to this moment"),
+    el("span.dim", {}, " by "), el("code", {}, asText(on)),
+    held ? [", which ", link(`[${held.number}] ${held.goal}`, () => app.choose(held)), " held"] : "")];
 }
 
 /** Return the methods that a task has tried, with their ends. */
@@ -220,7 +235,8 @@ function showSource(app) {
     fill(body, [el("p.dim", {}, told)]);
     return;
   }
-  byId("source-of").textContent = visible(` ${shown.file}`);
+  byId("source-of").textContent = visible(` ${lastPart(shown.file)}`);
+  byId("source-of").title = visible(shown.file);
   const lines = asText(app.sources[shown.file]).split("\n");
   const steps = stepsUnderWay(app, method);
   const rows = [];
