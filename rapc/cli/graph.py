@@ -17,6 +17,7 @@ from rapc.base.values import number, readable
 from rapc.cli.common import load_checked, print_findings, read_paths
 from rapc.cli.options import USAGE, Amount, command, fail
 from rapc.cli.run_options import prepared, read_spec, run_options
+from rapc.compiler.program import Program
 from rapc.ir import nodes
 from rapc.library.library import Library
 from rapc.spec import RunSpec
@@ -28,6 +29,7 @@ Examples:
   rapc graph my-library/ --rap deliver --format mermaid
   rapc graph my-library/ --effects deliver --format text
   rapc graph my-library/ --monitors --format json
+  rapc graph my-library/ --operators --format mermaid
   rapc graph my-library/ --dependents battery --format text
   rapc graph my-library/ --all --format graphml > library.graphml
   rapc graph my-library/ --skills 20 --world my_robot:World --task '(tour)'
@@ -45,6 +47,9 @@ Examples:
 )
 @click.option(
     "--claims", is_flag=True, help="Show things with the RAPs that claim or use them."
+)
+@click.option(
+    "--operators", is_flag=True, help="Show the facts that operators need and change."
 )
 @click.option(
     "--all", "everything", is_flag=True, help="Show all names and their relations."
@@ -83,6 +88,7 @@ def graph(  # noqa: PLR0912  # a branch for each view
     effects: str | None,
     monitors: bool,
     claims: bool,
+    operators: bool,
     everything: bool,
     recursive: bool,
     dominators: str | None,
@@ -99,7 +105,7 @@ def graph(  # noqa: PLR0912  # a branch for each view
     from rapc.console import graphs as writers
 
     views = (rap, effects, dominators, dependents, moment)
-    flags = (monitors, claims, everything, recursive)
+    flags = (monitors, claims, operators, everything, recursive)
     if sum(view is not None for view in views) + sum(flags) > 1:
         fail("cannot combine options that select a graph")
     if moment is not None and world_name is not None:
@@ -119,6 +125,10 @@ def graph(  # noqa: PLR0912  # a branch for each view
             drawn = graphs.monitors(library)
         elif claims:
             drawn = graphs.things(library)
+        elif operators:
+            from rapc.planning.graph import operators as operators_of
+
+            drawn = operators_of(Program(library, path))
         elif everything:
             drawn = graphs.everything(library)
         elif recursive:

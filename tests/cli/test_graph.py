@@ -120,6 +120,40 @@ def test_claims_keep_arguments_of_things(folder: Path) -> None:
     assert done.stdout == "go\n  claims by-left (arm left)\ndrive\n  uses wheels\n"
 
 
+def test_operators_are_shown_with_their_facts(folder: Path) -> None:
+    (folder / "lib.rap").write_text(
+        """(declare-memory-property at (?place) unknown)
+        (declare-memory-proposition open (?door))
+        (declare-memory-proposition held (?item))
+        (declare-memory-proposition door (?door ?from ?to))
+        (define-query (shut ?door) (not (open ?door)))
+        (define-rap (go ?to)
+          (preconditions (and (at ?from) (door ?door ?from ?to) (open ?door)))
+          (effects (at ?to)))
+        (define-rap (unlock ?door)
+          (preconditions (shut ?door))
+          (effects (open ?door) (may (held key)) (at ?)))
+        (define-rap (drop ?item) (effects (not (held ?item))))
+        (define-rap (wait))
+        (define-rap (go-home) (succeed (and (at home) (not (held key)))) (plan))
+        """
+    )
+    _, edges = _drawn(folder, "--operators")
+    assert edges == [
+        ("fact at", "rap go", "needs"),
+        ("fact door", "rap go", "needs"),
+        ("fact open", "rap go", "needs"),
+        ("rap go", "fact at", "asserts"),
+        ("fact open", "rap unlock", "needs not"),
+        ("rap unlock", "fact open", "asserts"),
+        ("rap unlock", "fact held", "may change"),
+        ("rap unlock", "fact at", "may change"),
+        ("rap drop", "fact held", "erases"),
+        ("fact at", "rap go-home", "needs"),
+        ("fact held", "rap go-home", "needs not"),
+    ]
+
+
 def test_effects_of_a_rap_include_its_steps(folder: Path) -> None:
     told = "watch\n"
     told += "  asserts (busy), (at ?), (parked)\n"
