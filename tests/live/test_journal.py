@@ -111,6 +111,7 @@ def test_states_of_a_journal_are_those_seen_at_the_time(tmp_path: Path) -> None:
 
 
 @pytest.mark.nightly
+@pytest.mark.timeout(1800)
 def test_states_of_a_live_run_are_those_seen_at_the_time(tmp_path: Path) -> None:
     # ten minutes of real time
     _check(tmp_path / "journal", WallClock(), 600, 200)
