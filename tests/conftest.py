@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import signal
 
+import pytest
+from _pytest.nodeid import NodeId
 from hypothesis import HealthCheck, settings
 from hypothesis.internal.conjecture import providers
 
@@ -22,6 +24,20 @@ for profile in ("same-every-run", THOROUGH):
     )
 settings.load_profile("same-every-run")
 providers._get_local_constants = lambda: providers._local_constants
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Give tests the group of their mark `xdist_group`.
+
+    pytest-xdist 3.8 writes the group into `_nodeid`, which pytest 9.2 does not read:
+    without this, each worker sets up the fixtures of the group.
+    """
+    for item in items:
+        grouped = getattr(item, "_nodeid", "")
+        if "@" in grouped:
+            item._id = NodeId.parse(grouped)
+
 
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     # A shell has what it starts in the background ignore Ctrl-C, and commands started
