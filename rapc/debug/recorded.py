@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +13,10 @@ from rapc import events
 from rapc.debug.history import History, Moment
 from rapc.debug.log import ToldEvent
 from rapc.debug.recording import UNREADABLE, Recording
-from rapc.errors import LoadError
+from rapc.errors import LoadError, TextError
+from rapc.host import methods
 from rapc.runtime.events.trace import JsonTrace
+from rapc.runtime.planner import BUILT_IN, PLAN, Planned
 
 _BROKEN_OFF = ("until", "cycles", "cancelled")
 """The end reasons of a run that could go on; a replay does not repeat such an end."""
@@ -66,6 +69,8 @@ class Replay:
         #: Whether the run could go on; its last cycle may then be incomplete.
         self._cut = recording.reason in ("", *_BROKEN_OFF)
         self._last = Moment(max(recording.last_cycle - self._cut, 0))
+        if any(one.plan for one in history.run.library.library.raps.values()):
+            history.answers.coming.extend(_plans_of_engines(recording))
         self._main = history.branch
         self._main.end, self._main.over = self._last, not self._cut
         for told in history.log.scan(0):
@@ -121,6 +126,31 @@ class Replay:
                 f"the run differs from the recording from cycle {told.cycle} on (line "
                 f"{told.serial + 1}): different library, world or user acts"
             )
+
+
+def _plans_of_engines(recording: Recording) -> Iterator[tuple[int, str, Planned]]:
+    """Yield the answers of planners that a replay cannot ask, each with its cycle.
+
+    Raises:
+        LoadError: for a plan that is not a method.
+    """
+    for told in recording.scan(0, recording.rows, [events.PlanMade]):
+        keys = told.keys
+        if keys["engine"] == BUILT_IN and not keys["refused"]:
+            continue
+        try:
+            method = methods(keys["text"])[0] if keys["text"] else None
+        except TextError as error:
+            said = f"line {told.serial + 1} is not an event: {error.message}"
+            raise LoadError(f"`{recording.path}` is not a trace: {said}") from None
+        achieved = [
+            tuple([link.fact for link in step.links if link.step is None])
+            for step in keys["steps"]
+        ]
+        taken = ("outcome", "expanded", "left_out", "unreachable", "engine", "refused")
+        rest = {name: keys[name] for name in taken}
+        planned = Planned(method=method, achieved=tuple(achieved), **rest)
+        yield told.cycle, PLAN, planned
 
 
 class _Lines:

@@ -13,12 +13,17 @@ import time
 from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path
+from typing import NoReturn
 
 import pytest
 
 import rapc
 from rapc import events
-from rapc.planning import engines
+from rapc.cli.repl import begun_again
+from rapc.debug.history import History
+from rapc.debug.recorded import Replay
+from rapc.debug.recording import Recording
+from rapc.planning import engines, solver
 from tests.cli.command import COMMAND
 from tests.cli.command import rapc as command
 
@@ -311,3 +316,49 @@ def test_engine_of_unified_planning_is_asked() -> None:
     missing = plan(rapc.engine("up:nowhere", LIMIT))
     assert missing.refused.startswith("engine-failed: no plan, status 1: ")
     assert missing
+
+
+@pytest.mark.parametrize("deed", ["solve", "fail"])
+def test_trace_is_replayed_without_its_engine(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, deed: str
+) -> None:
+    library = tmp_path / "evening.rap"
+    folder = os.path.relpath(COURIER, tmp_path)
+    library.write_text(
+        f'(require "{folder}") (define-rap (evening) (succeed {GOAL}) (plan))'
+    )
+    trace = tmp_path / "run.jsonl"
+    with trace.open("w") as stream:
+        run = rapc.load(library).start(
+            "courier",
+            tasks=["(evening)"],
+            engine=fake(deed),
+            listeners=[rapc.JsonTrace(stream)],
+        )
+        run.run(until=1000)
+
+    def broken(*args: object, **more: object) -> NoReturn:
+        raise AssertionError("planned during a replay")
+
+    monkeypatch.setattr(solver, "solve", broken)
+    recording = Recording(trace)
+    history = begun_again(recording, None)
+    replay = Replay(history, recording)
+    history.go()
+    assert history.is_run
+    assert replay.parted is None
+    assert history.cycle == recording.last_cycle
+
+
+def test_trace_with_a_damaged_plan_is_refused(tmp_path: Path) -> None:
+    found, run = told("solve")
+    trace = tmp_path / "run.jsonl"
+    with trace.open("w") as stream:
+        write = rapc.JsonTrace(stream)
+        for one in found:
+            write(one)
+    trace.write_text(trace.read_text().replace("(method plan-1 ", "(plan-1 "))
+    recording = Recording(trace)
+    history = History(run)
+    with pytest.raises(rapc.LoadError, match=r"is not a trace: line [0-9]+ is not"):
+        Replay(history, recording)
