@@ -82,9 +82,11 @@ def find_engine(name: str, timeout: float, *, costs: bool) -> Engine:
     if missing:
         said = f"the engine `{name}` has no {', '.join(missing)}"
         raise PlanError(said, f"write `builtin`, `up:NAME` or a command with {places}")
-    if shutil.which(words[0]) is None:
+    program = shutil.which(words[0])
+    if program is None:
         raise PlanError(f"cannot find the program `{words[0]}` of the engine")
-    return Engine(name, tuple(words), timeout, costs)
+    command = (os.path.abspath(program), *words[1:])
+    return Engine(name, command, timeout, costs)
 
 
 def _answer(engine: Engine, problem: Problem) -> tuple[Action, ...]:
