@@ -7,6 +7,7 @@ on declarations and on the order of evaluation (`rapc.analysis`).
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from operator import is_not
 from typing import TypeVar, cast
 
 import msgspec
@@ -62,18 +63,20 @@ def ways(formula: nodes.Formula | None) -> tuple[nodes.Formula, ...]:
     return () if formula is None else (formula,)
 
 
-def subformulas(formula: nodes.Formula) -> Iterator[nodes.Formula]:
-    """Yield a formula and all formulas in it, each before its parts.
+def subformulas(formula: nodes.Formula) -> list[nodes.Formula]:
+    """Return a formula and all formulas in it, each before its parts.
 
     The proposition in a `believe` is included.
     """
-    stack: list[nodes.Formula] = [formula]
-    while stack:
-        here = stack.pop()
-        yield here
-        for field in PARTS[type(here)]:
-            part = getattr(here, field)
-            stack.extend(reversed(part) if type(part) is tuple else (part,))
+    found = [formula]
+    for field in PARTS[type(formula)]:
+        part = getattr(formula, field)
+        for one in part if type(part) is tuple else (part,):
+            if PARTS[type(one)]:
+                found += subformulas(one)
+            else:
+                found.append(one)
+    return found
 
 
 def through_queries(
@@ -116,28 +119,36 @@ def subterms(term: nodes.Term) -> Iterator[nodes.Term]:
             stack.extend(reversed(here.args))
 
 
-def variables(*roots: nodes.Node) -> Iterator[nodes.Var]:
-    """Yield the variables of some formulas or terms, in the order of the text.
+def variables(*roots: nodes.Node) -> list[nodes.Var]:
+    """Return the variables of some formulas or terms, in the order of the text.
 
     The variables of computed terms and each bare `?` are included.
     """
-    stack: list[nodes.Node] = list(reversed(roots))
-    while stack:
-        here = stack.pop()
-        if type(here) is nodes.Var:
-            yield here
-            continue
-        for field in reversed(CHILDREN[type(here)]):
-            part = getattr(here, field)
-            if type(part) is tuple:
-                stack.extend(reversed(part))
-            elif part is not None:
-                stack.append(part)
+    found: list[nodes.Var] = []
+    for root in roots:
+        if type(root) is nodes.Var:
+            found.append(root)
+        else:
+            _add_variables(root, found)
+    return found
+
+
+def _add_variables(node: nodes.Node, found: list[nodes.Var]) -> None:
+    """Add the variables below a node."""
+    for field in CHILDREN[type(node)]:
+        part = getattr(node, field)
+        for one in part if type(part) is tuple else (part,):
+            if type(one) is nodes.Var:
+                found.append(one)
+            elif type(one) is not nodes.Const and one is not None:
+                _add_variables(one, found)
 
 
 def variable_names(*roots: nodes.Node) -> tuple[str, ...]:
     """Return the names of the variables of formulas or terms, without bare `?`."""
-    return tuple(dict.fromkeys(v.name for v in variables(*roots) if not v.anonymous))
+    names = dict.fromkeys([variable.name for variable in variables(*roots)])
+    names.pop("?", None)
+    return tuple(names)
 
 
 Substituted = TypeVar("Substituted", bound=nodes.Node)
@@ -151,16 +162,22 @@ def substitute(node: Substituted, terms: Mapping[str, nodes.Term]) -> Substitute
         terms: the terms by the name of the replaced variable; a term without a span
             takes the span of the variable.
     """
+    if isinstance(node, nodes.Const):
+        return node
     if isinstance(node, nodes.Var):
         new = terms.get(node.name, node)
-        if new.span is NOWHERE:
+        if new is not node and new.span is NOWHERE:
             new = msgspec.structs.replace(new, span=node.span)
         return cast(Substituted, new)
     changed: dict[str, object] = {}
     for field in CHILDREN[type(node)]:
         part = getattr(node, field)
         if type(part) is tuple:
-            changed[field] = tuple([substitute(one, terms) for one in part])
+            made = tuple([substitute(one, terms) for one in part])
+            if any(map(is_not, made, part)):
+                changed[field] = made
         elif part is not None:
-            changed[field] = substitute(part, terms)
+            new_part = substitute(part, terms)
+            if new_part is not part:
+                changed[field] = new_part
     return msgspec.structs.replace(node, **changed) if changed else node

@@ -110,7 +110,7 @@ def _contradictions(
     waiting = [_Asked(formula, given)]
     while waiting:
         here = waiting.pop()
-        own = list(literals(here.formula))
+        own = literals(here.formula)
         after = [*own, *here.behind]
         clash = first_clash(run, here.before, after, here.given)
         if clash is not None:
@@ -332,7 +332,7 @@ def _never(
 ) -> tuple[bool, Sequence[Diagnostic]]:
     """Return whether a formula never holds at a choice, with findings."""
     dead: list[Diagnostic] = []
-    own = list(literals(formula))
+    own = literals(formula)
     whole = _refuted(at, own, own, formula.span, what)
     if whole is not None:
         return True, [whole]
@@ -340,7 +340,7 @@ def _never(
         if isinstance(literal.formula, nodes.Or) and literal.holds:
             before, behind = own[:place], own[place + 1 :]
             parts = literal.formula.parts
-            branches = [(part.span, list(literals(part))) for part in parts]
+            branches = [(part.span, literals(part)) for part in parts]
             found = [
                 _refuted(at, [*before, *branch, *behind], branch, span, "this branch")
                 for span, branch in branches

@@ -313,14 +313,14 @@ def _serves_goal(
     """Return whether one way of a monitor to hold also makes a goal hold."""
     given, relations = given_names(rap), run.signatures.relations
     for way in ways(monitor):
-        held = list(literals(way))
+        held = literals(way)
         for end in ways(goal):
             facts = conjunction(expanded(run.library, literals(end)))
             known = list(expanded(run.library, held))
             for formula, there in ((end, held), (facts, known)):
                 wanted = apart(formula, given, "@goal")
                 free = set(variable_names(wanted)) - given
-                if follows(list(literals(wanted)), there, free, relations, given):
+                if follows(literals(wanted), there, free, relations, given):
                     return True
     return False
 
@@ -407,7 +407,7 @@ def _unready(
         return
     waking = [rap.monitor_state, rap.repeat_while]
     asked = {n for one in waking if one is not None for n in asked_by(library, one)}
-    every = [list(literals(method.context)) for method in rap.methods]
+    every = [literals(method.context) for method in rap.methods]
     given = {variable.name for variable in rap.inputs}
     if rap.repeat_while is not None:
         given.update(variable_names(rap.repeat_while))

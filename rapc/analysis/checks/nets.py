@@ -41,6 +41,7 @@ from rapc.analysis.facts.logic import (
     follows,
     is_never,
     literals,
+    may_clash,
 )
 from rapc.analysis.facts.resources import FirstValues
 from rapc.analysis.facts.statistics import LIMITS
@@ -328,9 +329,12 @@ def _undone_goal(
     if goal is None or isinstance(goal, nodes.Or | nodes.Truth):
         return
     sure = _done_last(run, method)
-    wanted = list(literals(apart(goal, given, "@goal")))
+    relations = run.signatures.relations
+    if not sure or not may_clash([*literals(goal), *sure], relations):
+        return
+    wanted = literals(apart(goal, given, "@goal"))
     bound = given | set(variable_names(*_formulas(rap, method)))
-    clash = first_clash(run, (), [*wanted, *sure], bound) if sure else None
+    clash = first_clash(run, (), [*wanted, *sure], bound)
     own = {id(one) for one in sure}
     if clash is not None and id(clash.second) in own and id(clash.first) not in own:
         yield clash_at(
@@ -430,7 +434,7 @@ def _contrary_effect(
 ) -> Iterator[Diagnostic]:
     assert note.formula is not None
     sure = done(run.library, step.goal)
-    clash = first_clash(run, sure, list(literals(note.formula)), bound)
+    clash = first_clash(run, sure, literals(note.formula), bound)
     if clash is not None:
         yield clash_at(
             CONTRARY,
@@ -530,7 +534,7 @@ class _Refusal:
         if goal is None or is_never(goal):
             return False
         wanted = _in_terms_of_caller(called, goal, terms)
-        return self._against(list(literals(wanted)), facts) is None
+        return self._against(literals(wanted), facts) is None
 
     def _in_context(
         self,
@@ -766,7 +770,7 @@ def _needed(
     seen.add(rap.name)
     asked = [one for f in (rap.preconditions, rap.constraints) for one in literals(f)]
     if rap.methods and all(method.context is not None for method in rap.methods):
-        every = [list(literals(method.context)) for method in rap.methods]
+        every = [literals(method.context) for method in rap.methods]
         asked += [one for one in every[0] if all(one in row for row in every[1:])]
     method = _sure_method(rap)
     if method is not None and depth < LIMITS.need_depth:
@@ -816,7 +820,7 @@ def history_required(run: Pass) -> Iterator[Diagnostic]:
     for rap in run.library.raps.values():
         if rap.preconditions is None:
             continue
-        branches = [list(literals(way)) for way in ways(rap.preconditions)]
+        branches = [literals(way) for way in ways(rap.preconditions)]
         asked = [
             next((one for one in branch if _is_history(one)), None)
             for branch in branches
@@ -833,7 +837,7 @@ def _is_history(literal: Literal) -> bool:
     """Return whether a literal never holds for a new task."""
     formula = literal.formula
     if isinstance(formula, nodes.Not | nodes.Or) and literal.holds:
-        inner = [list(literals(way)) for way in ways(formula)]
+        inner = [literals(way) for way in ways(formula)]
         return isinstance(formula, nodes.Or) and all(
             any(_is_history(one) for one in branch) for branch in inner
         )

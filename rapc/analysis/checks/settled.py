@@ -259,7 +259,7 @@ def _without_a_wait(
         wanted = apart(way, given, "@goal")
         free = set(variable_names(wanted)) - given
         relations = run.signatures.relations
-        if follows(list(literals(wanted)), denied, free, relations, given):
+        if follows(literals(wanted), denied, free, relations, given):
             yield ALWAYS.at(
                 monitor.span,
                 f"`{rap.name}` never waits: `succeed` holds where the monitor does not",
@@ -311,7 +311,7 @@ def _denied(
 ) -> Literal | None:
     """Return a denied literal whose formula holds for a new task, if any."""
     for literal in literals(formula):
-        inner = list(literals(literal.formula))
+        inner = literals(literal.formula)
         bound = set(given)
         found = []
         for one in () if literal.holds else inner:

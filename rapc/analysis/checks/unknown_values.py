@@ -46,7 +46,7 @@ def _conjunctions(formula: nodes.Formula) -> Iterator[Sequence[Literal]]:
     """Yield the conjunctions in a formula, each as its literals."""
     waiting = [formula]
     while waiting:
-        parts = list(literals(waiting.pop()))
+        parts = literals(waiting.pop())
         if len(parts) > 1:
             yield parts
         for part in parts:

@@ -37,9 +37,10 @@ def first_clash(
         own: the literals that are added in order.
         given: the variables that may have values before the first literal.
     """
-    if not may_clash([*held, *own]):
+    relations = run.signatures.relations
+    if not may_clash([*held, *own], relations):
         return None
-    made = Conjunction(run.signatures.relations, given)
+    made = Conjunction(relations, given)
     for literal in held:
         made.add(literal)
     for literal in own:
@@ -56,7 +57,7 @@ def rules_out(
 
     The values of a property in the formula and in the literals are one value.
     """
-    wanted = list(literals(apart(formula, given, "@out")))
+    wanted = literals(apart(formula, given, "@out"))
     bound = {*given, *variable_names(*[one.formula for one in held])}
     if first_clash(run, (), held, bound) is not None:
         return False
@@ -76,7 +77,7 @@ def follows_expanded(
     """
     known = list(expanded(run.library, held))
     facts = conjunction(expanded(run.library, literals(formula)))
-    found = list(literals(apart(facts, given, "@out")))
+    found = literals(apart(facts, given, "@out"))
     wanted = _with_values_of(run, known, found, given)
     bound = {*given, *variable_names(*[one.formula for one in known])}
     relations = run.signatures.relations

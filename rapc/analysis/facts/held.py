@@ -29,7 +29,8 @@ def of_memory(found: Iterable[Literal]) -> list[Literal]:
     return [
         one
         for one in found
-        if not any(isinstance(part, _OF_TASK) for part in subformulas(one.formula))
+        if type(one.formula) is nodes.Proposition
+        or not any(isinstance(part, _OF_TASK) for part in subformulas(one.formula))
     ]
 
 
@@ -57,7 +58,7 @@ def _context(
     rap: nodes.DefineRap, method: nodes.Method, given: Container[str]
 ) -> Iterator[Literal]:
     """Yield the literals of a context; `otherwise` denies the contexts before."""
-    own = list(literals(method.context))
+    own = literals(method.context)
     yield from own
     if not any(isinstance(one.formula, nodes.Otherwise) and one.holds for one in own):
         return
@@ -105,7 +106,7 @@ def with_queries(library: Library, found: Iterable[Literal]) -> list[Literal]:
         }
         inner = substitute(apart(query.formula, names, f"@{len(every)}"), terms)
         inside = (
-            list(literals(inner)) if one.holds else [_simple(Literal(inner, False))]
+            literals(inner) if one.holds else [_simple(Literal(inner, False))]
         )
         waiting += [(part, depth + 1) for part in reversed(inside)]
     return every

@@ -66,17 +66,13 @@ def fact_name(literal: Literal) -> str:
     return fact.name if isinstance(fact, nodes.Proposition) else ""
 
 
-def literals(formula: nodes.Formula | None) -> Iterator[Literal]:
-    """Yield the literals of a conjunction, from left to right."""
-    stack = [] if formula is None else [formula]
-    while stack:
-        here = stack.pop()
-        if type(here) is nodes.And:
-            stack.extend(reversed(here.parts))
-        elif type(here) is nodes.Not:
-            yield Literal(here.part, False)
-        else:
-            yield Literal(here, True)
+def literals(formula: nodes.Formula | None) -> list[Literal]:
+    """Return the literals of a conjunction, from left to right."""
+    if type(formula) is nodes.And:
+        return [one for part in formula.parts for one in literals(part)]
+    if type(formula) is nodes.Not:
+        return [Literal(formula.part, False)]
+    return [] if formula is None else [Literal(formula, True)]
 
 
 def expanded(library: Library, found: Iterable[Literal]) -> Iterator[Literal]:
@@ -100,7 +96,7 @@ def expanded(library: Library, found: Iterable[Literal]) -> Iterator[Literal]:
         names = [argument.variable.name for argument in query.args]
         inner = apart(query.formula, names, f"@{number}")
         asked = substitute(inner, dict(zip(names, fact.args, strict=False)))
-        left += [(part, depth - 1) for part in reversed(list(literals(asked)))]
+        left += [(part, depth - 1) for part in reversed(literals(asked))]
 
 
 def conjunction(found: Iterable[Literal]) -> nodes.Formula:
@@ -135,7 +131,7 @@ def entails(
     """
     wanted = apart(formula, given, "@wanted")
     free = {name for name in variable_names(wanted) if name not in given}
-    return bool(follows(list(literals(wanted)), held, free, relations))
+    return bool(follows(literals(wanted), held, free, relations))
 
 
 def number_of(term: nodes.Term | None) -> Number | None:
@@ -165,6 +161,8 @@ def follows(
         given: the variables of `held` that have values before; None for all.
     """
     if not wanted or len(wanted) > len(held) + LIMITS.true_literals:
+        return None
+    if not all(has_a_chance(goal, held) for goal in wanted):
         return None
     return _Search(relations, given, LIMITS.entailment_pairs).find(
         _Aim(wanted, held, free)
@@ -271,10 +269,10 @@ class _Search:
         self, goal: Literal, other: Literal, aim: _Aim, choice: _Choice
     ) -> bool:
         """Return whether a denial follows from another denial."""
-        denied = list(literals(substitute(goal.formula, choice)))
+        denied = literals(substitute(goal.formula, choice))
         inner = _Search(self._relations, self._given, self._left)
         late = self._late(other, aim.held)
-        turned = _Aim(list(literals(other.formula)), denied, late)
+        turned = _Aim(literals(other.formula), denied, late)
         found = inner.find(turned) is not None
         self._left = inner._left
         return found
@@ -446,11 +444,11 @@ class Clash(msgspec.Struct, frozen=True):
     second: Literal
 
 
-def may_clash(found: Sequence[Literal]) -> bool:
+def may_clash(found: Sequence[Literal], relations: Relations) -> bool:
     """Return whether some literals may contradict each other, by their names.
 
-    Candidates are two facts of one name, two tests of one term, or a denied formula and
-    literals that resemble all of its parts.
+    Candidates are two facts of one property, two tests of one term, or a denied formula
+    and literals that resemble all of its parts.
     """
     topics: set[object] = set()
     for literal in found:
@@ -464,7 +462,9 @@ def may_clash(found: Sequence[Literal]) -> bool:
         if type(formula) is nodes.Believe:
             formula = formula.pattern
         if type(formula) is nodes.Proposition:
-            topic = formula.name
+            declared = relations.get(formula.name)
+            if declared is not None and declared.is_property:
+                topic = formula.name
         elif type(formula) is nodes.Compare:
             topic = turned(formula).left
         if topic is not None and topic in topics:
@@ -529,7 +529,7 @@ class Conjunction:
         """Return a held literal that a new denial contradicts, if any."""
         own = unbound(literal, self.held, self._given)
         new = {name: nodes.Var(f"{name}@not") for name in own}
-        wanted = list(literals(substitute(literal.formula, new)))
+        wanted = literals(substitute(literal.formula, new))
         denial = _Denial(literal, wanted, {one.name for one in new.values()})
         self._denials.append(denial)
         if not all(has_a_chance(goal, self.held) for goal in wanted):
@@ -722,6 +722,8 @@ def asked_through(library: Library, formula: nodes.Formula) -> set[str] | None:
 
 def asked_by(library: Library, formula: nodes.Formula) -> set[str]:
     """Return the names of the facts that a formula queries, also through queries."""
+    if type(formula) is nodes.Proposition and formula.name not in library.queries:
+        return {formula.name}
     return {
         one.name
         for one in through_queries(formula, library.queries)
