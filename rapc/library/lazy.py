@@ -22,11 +22,12 @@ class Lazy(Mapping[str, V]):
         self._made: dict[str, V] = {}
 
     def __getitem__(self, name: str) -> V:
-        if name not in self._made:
+        made = self._made.get(name)
+        if made is None:
             if name not in self._names:
                 raise KeyError(name)
-            self._made[name] = self._make(name)
-        return self._made[name]
+            made = self._made[name] = self._make(name)
+        return made
 
     def __contains__(self, name: object) -> bool:
         return name in self._names

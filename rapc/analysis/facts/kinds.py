@@ -16,7 +16,7 @@ library but one distinguish the closed kind from `item`, that use counts as a fa
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from typing import Literal
 
 import msgspec
@@ -62,7 +62,20 @@ class InferredKinds(msgspec.Struct, frozen=True):
     clashes: Sequence[KindClash]
 
 
-_Use = nodes.Pattern | nodes.Goal
+_Node = nodes.Pattern | nodes.Goal
+
+_Told = Sequence[tuple[nodes.Var, Learned]]
+"""Variables with the kinds that a use requires."""
+
+
+class _Use(msgspec.Struct, frozen=True, gc=False):
+    """A list with variables."""
+
+    node: _Node
+    #: What the declarations require; None if inferred kinds of inputs may add to it.
+    told: _Told | None
+
+
 _Scope = list[_Use]
 
 
@@ -71,7 +84,7 @@ def _run(run: Pass) -> InferredKinds:
         return InferredKinds({}, ())
     learning = _Learning(run.signatures)
     raps = [form for form in run.library.forms if isinstance(form, nodes.DefineRap)]
-    scopes = [(rap, list(_scopes(rap))) for rap in raps]
+    scopes = [(rap, [learning.uses(one) for one in _scopes(rap)]) for rap in raps]
     for _ in range(LIMITS.kind_rounds):
         if not learning.learn(scopes):
             break
@@ -90,15 +103,15 @@ INFERRED = Fact(_run)
 # --- formulas that hold together ------------------------------------------------------
 
 
-def _scopes(rap: nodes.DefineRap) -> Iterator[_Scope]:
-    handed: _Scope = []
+def _scopes(rap: nodes.DefineRap) -> Iterator[list[_Node]]:
+    handed: list[_Node] = []
     for clause, formula in clauses.held(clauses.RAP, rap):
         if clause.hands_on:
             handed += _facts(formula)
         else:
-            yield list(_facts(formula))
+            yield _facts(formula)
     for method in rap.methods:
-        scope: _Scope = [*handed, *method.notations, *method.claims, *method.skills]
+        scope: list[_Node] = [*handed, *method.notations, *method.claims, *method.skills]
         for _, formula in clauses.held(clauses.METHOD, method):
             scope += _facts(formula)
         if isinstance(method.body, nodes.Primitive):
@@ -111,18 +124,20 @@ def _scopes(rap: nodes.DefineRap) -> Iterator[_Scope]:
         yield scope
 
 
-def _facts(formula: nodes.Formula) -> Iterator[nodes.Proposition]:
-    """Yield the facts of a formula outside the branches of an `or`."""
+def _facts(formula: nodes.Formula) -> list[_Node]:
+    """Return the facts of a formula outside the branches of an `or`."""
+    found: list[_Node] = []
     waiting = [formula]
     while waiting:
         for literal in literals(waiting.pop()):
             here = literal.formula
             if isinstance(here, nodes.Believe):
-                yield here.pattern
+                found.append(here.pattern)
             elif isinstance(here, nodes.Proposition):
-                yield here
+                found.append(here)
             elif isinstance(here, nodes.And | nodes.Not):
                 waiting.append(here)
+    return found
 
 
 # --- inference ------------------------------------------------------------------------
@@ -133,27 +148,49 @@ class _Learning:
 
     def __init__(self, signatures: Signatures) -> None:
         self.inputs: dict[str, Sequence[Learned | None]] = {}
+        #: The RAPs with new kinds in the last round; None before the first round.
+        self._new: set[str] | None = None
         self._signatures = signatures
         self._kinds: Kinds = signatures.kinds
 
+    def uses(self, scope: Iterable[_Node]) -> _Scope:
+        """Return the uses of a scope that require, or may require, kinds."""
+        found: _Scope = []
+        for node in scope:
+            if isinstance(node, nodes.Goal):
+                found.append(_Use(node, None))
+            elif told := self._told(node):
+                found.append(_Use(node, told))
+        return found
+
     def learn(self, scopes: Sequence[tuple[nodes.DefineRap, Sequence[_Scope]]]) -> bool:
         """Infer the kinds of inputs from uses; return whether a kind is new."""
-        new = False
+        before, self._new = self._new, set()
         for rap, there in scopes:
+            if before is not None and not self._calls(there, before | self._new):
+                continue
             told: dict[str, list[Learned]] = {}
             for scope in there:
                 for use in scope:
-                    for variable, learned in self._told(use):
-                        told.setdefault(variable.name, []).append(learned)
+                    for variable, learned in self._required(use):
+                        _add(told.setdefault(variable.name, []), learned)
             declared = {one.variable for one in rap.kinds}
             found = [
                 None if v.name in declared else self._most_general(told.get(v.name, ()))
                 for v in rap.inputs
             ]
-            if found != self.inputs.get(rap.name):
-                self.inputs[rap.name] = found
-                new = True
-        return new
+            if found != self.inputs.get(rap.name, [None] * len(found)):
+                self._new.add(rap.name)
+            self.inputs[rap.name] = found
+        return bool(self._new)
+
+    def _calls(self, scopes: Iterable[_Scope], names: Container[str]) -> bool:
+        """Return whether a goal in some scopes names one of some RAPs."""
+        return any(
+            use.told is None and use.node.name in names
+            for scope in scopes
+            for use in scope
+        )
 
     def clashes(
         self, rap: nodes.DefineRap, scopes: Sequence[_Scope]
@@ -182,16 +219,18 @@ class _Learning:
         declared: Mapping[str, Learned],
     ) -> KindClash | None:
         for use in scope:
-            for variable, learned in self._told(use):
+            for variable, learned in self._required(use):
                 own = declared.get(variable.name)
                 earlier = [own] if own else known.setdefault(variable.name, [])
+                if _has(earlier, learned.kind):
+                    continue  # compared before
                 for other in earlier:
                     no_items = self._no_items(other.kind, learned.kind)
                     apart = self._kinds.apart(other.kind, learned.kind)
-                    told = own is not None and self._is_declared(use)
+                    told = own is not None and self._is_declared(use.node)
                     if no_items or (apart and not told):
                         return KindClash(
-                            variable, learned.kind, other, use, rap, no_items
+                            variable, learned.kind, other, use.node, rap, no_items
                         )
                 earlier.append(learned)
         return None
@@ -204,18 +243,23 @@ class _Learning:
         closed = self._kinds.values(kind) is not None
         return kind if closed and "item" not in self._kinds.above(kind) else None
 
-    def _is_declared(self, use: _Use) -> bool:
+    def _is_declared(self, use: _Node) -> bool:
         """Return whether the checks of kinds compare a declared variable with a use."""
         return not isinstance(use, nodes.Goal) or use.name not in self.inputs
 
-    def _told(self, use: _Use) -> Iterator[tuple[nodes.Var, Learned]]:
-        """Yield the variables of a use with the required kinds."""
-        kinds = self.wanted(use)
-        for term, kind in zip(use.args, kinds, strict=False):
-            if kind is not None and isinstance(term, nodes.Var) and not term.anonymous:
-                yield term, Learned(kind, term.span)
+    def _required(self, use: _Use) -> _Told:
+        """Return the variables of a use with the kinds required so far."""
+        return self._told(use.node) if use.told is None else use.told
 
-    def wanted(self, use: _Use) -> Sequence[str | None]:
+    def _told(self, use: _Node) -> _Told:
+        kinds = self._wanted(use)
+        return [
+            (term, Learned(kind, term.span))
+            for term, kind in zip(use.args, kinds, strict=False)
+            if kind is not None and isinstance(term, nodes.Var) and not term.anonymous
+        ]
+
+    def _wanted(self, use: _Node) -> Sequence[str | None]:
         """Return the required kinds of the arguments of a use; None where unknown."""
         table = self._signatures.table(_TABLES.get(type(use), "test"))
         declared = table.get(use.name)
@@ -242,6 +286,16 @@ class _Learning:
             ):
                 return one
         return None
+
+
+def _has(told: Iterable[Learned], kind: str) -> bool:
+    return any([one.kind == kind for one in told])
+
+
+def _add(told: list[Learned], new: Learned) -> None:
+    """Add a kind, unless the kind is known from an earlier place."""
+    if not _has(told, new.kind):
+        told.append(new)
 
 
 _TABLES: Mapping[type, Literal["goal", "primitive", "skill"]] = {
