@@ -7,26 +7,35 @@ context and with the protected facts in the same terms.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
-from functools import partial
+from collections.abc import (
+    Callable,
+    Collection,
+    Container,
+    Iterator,
+    Mapping,
+    Sequence,
+)
+from functools import cache, partial
 
 from rapc.analysis.check import Pass, check
 from rapc.analysis.facts.clashes import (
     clash_at,
     first_clash,
     follows_expanded,
+    may_expand,
     said,
 )
 from rapc.analysis.facts.effects import (
     ACTING,
+    GUARANTEED,
     acts_itself,
     calls_of,
-    done,
     done_by_method,
     may_end,
     put_in,
 )
 from rapc.analysis.facts.held import (
+    ASKED,
     Beginnings,
     at_choice,
     of_memory,
@@ -357,7 +366,7 @@ def _done_last(run: Pass, method: nodes.Method) -> Sequence[Literal]:
     last = [at for at in range(len(steps)) if at not in before]
     if len(last) != 1 or last[0] in net.early:
         return ()
-    return done(run.library, steps[last[0]].goal)
+    return run.result(GUARANTEED).of(steps[last[0]].goal)
 
 
 def _steps(
@@ -380,7 +389,7 @@ def _steps(
     bound = given | set(variable_names(*_formulas(rap, method), *_goals(body)))
     chosen = at_choice(run, rap, method, given)
     beginnings = Beginnings(run, rap, method, net, chosen, given)
-    brought = _brought(run, body.steps)
+    brought = cache(partial(_brought, run, body.steps))
     is_sure = not any(step.goal.name in undone for step in body.steps)
     for at, step in enumerate(body.steps):
         called = run.library.raps.get(step.goal.name)
@@ -390,7 +399,7 @@ def _steps(
             if not isinstance(note, nodes.For) or note.formula is None:
                 continue
             for found in _contrary_effect(run, step, note, bound):
-                if not _may_change(brought, net, at, note):
+                if not _may_change(brought(), net, at, note):
                     yield found
         if is_sure:
             facts = partial(beginnings.about, at)
@@ -433,7 +442,7 @@ def _contrary_effect(
     run: Pass, step: nodes.Step, note: nodes.For, bound: set[str]
 ) -> Iterator[Diagnostic]:
     assert note.formula is not None
-    sure = done(run.library, step.goal)
+    sure = run.result(GUARANTEED).of(step.goal)
     clash = first_clash(run, sure, literals(note.formula), bound)
     if clash is not None:
         yield clash_at(
@@ -464,6 +473,7 @@ class _Refusal:
 
     def __init__(self, run: Pass, bound: set[str]) -> None:
         self._run = run
+        self._asked = run.result(ASKED)
         self._bound = bound
         self._seen: set[str] = set()
 
@@ -533,8 +543,7 @@ class _Refusal:
         goal = called.succeed
         if goal is None or is_never(goal):
             return False
-        wanted = _in_terms_of_caller(called, goal, terms)
-        return self._against(literals(wanted), facts) is None
+        return self._clash(called, goal, terms, facts) is None
 
     def _in_context(
         self,
@@ -559,15 +568,14 @@ class _Refusal:
         terms: Mapping[str, nodes.Term],
         facts: _Facts,
     ) -> Clash | None:
-        asked = literals(_in_terms_of_caller(called, wanted, terms))
-        return self._against(list(asked), facts)
-
-    def _against(self, wanted: Sequence[Literal], facts: _Facts) -> Clash | None:
-        library = self._run.library
-        own = with_queries(library, of_memory(wanted))
-        held = of_memory(facts(own)) if own else []
-        if not held:
+        """Return why a clause of a RAP does not hold, or None."""
+        asked, relations = self._asked.wanted(wanted), self._run.signatures.relations
+        held = of_memory(facts(asked.names)) if asked.literals else []
+        every = [*held, *asked.literals]
+        if not held or not may_clash(every, relations, for_any_terms=True):
             return None
+        there = _in_terms_of_caller(called, wanted, terms)
+        own = with_queries(self._run.library, of_memory(literals(there)))
         clash = first_clash(self._run, (), [*held, *own], self._bound)
         mine = {id(one) for one in own}
         if clash is None or id(clash.second) not in mine or id(clash.first) in mine:
@@ -576,13 +584,13 @@ class _Refusal:
 
 
 def _kept(
-    inner: Beginnings, at: int, facts: _Facts, wanted: Iterable[Literal]
+    inner: Beginnings, at: int, facts: _Facts, names: Collection[str]
 ) -> Sequence[Literal]:
-    return inner.surviving(facts(wanted), at)
+    return inner.surviving(facts(names), at)
 
 
-_Facts = Callable[[Iterable[Literal]], Sequence[Literal]]
-"""What holds of the facts that some literals query."""
+_Facts = Callable[[Collection[str]], Sequence[Literal]]
+"""What holds of the facts of some names."""
 
 _Refused = tuple[nodes.DefineRap, Span, Clash]
 """A RAP that fails, the place of its clause, and the literals that contradict."""
@@ -615,9 +623,9 @@ def _needless(
     goal = called.succeed
     if goal is None or not _is_lasting(goal) or called.monitor_state is not None:
         return
-    wanted = _in_terms_of_caller(called, goal, terms)
-    if entails(of_memory(held), wanted, bound, run.signatures.relations) or (
-        follows_expanded(run, of_memory(held), wanted, bound)
+    known, wanted = of_memory(held), _in_terms_of_caller(called, goal, terms)
+    if entails(known, wanted, bound, run.signatures.relations) or (
+        may_expand(run, known, wanted) and follows_expanded(run, known, wanted, bound)
     ):
         yield clash_at(
             NEEDLESS,
@@ -683,8 +691,9 @@ Brought = Mapping[str, Sequence[tuple[int, Literal]]]
 
 def _brought(run: Pass, steps: Sequence[nodes.Step]) -> Brought:
     found: dict[str, list[tuple[int, Literal]]] = {}
+    guaranteed = run.result(GUARANTEED)
     for at, step in enumerate(steps):
-        for one in [*done(run.library, step.goal), *_of_some(run, step.goal)]:
+        for one in [*guaranteed.of(step.goal), *_of_some(run, step.goal)]:
             name = fact_name(one)
             if name:
                 found.setdefault(name, []).append((at, one))

@@ -23,6 +23,7 @@ from rapc.analysis.check import Pass, check
 from rapc.analysis.facts.bindings import MayBeBound
 from rapc.analysis.facts.effects import (
     EFFECTS,
+    GUARANTEED,
     Effect,
     Effects,
     done,
@@ -99,8 +100,9 @@ def _changes(
 ) -> dict[str, list[tuple[int, Literal]]]:
     """Return the guaranteed effects of steps by name, with the position of the step."""
     changes: dict[str, list[tuple[int, Literal]]] = {}
+    sure = run.result(GUARANTEED)
     for at, step in enumerate(steps):
-        for effect in done(run.library, step.goal) if at not in net.early else ():
+        for effect in sure.of(step.goal) if at not in net.early else ():
             changes.setdefault(fact_name(effect), []).append((at, effect))
     return changes
 
@@ -114,8 +116,9 @@ def _races(run: Pass, steps: Sequence[nodes.Step], net: Net) -> Iterator[Diagnos
     if not needs:
         return
     before, after = net.reach()
+    sure = run.result(GUARANTEED)
     for by, step in enumerate(steps):
-        for effect in done(run.library, step.goal) if by not in net.early else ():
+        for effect in sure.of(step.goal) if by not in net.early else ():
             for at, wanted in needs.get(fact_name(effect), ())[: LIMITS.steps_of_fact]:
                 apart = before[at] | after[at] | 1 << at
                 if apart >> by & 1 or steps[at].priority > step.priority:
@@ -346,7 +349,7 @@ def _misplaced(
 ) -> Iterator[Diagnostic]:
     """Yield protected facts that an earlier step guarantees, and this step may undo."""
     every = [
-        {one.formula for one in done(run.library, step.goal) if one.holds}
+        {one.formula for one in run.result(GUARANTEED).of(step.goal) if one.holds}
         for step in steps
     ]
     brought: dict[nodes.Formula, list[int]] = {}
@@ -496,7 +499,7 @@ def _undoes(run: Pass, step: nodes.Step, denied: Literal) -> bool:
     return any(
         fact_name(effect) == fact_name(denied)
         and contradict(run.signatures, denied, effect)
-        for effect in done(run.library, step.goal)
+        for effect in run.result(GUARANTEED).of(step.goal)
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Container, Iterator, Sequence
+from collections.abc import Collection, Container, Iterable, Iterator, Sequence
 
 from rapc.analysis.check import Pass
 from rapc.analysis.facts.logic import (
@@ -13,6 +13,7 @@ from rapc.analysis.facts.logic import (
     conjunction,
     entails,
     expanded,
+    fact_name,
     literals,
     may_clash,
 )
@@ -82,6 +83,20 @@ def follows_expanded(
     bound = {*given, *variable_names(*[one.formula for one in known])}
     relations = run.signatures.relations
     return entails(known, conjunction(wanted), bound, relations)
+
+
+def may_expand(run: Pass, held: Iterable[Literal], formula: nodes.Formula) -> bool:
+    """Return whether `follows_expanded` may find more than `entails`."""
+    library = run.library
+
+    def is_expanded(one: Literal) -> bool:
+        name = fact_name(one)
+        return isinstance(one.formula, nodes.Believe) or name in library.queries
+
+    wanted = literals(formula)
+    return any(
+        is_expanded(one) or fact_name(one) in library.properties for one in wanted
+    ) or any(map(is_expanded, held))
 
 
 def _with_values_of(

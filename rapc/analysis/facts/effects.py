@@ -500,6 +500,26 @@ def done(library: Library, goal: nodes.Goal) -> list[Literal]:
     return put_in(found, input_terms(rap, goal))
 
 
+class Guaranteed:
+    """The guaranteed effects of goals, each computed once; see `done`."""
+
+    def __init__(self, library: Library) -> None:
+        self._library = library
+        #: By the `id` of a goal, which is kept with its effects.
+        self._made: dict[int, tuple[nodes.Goal, Sequence[Literal]]] = {}
+
+    def of(self, goal: nodes.Goal) -> Sequence[Literal]:
+        """Return the guaranteed effects of a goal in the library."""
+        made = self._made.get(id(goal))
+        if made is None:
+            made = self._made[id(goal)] = goal, done(self._library, goal)
+        return made[1]
+
+
+GUARANTEED = Fact(lambda run: Guaranteed(run.library))
+"""The guaranteed effects of goals."""
+
+
 def _of_methods(library: Library, rap: nodes.DefineRap) -> list[Literal]:
     """Return the common effects of all methods of a RAP, if each is a primitive."""
     every: list[list[Literal]] = []

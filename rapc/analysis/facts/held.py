@@ -11,12 +11,21 @@ these facts is therefore about the plan of the author, not about every run.
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Iterator, Sequence
+from collections.abc import Collection, Container, Iterable, Iterator, Sequence, Set
 from functools import cached_property
 
-from rapc.analysis.check import Pass
-from rapc.analysis.facts.effects import EFFECTS, done
-from rapc.analysis.facts.logic import Literal, apart, asked_by, is_never, literals
+import msgspec
+
+from rapc.analysis.check import Fact, Pass
+from rapc.analysis.facts.effects import EFFECTS, GUARANTEED
+from rapc.analysis.facts.logic import (
+    Literal,
+    apart,
+    asked_by,
+    fact_name,
+    is_never,
+    literals,
+)
 from rapc.analysis.facts.statistics import LIMITS
 from rapc.analysis.facts.task_nets import Net
 from rapc.ir import nodes
@@ -88,8 +97,11 @@ def _simple(one: Literal) -> Literal:
 
 def with_queries(library: Library, found: Iterable[Literal]) -> list[Literal]:
     """Return literals, and after each query that they use the formula of the query."""
+    found = list(found)
+    if not any(fact_name(one) in library.queries for one in found):
+        return found
     every: list[Literal] = []
-    waiting = [(one, 0) for one in reversed(list(found))]
+    waiting = [(one, 0) for one in reversed(found)]
     while waiting:
         one, depth = waiting.pop()
         every.append(one)
@@ -105,9 +117,7 @@ def with_queries(library: Library, found: Iterable[Literal]) -> list[Literal]:
             for arg, term in zip(query.args, fact.args, strict=True)
         }
         inner = substitute(apart(query.formula, names, f"@{len(every)}"), terms)
-        inside = (
-            literals(inner) if one.holds else [_simple(Literal(inner, False))]
-        )
+        inside = literals(inner) if one.holds else [_simple(Literal(inner, False))]
         waiting += [(part, depth + 1) for part in reversed(inside)]
     return every
 
@@ -134,7 +144,9 @@ class Beginnings:
         given: Container[str],
     ) -> None:
         self._library = run.library
+        self._asked = run.result(ASKED)
         self._effects = run.result(EFFECTS)
+        self._guaranteed = run.result(GUARANTEED)
         self._steps = steps(method)
         self._net = net
         self._before, self._after = net.reach()
@@ -147,13 +159,13 @@ class Beginnings:
         ]
         self._always = with_queries(run.library, of_memory(always))
 
-    def about(self, at: int, wanted: Iterable[Literal]) -> list[Literal]:
-        """Return what holds of the wanted facts when a step begins."""
-        names = asked(self._library, wanted)
-        found = self.surviving(self._chosen, at) + self._always + self.protected(at)
-        found = [one for one in found if not names.isdisjoint(self._names(one))]
+    def about(self, at: int, names: Collection[str]) -> list[Literal]:
+        """Return what holds of the facts of some names when a step begins."""
+        found = self.surviving(self._of(names, self._chosen), at)
+        found += self._of(names, self._always)
+        found += self._of(names, self.protected(at))
         others = self._others(at)
-        for name in sorted(names):
+        for name in sorted(names) if self._before[at] else ():
             there = self._brought.get(name, ())
             for by, one in there if len(there) <= LIMITS.steps_of_fact else ():
                 if self._before[at] >> by & 1 and by not in self._net.early:
@@ -161,6 +173,10 @@ class Beginnings:
                     if not self._may_change(one, later):
                         found.append(one)
         return found
+
+    def _of(self, names: Collection[str], facts: Iterable[Literal]) -> list[Literal]:
+        """Return the facts that query a fact of some names."""
+        return [one for one in facts if not self._names(one).isdisjoint(names)]
 
     def surviving(self, facts: Iterable[Literal], at: int) -> list[Literal]:
         """Return the facts that no other step may change before a step begins."""
@@ -189,7 +205,7 @@ class Beginnings:
         """By the name of a fact: the steps that guarantee such facts, and the facts."""
         found: dict[str, list[tuple[int, Literal]]] = {}
         for by, step in enumerate(self._steps):
-            for one in with_queries(self._library, done(self._library, step.goal)):
+            for one in with_queries(self._library, self._guaranteed.of(step.goal)):
                 for name in self._names(one):
                     found.setdefault(name, []).append((by, one))
         return found
@@ -207,8 +223,8 @@ class Beginnings:
                 found[name] = found.get(name, 0) | 1 << by
         return found, unknown
 
-    def _names(self, one: Literal) -> set[str]:
-        return asked_by(self._library, one.formula)
+    def _names(self, one: Literal) -> Set[str]:
+        return self._asked.names(one.formula)
 
     def _may_change(self, one: Literal, by: int) -> bool:
         """Return whether some of the steps, as bits, may change a literal."""
@@ -220,9 +236,47 @@ class Beginnings:
         )
 
 
-def asked(library: Library, found: Iterable[Literal]) -> set[str]:
-    """Return the names of the facts that some literals query."""
-    return set[str]().union(*(asked_by(library, one.formula) for one in found))
+class Wanted(msgspec.Struct, frozen=True):
+    """The literals of a clause that depend only on memory, with those of queries."""
+
+    literals: Sequence[Literal]
+    #: The names of the queried facts.
+    names: Set[str]
+
+
+class Asked:
+    """What formulas query; each formula is looked at once.
+
+    The formulas are kept, so that the `id` of each stays its own.
+    """
+
+    def __init__(self, library: Library) -> None:
+        self._library = library
+        self._names: dict[int, tuple[nodes.Formula, Set[str]]] = {}
+        self._wanted: dict[int, tuple[nodes.Formula, Wanted]] = {}
+
+    def names(self, formula: nodes.Formula) -> Set[str]:
+        """Return the names of the facts that a formula queries, also by queries."""
+        made = self._names.get(id(formula))
+        if made is None:
+            made = self._names[id(formula)] = (
+                formula,
+                asked_by(self._library, formula),
+            )
+        return made[1]
+
+    def wanted(self, clause: nodes.Formula) -> Wanted:
+        """Return the literals of a clause of the library."""
+        made = self._wanted.get(id(clause))
+        if made is None:
+            found = with_queries(self._library, of_memory(literals(clause)))
+            names = set[str]().union(*(self.names(one.formula) for one in found))
+            made = self._wanted[id(clause)] = clause, Wanted(found, names)
+        return made[1]
+
+
+ASKED = Fact(lambda run: Asked(run.library))
+"""What the formulas of the library query."""
 
 
 def _computes(formula: nodes.Formula) -> bool:

@@ -111,7 +111,8 @@ def _scopes(rap: nodes.DefineRap) -> Iterator[list[_Node]]:
         else:
             yield _facts(formula)
     for method in rap.methods:
-        scope: list[_Node] = [*handed, *method.notations, *method.claims, *method.skills]
+        scope: list[_Node] = [*handed, *method.notations]
+        scope += (*method.claims, *method.skills)
         for _, formula in clauses.held(clauses.METHOD, method):
             scope += _facts(formula)
         if isinstance(method.body, nodes.Primitive):
@@ -289,7 +290,10 @@ class _Learning:
 
 
 def _has(told: Iterable[Learned], kind: str) -> bool:
-    return any([one.kind == kind for one in told])
+    for one in told:  # noqa: SIM110  # faster than `any`
+        if one.kind == kind:
+            return True
+    return False
 
 
 def _add(told: list[Learned], new: Learned) -> None:

@@ -444,11 +444,18 @@ class Clash(msgspec.Struct, frozen=True):
     second: Literal
 
 
-def may_clash(found: Sequence[Literal], relations: Relations) -> bool:
+def may_clash(
+    found: Sequence[Literal], relations: Relations, *, for_any_terms: bool = False
+) -> bool:
     """Return whether some literals may contradict each other, by their names.
 
     Candidates are two facts of one property, two tests of one term, or a denied formula
     and literals that resemble all of its parts.
+
+    Args:
+        found: the literals.
+        relations: the propositions and properties.
+        for_any_terms: whether variables may stand for any terms.
     """
     topics: set[object] = set()
     for literal in found:
@@ -466,7 +473,7 @@ def may_clash(found: Sequence[Literal], relations: Relations) -> bool:
             if declared is not None and declared.is_property:
                 topic = formula.name
         elif type(formula) is nodes.Compare:
-            topic = turned(formula).left
+            topic = nodes.Compare if for_any_terms else turned(formula).left
         if topic is not None and topic in topics:
             return True
         topics.add(topic)
