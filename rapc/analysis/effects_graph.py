@@ -54,7 +54,9 @@ def effects_of(library: Library, name: str) -> Graph:
     summed = Effects(library)
     found = [*_facts(summed, name)]
     raps = library.raps
-    every = reachable([name], lambda name: calls_of(raps[name]) if name in raps else ())
+    every = reachable(
+        [name], lambda name: calls_of(raps[name], raps) if name in raps else ()
+    )
     for below in every:
         rap = raps.get(below)
         if rap is None or summed.is_open(below):

@@ -14,7 +14,7 @@ from rapc.base.graph import Edge, Graph, Vertex
 from rapc.ir import nodes
 from rapc.ir.printer import format_node
 from rapc.ir.walk import formulas, steps, subformulas, through_queries
-from rapc.library.library import Library
+from rapc.library.library import Library, usable_in_plans
 
 if TYPE_CHECKING:
     import networkx
@@ -68,8 +68,8 @@ class Relation(NamedTuple):
     #: `asserts`, `erases`, `may change`, `claims`, `uses`, `tells`.
     relation: str
     target: tuple[Kind, str]
-    #: The label: the method that calls or claims, the clause with the query, or the
-    #: priority of a task.
+    #: The label: the method that calls or claims (`plan` for a call by plans), the
+    #: clause with the query, or the priority of a task.
     label: str = ""
 
 
@@ -189,6 +189,8 @@ def _of_rap(library: Library, rap: nodes.DefineRap) -> Iterator[Relation]:
             yield Relation(own, "notes", ("fact", note.name), label)
         for thing in method.claims:
             yield Relation(own, "claims", ("thing", format_node(thing)), label)
+    for name in usable_in_plans(library.raps, rap):
+        yield Relation(own, "calls", ("rap", name), "plan")
 
 
 def _asks(

@@ -110,7 +110,8 @@ def _causes(library: Library, hopeless: Container[str]) -> Iterator[str]:
 
     Of hopeless RAPs that call each other in a cycle, only the first is yielded.
     """
-    calls = {rap.name: calls_of(rap) for rap in library.raps.values()}
+    raps = library.raps
+    calls = {rap.name: calls_of(rap, raps) for rap in raps.values()}
     lost: set[str] = set()
     for circle in components(calls, lambda name: calls.get(name, ())):
         below = any(other in lost for name in circle for other in calls.get(name, ()))

@@ -351,7 +351,8 @@ def contrary_waits(run: Pass) -> Iterator[Diagnostic]:
         others = waiting.get(Literal(one.formula, not one.holds), [])
         if len(raps) != 1 or len(others) < THRESHOLDS.same_wait:
             continue
-        shared = _actions(raps[0]) & set[str]().union(*map(_actions, others))
+        actions = [_actions(rap, run.library) for rap in (*raps, *others)]
+        shared = actions[0] & set[str]().union(*actions[1:])
         if shared:
             yield CONTRARY_WAIT.at(
                 one.span,
@@ -362,11 +363,11 @@ def contrary_waits(run: Pass) -> Iterator[Diagnostic]:
             )
 
 
-def _actions(rap: nodes.DefineRap) -> set[str]:
+def _actions(rap: nodes.DefineRap, library: Library) -> set[str]:
     """Return the names of the goals and requests of the methods of a RAP."""
     bodies = [method.body for method in rap.methods]
     requests = [one.request.name for one in bodies if isinstance(one, nodes.Primitive)]
-    return {*calls_of(rap), *requests}
+    return {*calls_of(rap, library.raps), *requests}
 
 
 def _endless(task: nodes.GivenTask, cause: Span, work: bool) -> Diagnostic:
@@ -722,7 +723,7 @@ class _Sensing:
         self._callers: dict[str, dict[str, None]] = {}
         self._pauses = {rap.name: _pause(rap) for rap in raps}
         for rap in raps:
-            for callee in calls_of(rap):
+            for callee in calls_of(rap, library.raps):
                 self._callers.setdefault(callee, {})[rap.name] = None
         agendas = (f for f in library.forms if isinstance(f, nodes.DefineAgenda))
         self._given = {task.goal.name for form in agendas for task in form.tasks}

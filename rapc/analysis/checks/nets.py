@@ -164,8 +164,9 @@ IDLE_NET = Rule(
 def idle_nets(run: Pass) -> Iterator[Diagnostic]:
     """Find empty task-nets that leave a clause of their RAP as it is."""
     acting = run.result(ACTING)
-    called = {name for rap in run.library.raps.values() for name in calls_of(rap)}
-    for rap in run.library.raps.values():
+    raps = run.library.raps
+    called = {name for rap in raps.values() for name in calls_of(rap, raps)}
+    for rap in raps.values():
         clause = _clause_to_change(rap)
         if clause is None and _is_called_in_vain(rap, acting, called):
             yield IDLE_NET.at(
@@ -311,13 +312,14 @@ NEEDLESS = Rule(
 @check(CONTRARY, NEEDLESS, needs_whole="form")
 def step_conditions(run: Pass) -> Iterator[Diagnostic]:
     """Compare each step with the context and the clauses around the step."""
+    raps = run.library.raps
     undone: dict[str, list[Diagnostic]] = {}
     for rap in run.library.raps.values():
         for method in rap.methods:
             for found in _undone_goal(run, rap, method, given_names(rap)):
                 undone.setdefault(rap.name, []).append(found)
     for name, there in undone.items():
-        if undone.keys().isdisjoint(set(calls_of(run.library.raps[name])) - {name}):
+        if undone.keys().isdisjoint(set(calls_of(raps[name], raps)) - {name}):
             yield from there
     reported: set[Span] = set()
     for rap in run.library.raps.values():

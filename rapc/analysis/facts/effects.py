@@ -43,14 +43,17 @@ from rapc.base.graph import Reachable, components, reachable
 from rapc.base.source import Span
 from rapc.ir import nodes
 from rapc.ir.walk import input_terms, steps, substitute, variables
-from rapc.library.library import Library
+from rapc.library.library import Library, usable_in_plans
 
 # --- calls of RAPs --------------------------------------------------------------------
 
 
-def calls_of(rap: nodes.DefineRap) -> tuple[str, ...]:
-    """Return the RAPs that the steps of a RAP call, each once."""
-    return tuple(dict.fromkeys(s.goal.name for m in rap.methods for s in steps(m)))
+def calls_of(
+    rap: nodes.DefineRap, raps: Mapping[str, nodes.DefineRap]
+) -> tuple[str, ...]:
+    """Return the RAPs that the steps of a RAP and of its plans may call, each once."""
+    called = [step.goal.name for method in rap.methods for step in steps(method)]
+    return tuple(dict.fromkeys([*called, *usable_in_plans(raps, rap)]))
 
 
 def reached(library: Library, names: Iterable[str]) -> dict[str, nodes.DefineRap]:
@@ -59,7 +62,9 @@ def reached(library: Library, names: Iterable[str]) -> dict[str, nodes.DefineRap
     Other RAPs are not looked at: a compiled library need not read the other RAPs.
     """
     raps = library.raps
-    found = reachable(names, lambda name: calls_of(raps[name]) if name in raps else ())
+    found = reachable(
+        names, lambda name: calls_of(raps[name], raps) if name in raps else ()
+    )
     return {name: raps[name] for name in found if name in raps}
 
 
@@ -96,7 +101,7 @@ def _acting(run: Pass) -> Container[str]:
     raps = run.library.raps
     callers: dict[str, list[str]] = {}
     for rap in raps.values():
-        for name in calls_of(rap):
+        for name in calls_of(rap, raps):
             callers.setdefault(name, []).append(rap.name)
     own = {rap.name for rap in raps.values() if _acts(rap) or run.unsure(rap.span)}
     own.update(rule.index.name for rule in run.library.memory_rules)
@@ -260,7 +265,8 @@ class Effects:
             elif rap.name in broken:
                 own.append(_ANY_EFFECT)
             self._own[rap.name] = own
-        calls = {rap.name: calls_of(rap) for rap in library.raps.values()}
+        raps = library.raps
+        calls = {rap.name: calls_of(rap, raps) for rap in raps.values()}
         for at, rule in enumerate(library.memory_rules):
             name, vertex = rule.index.name, f"rule {at}"
             rules = [one for case in rule.cases for one in case.rules]
@@ -430,7 +436,7 @@ def endless(raps: Mapping[str, nodes.DefineRap]) -> Mapping[str, Span]:
             found[rap.name] = rap.succeed.span
     if not found:
         return found
-    calls = {rap.name: calls_of(rap) for rap in raps.values()}
+    calls = {rap.name: calls_of(rap, raps) for rap in raps.values()}
     order = [
         raps[name]
         for members in components(calls, lambda name: calls.get(name, ()))
