@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from rapc.base.graph import Edge, Graph, Vertex
 from rapc.compiler.program import Program
-from rapc.planning.model import Conjunction, Model
+from rapc.library.operators import Conjunction, Model
 
 
 def operators(program: Program) -> Graph:

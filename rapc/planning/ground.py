@@ -16,7 +16,7 @@ from rapc.base.values import Atom, Fact, Number, format_atom, format_list
 from rapc.ir import nodes
 from rapc.library.kinds import UNKNOWN
 from rapc.library.library import Library
-from rapc.planning.model import (
+from rapc.library.operators import (
     FRESH,
     Conjunction,
     Effect,

@@ -14,7 +14,7 @@ from rapc.compiler.program import Program
 from rapc.events import PlanStep
 from rapc.ir import nodes
 from rapc.ir.printer import format_node
-from rapc.planning.model import Model
+from rapc.library.operators import Model
 from rapc.planning.pddl import written
 from rapc.planning.sketch import achieved, method
 from rapc.planning.solver import Engine, Solution, situation, solve

@@ -8,8 +8,8 @@ from typing import NamedTuple, Protocol
 from rapc.base.values import Fact, Number
 from rapc.ir import nodes
 from rapc.library.library import usable_in_plans
+from rapc.library.operators import Conjunction, LeftOut, Model, constants_of
 from rapc.planning.ground import Action, Grounding, Problem, Situation, TooLargeError
-from rapc.planning.model import Conjunction, LeftOut, Model, constants_of
 from rapc.planning.search import Found, Search
 from rapc.planning.sketch import Sketch, achieved, method, sketch
 from rapc.runtime.memory.access import MemoryView

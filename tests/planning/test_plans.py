@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import rapc
 from rapc.base import values
-from rapc.planning.model import Model
+from rapc.library.operators import Model
 from rapc.planning.sketch import Sketch
 from rapc.planning.solver import Solution, solve
 
