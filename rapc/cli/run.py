@@ -216,13 +216,7 @@ def run(
     with ExitStack() as stack, _ended_by_interrupts(course):
         stack.callback(lambda: keep(course.run, str(path)))
         with interrupts_held():
-            if trace is not None:
-                refuse_trace(trace, [str(path), *files], interpreter.world)
-                if not isinstance(course, Begun):
-                    stream = stack.enter_context(_opened(trace))
-                    form = JsonTrace if trace_format == "jsonl" else TextTrace
-                    interpreter.listen(form(stream))
-            live = None if port is None else _served(course, str(path), port)
+            live = _followed(stack, course, str(path), traced, port)
             interpreter.listen(report, *RunReport.kinds)
             interpreter.listen(mended, *MendedFailures.kinds)
             interpreter.listen(
@@ -241,15 +235,45 @@ def run(
             _wait_for_readers(live)
 
 
-def _served(course: Course, name: str, port: int) -> Live:
-    """Serve the page of a run; a port that cannot be used ends the command."""
+def _followed(
+    stack: ExitStack,
+    course: Course,
+    name: str,
+    traced: tuple[str | None, str, bool],
+    port: int | None,
+) -> Live | None:
+    """Write the trace of a run, and serve its page if there is a port.
+
+    A file or a port that cannot be used ends the command.
+    """
+    trace, trace_format, _ = traced
+    run, stream, live = course.run, None, None
+    if trace is not None:
+        refuse_trace(trace, [name, *run.library.library.files], run.world)
+        if not isinstance(course, Begun):
+            stream = stack.enter_context(_opened(trace))
+    # One encoding serves the file and the readers.
+    shared = stream if trace_format == "jsonl" else None
+    if port is not None:
+        live = _served(course, name, port, shared)
+        stack.callback(live.feed.end)
+    if stream is not None and (live is None or shared is None):
+        run.listen((TextTrace if shared is None else JsonTrace)(stream))
+    return live
+
+
+def _served(course: Course, name: str, port: int, trace: TextIO | None) -> Live:
+    """Serve the page of a run, and write its events to the file of a trace, if any.
+
+    A port that cannot be used ends the command.
+    """
     from rapc.view.live import Live
     from rapc.view.page import live_page
 
     control = course.control if isinstance(course, Controlled) else None
     commands = () if control is None else control.commands()
     try:
-        live = Live(live_page(course.run, name, commands), port, control)
+        live = Live(live_page(course.run, name, commands), port, control, trace)
     except OSError as error:
         fail(f"cannot serve the page: {reason(error)}")
     course.run.listen(JsonTrace(live.feed))
@@ -259,7 +283,6 @@ def _served(course: Course, name: str, port: int) -> Live:
 
 def _wait_for_readers(live: Live) -> None:
     """Serve the page of a run that has ended until Ctrl-C."""
-    live.feed.ended.set()
     try:
         with terminations_as_interrupts():
             click.echo("the run has ended; Ctrl-C stops the server", err=True)

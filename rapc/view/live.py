@@ -1,6 +1,6 @@
 """The page of a run that goes on, served on loopback.
 
-The thread of the run only appends lines to a list. Each reader has a thread that sends
+The thread of the run only keeps lines. Each reader has a thread that sends
 the lines from the start of the run, so neither many nor slow readers slow the run.
 Requests of readers go to the control of the run (`rapc.view.control`).
 """
@@ -15,27 +15,69 @@ from typing import Any
 
 import msgspec
 
+from rapc.runtime.events.trace import Writable
 from rapc.view.control import Control
 
 HOST = "127.0.0.1"
 _PAUSE = 0.1
 """The seconds after which a reader looks for new lines."""
 
-_MOST = 5_000
-"""The number of lines in a message to a reader."""
+_BLOCK = 64
+"""The number of lines in a block."""
+
+_MOST = 8
+"""The highest number of blocks in a message to a reader."""
 
 _LONGEST = 20_000
 """The highest number of bytes of a request."""
 
 
 class Feed:
-    """A stream that keeps the lines of a trace for readers."""
+    """A stream that keeps the lines of a trace for readers.
 
-    def __init__(self) -> None:
-        self.lines: list[str] = []
+    The lines are joined to blocks: a block costs the thread of the run, and those of
+    readers, hardly more than a line.
+
+    Args:
+        trace: another stream that gets the blocks.
+    """
+
+    def __init__(self, trace: Writable | None = None) -> None:
+        self._trace = trace
+        #: The blocks of `_BLOCK` lines, and the lines of the next block.
+        self._blocks: list[str] = []
+        self._lines: list[str] = []
         self.ended = Event()
-        #: As an attribute: the run calls it for each event.
-        self.write = self.lines.append
+
+    def write(self, line: str) -> None:
+        """Keep the next line."""
+        lines = self._lines
+        lines.append(line)
+        if len(lines) == _BLOCK:
+            self._lines = []
+            block = "".join(lines)
+            self._blocks.append(block)
+            if self._trace is not None:
+                self._trace.write(block)
+
+    def end(self) -> None:
+        """Write the last lines to the trace; no further lines follow."""
+        if self._trace is not None:
+            self._trace.write("".join(self._lines))
+        self.ended.set()
+
+    def after(self, at: int) -> tuple[int, str]:
+        """Return some lines after the first `at` lines, and the number of all these."""
+        block, skipped = divmod(at, _BLOCK)
+        blocks = self._blocks[block : block + _MOST]
+        if blocks:
+            if skipped:
+                blocks[0] = "".join(blocks[0].splitlines(keepends=True)[skipped:])
+            return (block + len(blocks)) * _BLOCK, "".join(blocks)
+        lines = self._lines[skipped:]
+        if len(self._blocks) > block:  # the lines may be those of a later block
+            return self.after(at)
+        return at + len(lines), "".join(lines)
 
 
 _json = msgspec.json.encode
@@ -55,16 +97,21 @@ class Live(ThreadingHTTPServer):
         page: the page; see `rapc.view.page.live_page`.
         port: the port; 0 for any free port.
         control: the control of the run; without it, readers only watch.
+        trace: a stream that gets the trace of the run, too.
 
     Raises:
         OSError: if the port cannot be used.
     """
 
     def __init__(
-        self, page: str, port: int = 0, control: Control | None = None
+        self,
+        page: str,
+        port: int = 0,
+        control: Control | None = None,
+        trace: Writable | None = None,
     ) -> None:
         super().__init__((HOST, port), _Handler)
-        self.page, self.feed, self.control = page.encode(), Feed(), control
+        self.page, self.feed, self.control = page.encode(), Feed(trace), control
         self.token = secrets.token_urlsafe(24)
         self.hosts = {f"{name}:{self.server_port}" for name in (HOST, "localhost")}
         Thread(target=self.serve_forever, daemon=True).start()
@@ -146,14 +193,13 @@ class _Handler(BaseHTTPRequestHandler):
         self._begin("text/event-stream; charset=utf-8")
         while True:
             ended, status = feed.ended.is_set(), control and control.status
-            lines = feed.lines[at : at + _MOST]
-            at += len(lines)
+            at, lines = feed.after(at)
             if status is not told:
                 told = status
                 self.wfile.write(b"event: status\ndata: %b\n\n" % _json(status))
             if lines:
-                text = "".join(f"data: {line}" for line in lines)
-                self.wfile.write(f"id: {at}\n{text}\n".encode())
+                data = lines[:-1].encode().replace(b"\n", b"\ndata: ")
+                self.wfile.write(b"id: %d\ndata: %b\n\n" % (at, data))
             elif ended:
                 self.wfile.write(b"event: end\ndata:\n\n")
                 return

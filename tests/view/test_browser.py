@@ -414,7 +414,7 @@ def test_page_follows_a_run_that_goes_on(
     assert page.get_attribute("html", "data-moment") == "99"
     for line in lines[100:]:
         live.feed.write(line)
-    live.feed.ended.set()
+    live.feed.end()
     shown = f'html[data-events="{len(lines)}"]'
     page.wait_for_selector(shown, state="attached")
     assert page.inner_text("#verdict").startswith("done at time ")
@@ -449,7 +449,7 @@ class Steered:
 
     def _go(self) -> None:
         self.control.go()
-        self.live.feed.ended.set()
+        self.live.feed.end()
 
     def wait(self, selector: str) -> None:
         self.page.wait_for_selector(selector, state="attached")

@@ -80,7 +80,7 @@ def test_other_hosts_are_not_found(live: Live) -> None:
 def test_late_readers_get_the_whole_trace(live: Live) -> None:
     for line in LINES:
         live.feed.write(line)
-    live.feed.ended.set()
+    live.feed.end()
     for _ in range(2):
         status, body = get(live, "/TOKEN/events")
         assert status == 200
@@ -106,7 +106,7 @@ def test_reader_gets_lines_while_the_run_goes_on(live: Live) -> None:
 def test_reader_that_comes_back_gets_the_rest(live: Live) -> None:
     for line in LINES:
         live.feed.write(line)
-    live.feed.ended.set()
+    live.feed.end()
     _, body = get(live, "/TOKEN/events", **{"Last-Event-ID": "11990"})
     assert data(body) == "".join(LINES[11_990:])
 

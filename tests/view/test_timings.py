@@ -1,4 +1,4 @@
-"""The page of long runs: its size, and the time until it is ready and redrawn."""
+"""The page of long runs: its size, the times until it is ready and redrawn, readers."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from bench.browser import browser, chromium
+from bench.live import LIMIT, pairs, ratio
 from bench.viewer import measured, orders, write_page
 
 pytestmark = [
@@ -38,3 +39,11 @@ def test_page_is_ready_and_redrawn_in_time(
     assert figures.megabytes <= megabytes
     assert min(one.ready for one in visits) <= ready
     assert min(one.longest for one in visits) <= redraw
+
+
+def test_readers_do_not_slow_a_run() -> None:
+    figures = pairs(5)
+    assert ratio(figures) <= LIMIT
+    for _, _, reader in figures:
+        assert reader.events >= 488_000
+        assert reader.rate >= 10_000
