@@ -6,8 +6,8 @@ The run is nine orders of the truck with `shuffle-interval=15`, seed 6000; ten t
 run has further orders and a truck that needs no fuel. Each moment is visited several
 times, and its shortest redraw counts: a redraw that other processes disturb says
 nothing about the page. The first redraw is part of the time until the page is ready.
-With --pictures, pictures of the page are written to a folder:
-three widths, light and dark.
+With --pictures, pictures of the page are written to a folder instead, three widths,
+light and dark: those of the manual with `--pictures docs/figures`.
 """
 
 from __future__ import annotations
@@ -16,10 +16,12 @@ import argparse
 import statistics
 import tempfile
 from collections.abc import Iterator, Sequence
+from io import BytesIO
 from pathlib import Path
 
 import msgspec
 from click.testing import CliRunner
+from PIL import Image
 from playwright.sync_api import Browser, Page
 
 from bench.browser import browser
@@ -51,8 +53,11 @@ _VISIT = """async (moment) => {
 }"""
 """Go to a moment, then select its last task; return the duration of each redraw."""
 
-SIZES = ((1500, 950), (1024, 900), (390, 844))
+_SIZES = ((1500, 950), (1024, 900), (390, 844))
 """The sizes of windows in pictures."""
+
+_LONGEST = 2060
+"""The height of a picture of a page that is higher than its window."""
 
 
 class Figures(msgspec.Struct, frozen=True):
@@ -124,25 +129,34 @@ def measured(chromium: Browser, file: Path) -> Figures:
     )
 
 
+def write_pictures(chromium: Browser, file: Path, folder: Path) -> None:
+    """Write a picture of a page for each size of windows and each scheme of colours."""
+    for width, height in _SIZES:
+        for scheme in ("light", "dark"):
+            page = opened(chromium, file, width, height, scheme)
+            page.wait_for_timeout(300)
+            whole = page.screenshot(full_page=True)
+            page.close()
+            picture = Image.open(BytesIO(whole)).convert("RGB")
+            shown = picture.crop((0, 0, width, min(picture.height, _LONGEST)))
+            small = shown.quantize(256, Image.Quantize.FASTOCTREE)
+            small.save(folder / f"view-{width}-{scheme}.png", optimize=True)
+
+
 def main() -> None:
-    """Measure the pages, and take pictures."""
+    """Measure the pages, or take pictures."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--times", nargs="+", type=int, default=[1, 10])
     parser.add_argument("--pictures", type=Path)
     args = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder, browser() as chromium:
-        for times in args.times:
+        for times in [1] if args.pictures else args.times:
             file = Path(folder) / f"{times}.html"
             write_page([*orders(times)], file)
-            print(f"{times}:", measured(chromium, file))
-        if args.pictures:
-            args.pictures.mkdir(parents=True, exist_ok=True)
-            for width, height in SIZES:
-                for scheme in ("light", "dark"):
-                    page = opened(chromium, file, width, height, scheme)
-                    shot = args.pictures / f"{width}-{scheme}.png"
-                    page.screenshot(path=shot, full_page=width < SIZES[0][0])
-                    page.close()
+            if args.pictures:
+                write_pictures(chromium, file, args.pictures)
+            else:
+                print(f"{times}:", measured(chromium, file))
 
 
 if __name__ == "__main__":
