@@ -125,7 +125,7 @@ test("waits and suspensions are intervals of the family", () => {
     [3, 5, "method-suspended", { task: 2, method: "#1", for: "wheels", by: 1 }],
   ]);
   assert.deepEqual(run.families[0].waits.map(({ kind, start, stop }) => [kind, start, stop]),
-    [["waiting", 3, 4], ["suspended", 5, 5]]);
+    [["waiting", 3, 4], ["suspended", 5, -1]]);
 });
 
 test("searching finds tasks, facts, requests, times and events", () => {
@@ -138,4 +138,30 @@ test("searching finds tasks, facts, requests, times and events", () => {
   assert.deepEqual(run.find("1").map((one) => one.kind), ["time", "task", "event"]);
   assert.deepEqual(run.find("[1]").map((one) => one.kind), ["task", "time", "event"]);
   assert.deepEqual(run.find("linen", 1).length, 1);
+});
+
+test("events that are added later give the same run", () => {
+  const rows = [created(1, "(a)"), created(2, "(b)", 1, 1)];
+  for (let at = 1; at < CHECKPOINT; at++)
+    rows.push(
+      [at, at, "task-blocked", { task: 2, on: "(door open)" }],
+      [at, at + 0.5, "task-woken", { task: 2, on: "(door open)" }],
+      [at, at + 0.5, "primitive-requested", { task: 1, request: `(take ${at})` }],
+      [at, at + 0.5, "fact-asserted", { fact: `(at ${at % 7})`, by: "user" }]);
+  rows.push([CHECKPOINT, CHECKPOINT, "run-ended",
+    { reason: "done", results: [{ task: 1, background: true }] }]);
+  const whole = runOf(rows);
+  for (const size of [1, 7, CHECKPOINT - 1]) {
+    const run = new Run(whole.events.slice(0, 1));
+    for (let at = 1; at < whole.events.length; at += size) {
+      run.append(whole.events.slice(at, at + size));
+      if (at % 5 === 0) run.memoryAt(run.last), run.treeAt(run.last);
+    }
+    for (const at of [0, 17, CHECKPOINT, whole.last]) {
+      assert.deepEqual(run.memoryAt(at), whole.memoryAt(at));
+      assert.deepEqual(run.treeAt(at), whole.treeAt(at));
+    }
+    for (const key of ["families", "requests", "facts", "failures", "end", "_copies"])
+      assert.deepEqual(run[key], whole[key]);
+  }
 });

@@ -404,23 +404,41 @@ def test_page_follows_a_run_that_goes_on(
     lines = pages["trace"].read_text().splitlines(keepends=True)
     run = load(COURIER[0]).start("courier")
     live = Live(live_page(run, "courier"))
-    page = opened.new_page()
     faults: list[str] = []
-    page.on("pageerror", lambda one: faults.append(str(one)))
-    for line in lines[:100]:
+
+    def join() -> Page:
+        page = opened.new_page()
+        page.on("pageerror", lambda one: faults.append(str(one)))
+        page.goto(live.address)
+        return page
+
+    def reach(page: Page, count: int) -> None:
+        page.wait_for_selector(f'html[data-events="{count}"]', state="attached")
+
+    early, late = None, None
+    for at, line in enumerate(lines):
         live.feed.write(line)
-    page.goto(live.address)
-    page.wait_for_selector('html[data-events="100"]', state="attached")
-    assert page.get_attribute("html", "data-moment") == "99"
-    for line in lines[100:]:
-        live.feed.write(line)
+        if at == 99:
+            early = join()
+            reach(early, 100)
+            assert early.get_attribute("html", "data-moment") == "99"
+        elif at in (500, 2_000):
+            assert early is not None
+            reach(early, at + 1)
     live.feed.end()
-    shown = f'html[data-events="{len(lines)}"]'
-    page.wait_for_selector(shown, state="attached")
-    assert page.inner_text("#verdict").startswith("done at time ")
-    assert page.get_attribute("html", "data-moment") == str(len(lines) - 1)
-    page.close()
+    late = join()
+    shown = []
+    for page in (early, late):
+        assert page is not None
+        reach(page, len(lines))
+        page.press("body", "End")
+        assert page.get_attribute("html", "data-moment") == str(len(lines) - 1)
+        parts = ("#verdict", ".lanes .names", "#tasks", "#memory", "#events", "#where")
+        shown.append([page.inner_text(part) for part in parts])
+        page.close()
     live.close()
+    assert shown[0][0].startswith("done at time ")
+    assert shown[0] == shown[1]
     assert faults == []
 
 

@@ -3,33 +3,39 @@
 /** The least number of milliseconds between two pictures of a run that goes on. */
 const REFRESH = 250;
 
-/** Show a run that goes on. A reader at its last event stays at its last event. */
+/** Show further events. A reader at the last event stays at the last event. */
+function grow(events) {
+  const { run, whole, view } = app;
+  const atEnd = app.at === run.last;
+  const isWhole = view.to - view.from >= whole.to - whole.from;
+  run.append(events);
+  app.pictures[0].append(changesOf({ events }, {}));
+  whole.to = Math.max(whole.to, run.timeOf(run.last));
+  if (isWhole) Object.assign(view, whole);
+  app.timelines[0].grow();
+  byId("verdict").replaceChildren();
+  app.begin();
+  app.go(atEnd ? run.last : app.at);
+  document.documentElement.dataset.events = run.events.length;
+}
+
+/** Show a run that goes on. */
 function follow(more) {
-  const events = [];
+  let events = [];
   let timer = 0;
   let cost = 0;
   const refresh = () => {
+    const arrived = events;
+    events = [];
     timer = 0;
     const begun = performance.now();
-    const before = app;
-    const run = new Run(events.slice(), more);
-    if (!before) start([run], [more], null);
-    else {
-      app = new App([run], [more], null);
-      app.fact = before.fact;
-      if (before.view.to - before.view.from < before.whole.to - before.whole.from)
-        Object.assign(app.view, before.view);
-      byId("verdict").replaceChildren();
-      app.begin();
-      const at = before.at === before.run.last ? run.last : before.at;
-      app.go(at, before.task ? { task: before.task.number } : {});
-      document.documentElement.dataset.events = run.events.length;
-    }
+    if (app) grow(arrived);
+    else start([new Run(arrived, more)], [more], null);
     cost = performance.now() - begun;
   };
   const source = new EventSource("events");
   source.addEventListener("message", (message) => {
-    for (const line of message.data.split("\n")) events.push(JSON.parse(line));
+    for (const event of JSON.parse(`[${message.data.replaceAll("\n", ",")}]`)) events.push(event);
     timer = timer || setTimeout(refresh, Math.max(REFRESH, 4 * cost));
   });
   source.addEventListener("end", () => source.close());

@@ -39,12 +39,15 @@ class Pictures {
   constructor(changes) {
     this._at = [];
     this._all = [];
-    let picture = {};
+    this.append(changes);
+  }
+
+  /** Add the next changes. */
+  append(changes) {
     for (const [at, change] of changes) {
       if (change === null || typeof change !== "object") continue;
-      picture = mergePatch(picture, change);
+      this._all.push(mergePatch(this._all.at(-1) || {}, change));
       this._at.push(at);
-      this._all.push(picture);
     }
   }
 

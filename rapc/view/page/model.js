@@ -114,7 +114,7 @@ class Run {
    *   `beliefs`, `pictures`; each may be missing
    */
   constructor(events, more = {}) {
-    this.events = events;
+    this.events = [];
     this.spec = events[0].spec && typeof events[0].spec === "object" ? events[0].spec : {};
     this.sensors = new Set(asList(more.sensors));
     this.beliefs = asList(more.beliefs);
@@ -134,7 +134,9 @@ class Run {
     this._tree = null;
     this._states = { at: -1, known: new Map() };
     this._memory = { at: -1, facts: new Map() };
-    this._index();
+    /** At the last event: the facts, the live tasks, the open pieces, and the waits. */
+    this._present = { facts: new Map(), live: new Set(), open: [], waits: new Map() };
+    this.append(events);
   }
 
   get last() {
@@ -153,13 +155,11 @@ class Run {
 
   // --- building ---------------------------------------------------------------------
 
-  _index() {
-    const memory = new Map();
-    const live = new Set();
-    const open = [];
-    const waits = new Map();
-    for (let at = 0; at < this.events.length; at++) {
-      const event = this.events[at];
+  /** Add the next events. A piece or wait under way has the stop -1. */
+  append(events) {
+    const { facts, live, open, waits } = this._present;
+    for (const event of events) {
+      const at = this.events.push(event) - 1;
       const task = this.tasks.get(event.task);
       if (task) {
         task.log.push(at);
@@ -169,7 +169,7 @@ class Run {
       switch (event.event) {
         case "fact-asserted":
         case "fact-erased":
-          this._change(memory, asText(event.fact), at);
+          this._change(facts, asText(event.fact), at);
           break;
         case "task-created":
           this._create(event, at);
@@ -188,7 +188,7 @@ class Run {
           break;
         case "task-blocked":
         case "method-suspended":
-          if (task) waits.set(task.number, at);
+          if (task) this._wait(waits, task, at);
           break;
         case "primitive-requested":
           if (task) open.push(this._begin(task, asText(event.request), at));
@@ -208,16 +208,15 @@ class Run {
           break;
         case "run-ended":
           this.end = event;
+          for (const one of asList(event.results)) {
+            const given = this.tasks.get(one && one.task);
+            if (given) given.background = one.background === true;
+          }
           break;
       }
       if (task && task.ended === at) live.delete(task);
       if ((at + 1) % CHECKPOINT === 0)
-        this._copies.push({ facts: new Map(memory), tasks: [...live] });
-    }
-    for (const one of this.tasks.values()) this._endWait(waits, one, this.last);
-    for (const one of asList(this.end && this.end.results)) {
-      const task = this.tasks.get(one && one.task);
-      if (task) task.background = one.background === true;
+        this._copies.push({ facts: new Map(facts), tasks: [...live] });
     }
   }
 
@@ -300,13 +299,18 @@ class Run {
       piece.result = event.event === "request-refused" ? "refused" : "cancelled";
   }
 
+  _wait(waits, task, at) {
+    const kind = this.events[at].event === "method-suspended" ? "suspended" : "waiting";
+    const wait = { kind, task: task.number, start: at, stop: -1 };
+    waits.set(task.number, wait);
+    this.familyOf(task).waits.push(wait);
+  }
+
   _endWait(waits, task, at) {
-    const start = waits.get(task.number);
-    if (start === undefined) return;
+    const wait = waits.get(task.number);
+    if (wait === undefined) return;
     waits.delete(task.number);
-    const suspended = this.events[start].event === "method-suspended";
-    const kind = suspended ? "suspended" : "waiting";
-    this.familyOf(task).waits.push({ kind, task: task.number, start, stop: at });
+    wait.stop = at;
   }
 
   // --- moments ----------------------------------------------------------------------

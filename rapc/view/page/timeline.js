@@ -143,6 +143,12 @@ function wrongBars(run) {
   return barsAt(run, "wrong", run.beliefs, (one) => one.n, (one) => one.end);
 }
 
+/** Return the lane of a family; `over` if further events do not change its bars. */
+function laneOf(run, task) {
+  const over = task.ended >= 0 && task.pieces.every((one) => one.stop >= 0);
+  return { task, over, outcome: task.outcome, bars: barsOf(run, task) };
+}
+
 /** The lanes of one run. */
 class Timeline {
   constructor(app, index, view) {
@@ -150,7 +156,7 @@ class Timeline {
     this.index = index;
     this.run = app.runs[index];
     this.view = view;
-    this.lanes = this.run.families.map((task) => ({ task, bars: barsOf(this.run, task) }));
+    this.lanes = this.run.families.map((task) => laneOf(this.run, task));
     if (this.run.beliefs.length)
       this.lanes.unshift({ task: null, bars: [wrongBars(this.run)] });
     this.canvas = el("canvas", {
@@ -180,6 +186,26 @@ class Timeline {
     new ResizeObserver(measure).observe(this.element);
     moveWithArrows(this.names, "button");
     this._listen();
+  }
+
+  _fit() {
+    this.element.style.height = `${AXIS + this.lanes.length * LANE + 4}px`;
+  }
+
+  /** Show the events that a run without known beliefs has got since. */
+  grow() {
+    this.lanes = this.run.families.map((task, index) => {
+      const known = this.lanes[index];
+      if (known && known.over) return known;
+      const lane = laneOf(this.run, task);
+      if (known && known.outcome === lane.outcome) return lane;
+      const button = this._name(lane);
+      if (known) this.buttons[index].replaceWith(button);
+      else this.names.append(button);
+      this.buttons[index] = button;
+      return lane;
+    });
+    this._fit();
   }
 
   _name(lane) {
