@@ -2,6 +2,7 @@
 
 python -m bench.plans                        all cases with 20 seeds each
 python -m bench.plans courier --seeds 200    one case
+python -m bench.plans --search               the times of grounding and search
 """
 
 from __future__ import annotations
@@ -9,11 +10,16 @@ from __future__ import annotations
 import argparse
 import statistics
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 import rapc
 from rapc import events
+from rapc.base.values import Fact, Number
+from rapc.library.library import usable_in_plans
+from rapc.library.operators import Model
+from rapc.planning.ground import Grounding, Situation
+from rapc.planning.solver import situation, solve
 
 ROUND = """(define-rap (evening-round)
   (succeed (and (delivered medicine ward-3) (delivered meals ward-4)
@@ -41,6 +47,36 @@ WALK = """(define-query (no-luck) (and (last-result ?result) (n= ?result okay)))
 BENCH = """(define-rap (clear-the-way)
   (succeed (and (sample-at s1 bench) (sample-at s2 bench) (sample-at s3 instrument)))
   (plan))"""
+
+
+TEN = """(define-rap (ten-marks)
+  (succeed (and (visited desk) (visited shelves) (visited workbench) (visited stock)
+                (visited coffee-machine) (visited blackboard) (visited mail-slots)
+                (visited fountain) (visited armchair) (visited chest)
+                (current-space robot lab)))
+  (plan))"""
+
+PLACES, PARCELS, TRUCKS = 12, 10, 3
+LOGISTICS = f"""
+(declare-kind place ({" ".join(f"l{at}" for at in range(PLACES))}))
+(declare-kind parcel ({" ".join(f"p{at}" for at in range(PARCELS))}))
+(declare-kind truck ({" ".join(f"t{at}" for at in range(TRUCKS))}))
+(declare-memory-property place-of ((?truck truck) (?place place)) unknown)
+(declare-memory-proposition lies ((?parcel parcel) (?place place)))
+(declare-memory-proposition in ((?parcel parcel) (?truck truck)))
+(define-rap (drive (?truck truck) (?to place))
+  (preconditions (and (place-of ?truck ?from) (n= ?from ?to)))
+  (effects (place-of ?truck ?to)))
+(define-rap (load (?parcel parcel) (?truck truck))
+  (preconditions (and (lies ?parcel ?place) (place-of ?truck ?place)))
+  (effects (in ?parcel ?truck) (not (lies ?parcel ?))))
+(define-rap (unload (?parcel parcel) (?truck truck) (?place place))
+  (preconditions (and (in ?parcel ?truck) (place-of ?truck ?place)))
+  (effects (lies ?parcel ?place) (not (in ?parcel ?truck))))
+(define-rap (deliver-all)
+  (succeed (and {" ".join(f"(lies p{n} l{n * 5 % PLACES})" for n in range(PARCELS))}))
+  (plan))
+"""
 
 
 class Case(NamedTuple):
@@ -103,13 +139,94 @@ CASES = {
 }
 
 
+class Searched(NamedTuple):
+    """A problem whose search is timed."""
+
+    name: str
+    library: rapc.CheckedLibrary
+    goal: str
+    #: The greatest processor time in milliseconds, on an idle machine.
+    bar: int
+    facts: Situation
+    #: Whether only the grounding is timed.
+    grounds: bool = False
+
+
+def begun(name: str, text: str, goal: str) -> tuple[rapc.CheckedLibrary, Situation]:
+    """Return a library with a goal, and the memory at the beginning of its case."""
+    case = CASES[name]
+    library = rapc.load(case.library).extend(text)
+    run = library.start(
+        case.world, agenda=case.agenda, facts=case.facts, tasks=case.tasks, seed=3
+    )
+    run.run(until=5)
+    return library, situation(run.memory)
+
+
+def searches() -> Iterator[Searched]:
+    """Yield the problems."""
+    for name, text, goal, bar in (
+        ("courier", ROUND, "evening-round", 40),
+        ("truck", ROCKS, "rocks-about", 40),
+        ("hallway", TEN, "ten-marks", 120),
+    ):
+        library, facts = begun(name, text, goal)
+        yield Searched(name, library, goal, bar, facts)
+    library, facts = begun("truck", ROCKS, "rocks-about")
+    places = [str(fact[1]) for fact in facts if fact[0] == "place"]
+    seen: dict[Fact, Number | None] = dict(facts)
+    for at in range(68):
+        for fact in (
+            ("class", f"rock-{at}", "rock"),
+            ("color", f"rock-{at}", ("red", "blue", "yellow")[at % 3]),
+            ("location", f"rock-{at}", places[at % len(places)]),
+        ):
+            seen[fact] = 1
+    said = f"truck, {len(seen)} facts, grounding"
+    yield Searched(said, library, "rocks-about", 100, seen, grounds=True)
+    carried: dict[Fact, Number | None] = {}
+    for at in range(PARCELS):
+        carried["lies", f"p{at}", f"l{at % PLACES}"] = 1
+    for at in range(TRUCKS):
+        carried["place-of", f"t{at}", f"l{at}"] = 1
+    library = rapc.loads(LOGISTICS, check=False)
+    yield Searched("logistics", library, "deliver-all", 1000, carried)
+
+
+def timed(one: Searched, times: int) -> str:
+    """Return a line with the shortest of several times of a search."""
+    program, spent = one.library.program, list[float]()
+    rap = program.library.raps[one.goal]
+    for _ in range(times):
+        began = time.process_time()
+        use = usable_in_plans(program.library.raps, rap)
+        model = Model(program.library, program.signatures, use)
+        goal = model.goal(rap, {})
+        if one.grounds:
+            problem = Grounding(model, one.facts, goal).problem()
+            said = f"{len(problem.actions)} ground steps"
+        else:
+            found = solve(model, one.facts, goal, limit=20_000)
+            steps = 0 if found.sketch is None else len(found.sketch.actions)
+            said = f"{found.outcome}, {steps} steps, {found.expanded} states"
+            if found.problem is not None:
+                said += f", {len(found.problem.actions)} ground steps"
+        spent.append(time.process_time() - began)
+    return f"{one.name}: {min(spent) * 1000:.0f} ms of {one.bar} ({said})"
+
+
 def main() -> None:
     """Measure."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("cases", nargs="*", default=list(CASES))
     parser.add_argument("--seeds", type=int, default=20)
     parser.add_argument("--first", type=int, default=70_000, help="the first seed")
+    parser.add_argument("--search", action="store_true", help="time the searches")
     given = parser.parse_args()
+    if given.search:
+        for one in searches():
+            print(timed(one, 5), flush=True)
+        return
     for name in given.cases:
         seeds = range(given.first, given.first + given.seeds)
         print(measured(name, CASES[name], seeds), flush=True)
