@@ -5,13 +5,16 @@ const AROUND = 60;
 /** The keys that the line of an event does not repeat. */
 const OF_ALL = new Set(["event", "n", "cycle", "time", "task", "spec", "because", "results"]);
 
+/** The keys whose values stand without the name of the key. */
+const BARE = new Set(["goal", "fact", "request", "what", "on", "data", "result", "method"]);
+
 /** Return the line of an event: its own keys, the goal of its task first. */
 function eventText(run, event) {
   const parts = [];
   for (const [key, value] of Object.entries(event)) {
     if (OF_ALL.has(key) || value === null || value === "") continue;
     if (Array.isArray(value) && !value.length) continue;
-    const bare = ["goal", "fact", "request", "what", "on", "data", "result", "method"].includes(key);
+    const bare = BARE.has(key);
     if (key === "sent" && value === event.request) continue;
     if (key === "bindings" || key === "outputs") {
       const pairs = Object.entries(value && typeof value === "object" ? value : {});

@@ -55,12 +55,15 @@ class Plot {
     this.step = (WIDTH - LEFT - RIGHT) / points.length;
     this.svg = svgEl("svg", { viewBox: `0 0 ${WIDTH} ${HEIGHT}`, role: "group" });
     for (const tick of ticks) {
-      this.svg.append(svgEl("line", { class: "axis", x1: LEFT, x2: WIDTH - RIGHT, y1: this.y(tick), y2: this.y(tick) }));
-      this.svg.append(svgEl("text", { x: LEFT - 6, y: this.y(tick) + 3, "text-anchor": "end" }, readable(tick)));
+      const y = this.y(tick);
+      const text = { x: LEFT - 6, y: y + 3, "text-anchor": "end" };
+      this.svg.append(svgEl("line", { class: "axis", x1: LEFT, x2: WIDTH - RIGHT, y1: y, y2: y }));
+      this.svg.append(svgEl("text", text, readable(tick)));
     }
     points.forEach((point, at) => this._draw(point, LEFT + this.step * (at + 0.5)));
     const name = vary ? `${vary}${unit ? ` (${unit})` : ""}` : "";
-    this.svg.append(svgEl("text", { x: (LEFT + WIDTH) / 2, y: HEIGHT - 4, "text-anchor": "middle" }, visible(name)));
+    const below = { x: (LEFT + WIDTH) / 2, y: HEIGHT - 4, "text-anchor": "middle" };
+    this.svg.append(svgEl("text", below, visible(name)));
     const label = measures[measure];
     this.svg.setAttribute("aria-label", visible(`${label} by ${name || "point"}`));
     this.element = el("div.plot", {}, el("h3", {}, label), this.svg);
@@ -68,7 +71,8 @@ class Plot {
 
   _draw(point, x) {
     const letters = Math.max(Math.floor(this.step / 5.6), 3);
-    const shown = point.label.length > letters ? `${point.label.slice(0, letters - 1)}…` : point.label;
+    const { label } = point;
+    const shown = label.length > letters ? `${label.slice(0, letters - 1)}…` : label;
     this.svg.append(svgEl("text", { x, y: HEIGHT - 20, "text-anchor": "middle" }, visible(shown)));
     const wide = Math.min(this.step * 0.6, 46);
     for (const run of point.runs) {
@@ -80,22 +84,26 @@ class Plot {
       const [mean, , tenth, ninetieth] = spread;
       const [upper, middle, lower] = [ninetieth, mean, tenth].map(this.y);
       const edge = x + wide / 2 + 5;
+      const ends = `M${edge - 3} ${upper}h6M${edge - 3} ${lower}h6`;
       this.svg.append(
-        svgEl("path", { class: "spread", d: `M${edge - 3} ${upper}h6M${edge - 3} ${lower}h6M${edge} ${upper}V${lower}` }),
+        svgEl("path", { class: "spread", d: `${ends}M${edge} ${upper}V${lower}` }),
         svgEl("path", { class: "mean", d: `M${edge - 5} ${middle}h10` }));
     }
     if (this.measure in point.reference) {
       const y = this.y(point.reference[this.measure]);
-      this.svg.append(svgEl("path", { class: "theirs", d: `M${x - 4} ${y - 4}l8 8M${x - 4} ${y + 4}l8 -8` }));
+      const cross = `M${x - 4} ${y - 4}l8 8M${x - 4} ${y + 4}l8 -8`;
+      this.svg.append(svgEl("path", { class: "theirs", d: cross }));
     }
   }
 
   _dot(point, run, x, value) {
     const kind = ["run", severity(run), run.page ? "paged" : ""].filter(Boolean).join(" ");
-    const dot = svgEl("circle", { class: kind, cx: x.toFixed(1), cy: this.y(value).toFixed(1), r: run.page ? 4 : 3.2 });
-    const said = `seed ${run.seed}, ${point.label}: ${short(value)}${run.end ? `; ${run.end}` : ""}${run.page ? "; has a page" : ""}`;
-    const group = svgEl("g", { class: "dot", role: "button", tabindex: run.page ? 0 : -1, "aria-label": visible(said) },
-      svgEl("title", {}, visible(said)), dot);
+    const place = { cx: x.toFixed(1), cy: this.y(value).toFixed(1), r: run.page ? 4 : 3.2 };
+    const dot = svgEl("circle", { class: kind, ...place });
+    const parts = [`${point.label}: ${short(value)}`, run.end, run.page ? "has a page" : ""];
+    const said = visible(`seed ${run.seed}, ${parts.filter(Boolean).join("; ")}`);
+    const role = { role: "button", tabindex: run.page ? 0 : -1, "aria-label": said };
+    const group = svgEl("g", { class: "dot", ...role }, svgEl("title", {}, said), dot);
     group.addEventListener("click", () => this.choose(this.part, point, run));
     group.addEventListener("dblclick", () => run.page && location.assign(run.page));
     group.addEventListener("keydown", (event) => {
@@ -117,14 +125,17 @@ function chooseRun(part, point, run) {
   for (const plot of plots)
     for (const [one, dot] of plot.dots) dot.classList.toggle("chosen", one === run);
   const where = part.vary ? `${part.vary} = ${point.label}` : part.name;
-  const numbers = Object.entries(part.measures).filter(([name]) => Number.isFinite(run.numbers[name]));
+  const numbers = Object.entries(part.measures)
+    .filter(([name]) => Number.isFinite(run.numbers[name]))
+    .map(([name, label]) => [el("dt", {}, label), el("dd", {}, short(run.numbers[name]))]);
   byId("h-run").textContent = visible(`Seed ${run.seed}, ${where}`);
   byId("run-body").replaceChildren(
     el("p", {}, run.end || "all tasks completed"),
     run.page
       ? el("p", {}, el("a", { href: run.page }, "Open the page of this run"))
-      : el("div", {}, el("p.dim", {}, "This command writes a page of the run:"), el("pre", {}, run.command)),
-    el("dl", {}, numbers.map(([name, label]) => [el("dt", {}, label), el("dd", {}, short(run.numbers[name]))])));
+      : el("div", {}, el("p.dim", {}, "This command writes a page of the run:"),
+        el("pre", {}, run.command)),
+    el("dl", {}, numbers));
   byId("run").hidden = false;
 }
 
@@ -135,14 +146,15 @@ function tableOf(part) {
   const rows = part.points.map((point) => {
     const lost = point.runs.filter((run) => severity(run) === "lost").length;
     const some = point.runs.filter((run) => severity(run) === "some").length;
-    const reasons = Object.entries(point.reasons).map(([why, count]) => `${count} × ${why}`).join("; ");
-    return el("tr", { title: visible(reasons) },
+    const reasons = Object.entries(point.reasons).map(([why, count]) => `${count} × ${why}`);
+    return el("tr", { title: visible(reasons.join("; ")) },
       el("th", { scope: "row" }, point.label),
       el("td", {}, `${point.runs.length} of ${point.wanted}`),
       el("td", {}, String(some)), el("td", {}, String(lost)),
       names.map(([name]) => el("td", {}, cell(point.spreads[name]))));
   });
-  const heads = [part.vary || "point", "runs", "not all completed", "ended by the world", ...names.map((one) => one[1])];
+  const ends = ["not all completed", "ended by the world"];
+  const heads = [part.vary || "point", "runs", ...ends, ...names.map(([, label]) => label)];
   return el("div.scroll", {}, el("table", {},
     el("thead", {}, el("tr", {}, heads.map((one) => el("th", { scope: "col" }, one)))),
     el("tbody", {}, rows)));
@@ -162,7 +174,8 @@ function reasonsOf(part) {
 function partOf(part) {
   const own = Object.keys(part.measures).map((name) => new Plot(part, name, chooseRun));
   plots.push(...own);
-  const key = ["a dot is a run; a dot with a ring has a page", "the bar goes from the 10th to the 90th percentile, with the mean",
+  const key = ["a dot is a run; a dot with a ring has a page",
+    "the bar goes from the 10th to the 90th percentile, with the mean",
     "orange: not all tasks completed; red: ended by the world",
     part.reference ? `×: ${part.reference}` : ""];
   return el("section", {},

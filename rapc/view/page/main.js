@@ -63,7 +63,8 @@ class App {
     if (this.current !== run || !byId("verdict").childElementCount) {
       this.current = run;
       byId("verdict").replaceChildren(...verdictOf(this));
-      const symptoms = asList(this.mores[run].symptoms).map((line) => symptomLine(this, asText(line)));
+      const symptoms = asList(this.mores[run].symptoms)
+        .map((line) => symptomLine(this, asText(line)));
       byId("symptoms").replaceChildren(...symptoms);
       byId("symptoms").hidden = !symptoms.length;
     }
@@ -127,8 +128,9 @@ class App {
   _keepInView(time) {
     const { from, to } = this.view;
     if (time >= from && time <= to) return;
-    const start = Math.min(Math.max(time - (to - from) / 2, this.whole.from), this.whole.to - (to - from));
-    Object.assign(this.view, { from: start, to: start + to - from });
+    const width = to - from;
+    const start = Math.min(Math.max(time - width / 2, this.whole.from), this.whole.to - width);
+    Object.assign(this.view, { from: start, to: start + width });
   }
 
   // --- showing ----------------------------------------------------------------------
@@ -210,7 +212,8 @@ class App {
   begin() {
     const { run } = this;
     const { spec } = run;
-    const name = `${lastPart(asText(spec.library)) || "library"} in ${asText(spec.world) || "no world"}`;
+    const library = lastPart(asText(spec.library)) || "library";
+    const name = `${library} in ${asText(spec.world) || "no world"}`;
     byId("title").textContent = visible(name);
     byId("title").title = visible(`${name}, seed ${asText(spec.seed)}`);
     document.title = visible(`${name} - rapc view`);
@@ -225,8 +228,10 @@ class App {
     byId("panels").classList.toggle("map", pictures);
     byId("legend").replaceChildren(...legendOf(this.colours, wrong));
     byId("runs").hidden = this.runs.length < 2;
-    byId("runs").replaceChildren(...this.names.map((one, index) =>
-      el("button", { type: "button", click: () => this.go(this.moments[index], { run: index }) }, one)));
+    byId("runs").replaceChildren(...this.names.map((one, index) => {
+      const act = () => this.go(this.moments[index], { run: index });
+      return el("button", { type: "button", click: act }, one);
+    }));
     byId("comparison").hidden = !this.comparison;
     if (this.comparison) byId("compared").replaceChildren(...comparisonOf(this));
     byId("drop").hidden = true;
@@ -257,7 +262,8 @@ function verdictOf(app) {
   if (failed.length > 3) parts.push(`, and ${failed.length - 3} more`);
   const bad = run.requests.filter((one) => one.result && one.result !== "okay").length;
   const requests = run.requests.filter((one) => !one.skill).length;
-  parts.push(el("span.dim", {}, ` · ${requests} requests, ${bad} not okay · ${run.events.length} events`));
+  const counted = `${requests} requests, ${bad} not okay · ${run.events.length} events`;
+  parts.push(el("span.dim", {}, ` · ${counted}`));
   return parts;
 }
 
@@ -300,7 +306,8 @@ function comparisonOf(app) {
 /** Return the changes of the picture in a run: those of its trace, or those beside it. */
 function changesOf(run, more) {
   const recorded = run.events.filter((event) => event.event === "pictured");
-  return recorded.length ? recorded.map((event) => [event.n, event.changed]) : asList(more.pictures);
+  if (!recorded.length) return asList(more.pictures);
+  return recorded.map((event) => [event.n, event.changed]);
 }
 
 /** Whether there is something to draw: a picture, or a place in memory. */
@@ -410,7 +417,8 @@ const KEYS = {
 
 function pressed(event) {
   if (!app || event.ctrlKey || event.metaKey || event.altKey) return;
-  if (event.target.closest("input, select, dialog[open]") && event.target.type !== "checkbox") return;
+  const { target } = event;
+  if (target.closest("input, select, dialog[open]") && target.type !== "checkbox") return;
   if (event.shiftKey && event.key.startsWith("Arrow")) {
     const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
     if (step) app.go(app.at + step);
@@ -427,7 +435,8 @@ function start(runs, mores, comparison) {
   app.begin();
   app.open();
   const root = document.documentElement;
-  Object.assign(root.dataset, { events: app.run.events.length, ready: Math.round(performance.now()) });
+  root.dataset.events = app.run.events.length;
+  root.dataset.ready = Math.round(performance.now());
 }
 
 /** Read a trace that the reader has chosen or dropped. */
@@ -472,7 +481,8 @@ function wire() {
   const recolour = () => {
     if (!app) return;
     app.colours = coloursOf(document.body);
-    byId("legend").replaceChildren(...legendOf(app.colours, app.runs.some((one) => one.beliefs.length)));
+    const wrong = app.runs.some((one) => one.beliefs.length);
+    byId("legend").replaceChildren(...legendOf(app.colours, wrong));
     app.drawTimelines();
   };
   byId("theme").addEventListener("click", () => {
@@ -504,7 +514,8 @@ async function main() {
   }
   const runs = [];
   const mores = [];
-  for (let text = await embedded("trace-0"); text !== null; text = await embedded(`trace-${runs.length}`)) {
+  let text;
+  while ((text = await embedded(`trace-${runs.length}`)) !== null) {
     const more = JSON.parse((await embedded(`more-${runs.length}`)) || "{}");
     const { events, note } = readTrace(text);
     more.note = [more.note, note].filter(Boolean).join("; ");

@@ -28,7 +28,8 @@ function mergePatch(before, patch) {
     if (value === null) delete found[key];
     else if (typeof value === "object" && !Array.isArray(value)) {
       const old = own(found, key);
-      found[key] = mergePatch(old && typeof old === "object" && !Array.isArray(old) ? old : {}, value);
+      const whole = old && typeof old === "object" && !Array.isArray(old);
+      found[key] = mergePatch(whole ? old : {}, value);
     } else found[key] = value;
   }
   return found;
@@ -102,8 +103,9 @@ class Beliefs {
   }
 
   contents(look) {
-    const places = new Map(this.find(["location", null, null]).map(([words]) => [words[1], words[2]]));
-    const looks = new Map(this.find([look, null, null]).map(([words]) => [words[1], words[2]]));
+    const valuesOf = (name) =>
+      new Map(this.find([name, null, null]).map(([words]) => [words[1], words[2]]));
+    const [places, looks] = [valuesOf("location"), valuesOf(look)];
     const found = new Map();
     const seen = new Set();
     for (const [[, item, kind]] of this.find(["class", null, null, "true"])) {
@@ -210,7 +212,8 @@ function sceneOf(picture, beliefs, before = []) {
     const only = believedPicture(beliefs);
     return only && mapScene(only, beliefs, [], true);
   }
-  return picture.plan ? planScene(picture, beliefs, before) : mapScene(picture, beliefs, before, false);
+  if (picture.plan) return planScene(picture, beliefs, before);
+  return mapScene(picture, beliefs, before, false);
 }
 
 // --- a map of spots and roads ---------------------------------------------------------
@@ -269,7 +272,8 @@ function mapScene(picture, beliefs, before, alone) {
   width = Math.max(width, 360);
   let y = bottom + 14;
   const aboard = sights.filter((sight) => !sight.spot.at);
-  const column = 30 + Math.max(...aboard.map((sight) => lengthOf(calledSpot(sight.spot))), 0) * BOLD;
+  const longest = Math.max(...aboard.map((sight) => lengthOf(calledSpot(sight.spot))), 0);
+  const column = 30 + longest * BOLD;
   for (const sight of aboard) {
     shapes.push(...carriedShapes(sight, letters, [column, y]));
     y += 18;
@@ -299,7 +303,8 @@ function lettersOf(kinds) {
   for (const kind of [...kinds].sort(byCode)) {
     const used = new Set(found.values());
     const letters = [...kind];
-    found.set(kind, letters.find((one) => /[\p{L}\p{N}]/u.test(one) && !used.has(one)) ?? letters[0] ?? "?");
+    const free = letters.find((one) => /[\p{L}\p{N}]/u.test(one) && !used.has(one));
+    found.set(kind, free ?? letters[0] ?? "?");
   }
   return found;
 }
@@ -308,7 +313,8 @@ function spotShapes(sight, picture, letters, [x, y]) {
   const { name, note } = sight.spot;
   const here = name === picture.here;
   const { hint } = sight;
-  const shapes = [shape("circle", here ? "m-place m-here" : "m-place", hint, { cx: x, cy: y, r: 8 })];
+  const looks = here ? "m-place m-here" : "m-place";
+  const shapes = [shape("circle", looks, hint, { cx: x, cy: y, r: 8 })];
   const turn = own(TURNS, picture.heading);
   if (here && turn !== undefined) shapes.push(arrowShape(x, y, turn));
   shapes.push(textShape("m-name m-mid", name, x, y - 13));
@@ -359,8 +365,8 @@ function carriedShapes(sight, letters, [x, y]) {
   const { size, words } = sight.shown;
   const after = x + BOX * Math.min(size, IN_ROW) + (size ? 6 : 0);
   shapes.push(textShape("m-dim", words, after, y));
-  if (sight.wrong)
-    shapes.push(textShape("m-wrong", `≠ ${sight.believed.words}`, after + 10 + lengthOf(words) * LETTER, y));
+  const last = after + 10 + lengthOf(words) * LETTER;
+  if (sight.wrong) shapes.push(textShape("m-wrong", `≠ ${sight.believed.words}`, last, y));
   return shapes;
 }
 
@@ -382,7 +388,8 @@ function wordsBelow(picture, beliefs, elsewhere, letters) {
   if (letters.size) {
     const told = [...letters].map(([kind, letter]) => `${letter} ${kind}`).join(", ");
     texts.push(["m-dim", `boxes: ${told}; the colour is the look`]);
-    if (picture.here) texts.push(["m-dim", "≠ and dashed boxes: what the robot believes instead"]);
+    if (picture.here)
+      texts.push(["m-dim", "≠ and dashed boxes: what the robot believes instead"]);
   }
   return texts;
 }
@@ -445,7 +452,8 @@ function planScene(picture, beliefs, before) {
   if (robot) shapes.push(pointerShape("m-robot", at(robot), robot[2], `robot in ${picture.here}`));
   if (reckoned) {
     if (robot) shapes.push(lineShape("m-off", at(robot), at(reckoned)));
-    shapes.push(pointerShape("m-reckoned", at(reckoned), reckoned[2], "where the robot believes to be"));
+    const said = "where the robot believes to be";
+    shapes.push(pointerShape("m-reckoned", at(reckoned), reckoned[2], said));
   }
   const texts = [
     ...wordsBelow(picture, beliefs, new Map(), new Map()),
@@ -462,7 +470,8 @@ function areaShapes(area, at, scale, believed) {
   const [x, y] = at([left, high]);
   const [width, height] = [(right - left) * scale, (high - low) * scale];
   const hint = believed ? `${area.name}: the robot believes to be here` : area.name;
-  const shapes = [shape("rect", believed ? "m-area m-believed-area" : "m-area", hint, { x, y, width, height })];
+  const looks = believed ? "m-area m-believed-area" : "m-area";
+  const shapes = [shape("rect", looks, hint, { x, y, width, height })];
   const letters = [...area.name];
   const upright = width < height && letters.length * 5.2 > width;
   const most = Math.trunc((upright ? height : width) / 5.2);
@@ -482,7 +491,8 @@ function markShape(mark, [x, y], beliefs, isOrigin) {
   }
   const known = !(mark.believed && mark.believed.length) || beliefs.find(mark.believed).length > 0;
   const hint = known ? mark.name : `${mark.name}: unknown to the robot`;
-  return shape("rect", known ? "m-known" : "m-unknown", hint, { x: x - 3.5, y: y - 3.5, width: 7, height: 7 });
+  const size = { x: x - 3.5, y: y - 3.5, width: 7, height: 7 };
+  return shape("rect", known ? "m-known" : "m-unknown", hint, size);
 }
 
 function doorShapes(door, [x, y], beliefs) {
@@ -515,7 +525,8 @@ function believedPose(reckoning, beliefs) {
   const origin = beliefs.last(reckoning.origin, 4);
   const space = beliefs.last(reckoning.area, 1);
   if (!place || !origin || !space) return null;
-  const stand = reckoning.stands.findLast((one) => one.landmark === origin[0] && one.space === space[0]);
+  const stand = reckoning.stands.findLast((one) =>
+    one.landmark === origin[0] && one.space === space[0]);
   const [counted, now] = [numbersOf(origin.slice(1)), numbersOf(place)];
   if (!stand || !counted || !now) return null;
   const [x, y, heading] = stand.pose;
@@ -545,7 +556,8 @@ function lineShape(kind, [x1, y1], [x2, y2], hint = "") {
 }
 
 function polyShape(tag, kind, points, hint = "") {
-  return [tag, { class: kind, points: points.map(([x, y]) => `${tenths(x)},${tenths(y)}`).join(" ") }, hint];
+  const pairs = points.map(([x, y]) => `${tenths(x)},${tenths(y)}`);
+  return [tag, { class: kind, points: pairs.join(" ") }, hint];
 }
 
 function textShape(kind, text, x, y, more = {}) {

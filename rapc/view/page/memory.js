@@ -20,12 +20,15 @@ function factRow(app, fact, since, change) {
   const selected = fact === app.fact;
   const event = change === undefined ? null : run.events[change];
   const sign = !event ? "" : event.event === "fact-erased" ? "−"
-    : Run.next(run.facts.get(fact), change, -1) >= 0 && !erasedBefore(run, fact, change) ? "~" : "+";
+    : erasedBefore(run, fact, change) ? "+" : "~";
   const words = { "+": "new", "~": "asserted again", "−": "erased" }[sign] || "";
   const now = run.timeOf(at);
   return el(
     sign === "−" ? "div.row.erased" : "div.row",
-    { ...choosable("option", fact, selected, () => app.chooseFact(selected ? "" : fact)), title: words },
+    {
+      ...choosable("option", fact, selected, () => app.chooseFact(selected ? "" : fact)),
+      title: words,
+    },
     el("span.sign", { "aria-label": words }, sign),
     el("span.text", {}, fact),
     el("span.age", {}, since === undefined ? "" : ageText(now, run.timeOf(since))),
@@ -80,7 +83,8 @@ function showMemory(app) {
     else groups.set(name, [[fact, since]]);
   }
   rows.push(el("h3", {}, `All facts: ${memory.size}`));
-  const few = wanted && [...groups.values()].reduce((sum, one) => sum + one.length, 0) <= MOST_FACTS;
+  const found = [...groups.values()].reduce((sum, one) => sum + one.length, 0);
+  const few = wanted && found <= MOST_FACTS;
   for (const name of [...groups.keys()].sort()) {
     const facts = groups.get(name);
     const list = el("div", { role: "listbox", "aria-label": visible(name) });
@@ -99,7 +103,9 @@ function showMemory(app) {
         else opened.delete(name);
         if (event.target.open && !list.childElementCount) build();
       },
-    }, el("summary", { "data-key": `g${name}` }, name, el("span.count", {}, ` ${facts.length}`)), list);
+    },
+    el("summary", { "data-key": `g${name}` }, name, el("span.count", {}, ` ${facts.length}`)),
+    list);
     if (few || opened.has(name)) build();
     rows.push(details);
   }
@@ -114,8 +120,10 @@ function showBeliefs(app) {
   const rows = present.map((one) =>
     el("div", {},
       factLine(app, asText(one.fact), at, null),
-      el("div.code", {}, el("span.dim", {}, "truth: "), asList(one.truth).map(asText).join(" or ") || "not so"),
-      el("div.dim", {}, "wrong since ", link(readable(run.timeOf(one.n)), () => app.go(one.n, {})))));
+      el("div.code", {}, el("span.dim", {}, "truth: "),
+        asList(one.truth).map(asText).join(" or ") || "not so"),
+      el("div.dim", {}, "wrong since ",
+        link(readable(run.timeOf(one.n)), () => app.go(one.n, {})))));
   if (!rows.length) rows.push(el("p", {}, "Every compared belief is true at this moment."));
   const before = search(run.beliefs.length, (index) => run.beliefs[index].n > at);
   const first = Math.max(Math.min(before - 4, run.beliefs.length - 8), 0);

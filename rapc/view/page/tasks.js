@@ -15,12 +15,13 @@ function showTasks(app) {
     const state = run.stateAt(task, at);
     const method = methodName(run, state);
     const selected = task === chosen;
+    const told = ` ${state.text}`;
     const made = el(
       "div.row",
       choosable("treeitem", task.number, selected, () => app.choose(task)),
       signOf(state.kind),
       oneLine(task.goal, el("span.dim", {}, ` [${task.number}] ${method}`),
-        state.text ? el(`span.${state.kind === "failed" ? "failed" : "dim"}`, {}, ` ${state.text}`) : ""),
+        state.text ? el(state.kind === "failed" ? "span.failed" : "span.dim", {}, told) : ""),
     );
     made.setAttribute("aria-level", depth + 1);
     made.style.paddingLeft = `${4 + depth * 14}px`;
@@ -114,6 +115,7 @@ function showClaims(app) {
     ...group("Signals and data of this cycle", heard),
     ...group("Other waits", background),
   ];
-  if (!rows.length) rows.push(el("p.dim", {}, `nothing is held, awaited or under way at ${readable(now)}`));
+  const none = `nothing is held, awaited or under way at ${readable(now)}`;
+  if (!rows.length) rows.push(el("p.dim", {}, none));
   fill(byId("claims"), reachable(rows));
 }

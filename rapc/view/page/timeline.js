@@ -343,7 +343,8 @@ class Timeline {
     canvas.setAttribute("aria-valuetext", `time ${readable(run.timeOf(at))}`);
     const colours = this.app.colours;
     const scale = window.devicePixelRatio;
-    const drawn = JSON.stringify([width, height, top, from, to, scale, this.task?.number, colours.text]);
+    const state = [width, height, top, from, to, scale, this.task?.number, colours.text];
+    const drawn = JSON.stringify(state);
     if (this.drawn === drawn) return;
     this.drawn = drawn;
     this._lanes(width, height, top);
@@ -409,7 +410,8 @@ class Timeline {
     const [came, ended] = [x(now(task.made)), x(now(task.ended))];
     context.fillRect(came, top + 9, Math.max(ended - came, 1), 1);
     for (const one of bars) this._bars(context, colours, one, top, width);
-    if (task.outcome === "failed") drawCross(context, colours.failed, x(now(task.ended)), top + 9, 5);
+    if (task.outcome === "failed")
+      drawCross(context, colours.failed, x(now(task.ended)), top + 9, 5);
     if (task.outcome === "succeeded") {
       context.fillStyle = colours.done;
       context.beginPath();

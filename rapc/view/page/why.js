@@ -119,7 +119,8 @@ function stateLines(app, task, state) {
   const event = until < 0 ? {} : run.events[until];
   const told = [words, asText(event.reason), asText(event.result || event.cause)];
   const lines = [
-    el("div.goal", {}, signOf(state.kind), ` ${task.goal} `, el("span.dim", {}, `[${task.number}]`)),
+    el("div.goal", {}, signOf(state.kind), ` ${task.goal} `,
+      el("span.dim", {}, `[${task.number}]`)),
     el("div", {}, el(`b.${state.kind}`, {}, told.filter(Boolean).join(", ")),
       until < 0 && state.text ? `: ${state.text}` : "", el("span.dim", {}, ` · ${life}`)),
   ];
@@ -135,7 +136,8 @@ function showWhy(app) {
   const { run, at, task } = app;
   const body = byId("why");
   if (!task) {
-    fill(body, [el("p.dim", {}, "Select a task to see its purpose, method and causes."), ...runEnd(app)]);
+    const told = "Select a task to see its purpose, method and causes.";
+    fill(body, [el("p.dim", {}, told), ...runEnd(app)]);
     return;
   }
   const state = run.stateAt(task, at);
@@ -159,14 +161,19 @@ function showWhy(app) {
   if (state.wait >= 0) {
     const event = run.events[state.wait];
     const holder = run.tasks.get(event.holder) || run.tasks.get(event.by);
+    const [since, now] = [run.timeOf(state.wait), run.timeOf(at)];
     lines.push(el("h3", {}, state.kind === "suspended" ? "Suspended" : "Waits"),
       el("div.code", {}, asText(event.on) || asText(event.for)),
-      el("div.dim", {}, `since ${readable(run.timeOf(state.wait))}, ${readable(run.timeOf(at) - run.timeOf(state.wait))} time units`));
-    if (holder)
-      lines.push(el("div", {}, "held by ", link(`[${holder.number}] ${holder.goal}`, () => app.choose(holder))));
+      el("div.dim", {}, `since ${readable(since)}, ${readable(now - since)} time units`));
+    if (holder) lines.push(el("div", {}, "held by ", taskLink(app, holder)));
   }
   lines.push(...triesLines(app, task));
   fill(body, lines.filter(Boolean));
+}
+
+/** Return a link that selects a task. */
+function taskLink(app, task) {
+  return link(`[${task.number}] ${task.goal}`, () => app.choose(task));
 }
 
 /** Return what woke a task last, if it was blocked before. */
@@ -179,7 +186,7 @@ function wokenLines(app, task) {
   return [el("div", {}, el("span.dim", {}, "woken at "),
     link(readable(run.timeOf(woken)), () => app.go(woken, {}), "Go to this moment"),
     el("span.dim", {}, " by "), el("code", {}, asText(on)),
-    held ? [", which ", link(`[${held.number}] ${held.goal}`, () => app.choose(held)), " held"] : "")];
+    held ? [", which ", taskLink(app, held), " held"] : "")];
 }
 
 /** Return the methods that a task has tried, with their ends. */
@@ -253,7 +260,8 @@ function showSource(app) {
   const list = el("ol", {}, rows);
   body.replaceChildren(list);
   body.scrollTop = 0;
-  reveal(body, list.querySelector(".place") || list.querySelector(".step") || list.querySelector(".method"));
+  const marked = [".place", ".step", ".method"].map((one) => list.querySelector(one));
+  reveal(body, marked.find(Boolean));
 }
 
 function inRows(place, { file, rows }) {
