@@ -115,6 +115,9 @@ HIDES = (
         "form",
     ),
     Row(("kinds-apart",), ("unordered-steps", "copied-step"), "form"),
+    # A plan without its RAPs or its goal has nothing to plan with.
+    Row(("no-operator",), ("nothing-to-plan-with",), "form"),
+    Row(("unbound-variable", "plan-without-goal"), ("left-out-of-planning",), "form"),
     # A step or a method that is missing leaves a RAP without a caller.
     Row(
         (

@@ -37,6 +37,7 @@ _OTHERS = (
     "conditions",
     "constants",
     "goals",
+    "left_out",
     "letters",
     "loops",
     "monitors",

@@ -92,7 +92,7 @@ class LeftOut(NamedTuple):
 
     def __str__(self) -> str:
         if isinstance(self.part, nodes.DefineRap):
-            return f"`{self.rap}`: {self.reason}"
+            return f"`{self.rap}` is no operator: {self.reason}"
         return f"{self.clause} of `{self.rap}`: {format_node(self.part)}: {self.reason}"
 
 
@@ -140,11 +140,17 @@ class Model:
         ]
 
     def goal(
-        self, rap: nodes.DefineRap, values: Mapping[str, Value]
+        self, rap: nodes.DefineRap, values: Mapping[str, Value] | None = None
     ) -> list[Conjunction]:
-        """Return the branches of the `succeed` of a RAP, with values for its inputs."""
-        constants = constants_of(values)
-        self._hidden = frozenset(given_names(rap)) - constants.keys()
+        """Return the branches of the `succeed` of a RAP.
+
+        Args:
+            rap: the RAP.
+            values: the values of its inputs; without them the inputs stay variables.
+        """
+        constants = constants_of(values or {})
+        known = {one.name for one in rap.inputs} if values is None else constants.keys()
+        self._hidden = frozenset(given_names(rap)) - known
         if rap.succeed is None:
             return []
         return self._clause_of(rap.name, "succeed", substitute(rap.succeed, constants))
@@ -160,7 +166,7 @@ class Model:
             branches = self._clause_of(rap.name, "preconditions", rap.preconditions)
         missing = self._unused_input(rap)
         if missing is not None:
-            reason = f"the operator is left out: no condition or effect has `{missing}`"
+            reason = f"no condition or effect has `{missing}`"
             self.left_out.append(LeftOut(rap.name, "index", rap, reason))
             return
         bound = given.union(*[_names(branch) for branch in branches])
@@ -220,8 +226,9 @@ class Model:
             sort: Word["add", "erase", "may"] = "erase" if one.negated else "add"
             if one.possible:
                 sort = "may"
-            args = self._effect_args(one.pattern, bound - self._hidden)
-            yield Effect(sort, one.pattern.name, args)
+            if self._is_relation(one.pattern.name):
+                args = self._effect_args(one.pattern, bound - self._hidden)
+                yield Effect(sort, one.pattern.name, args)
 
     # --- formulas ------------------------------------------------------------------
 

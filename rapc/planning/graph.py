@@ -24,7 +24,7 @@ def operators(program: Program) -> Graph:
             edges[Edge(rap, f"fact {effect.name}", word)] = None
     for planned in library.raps.values():
         if planned.plan is not None:
-            for branch in model.goal(planned, {}):
+            for branch in model.goal(planned):
                 for fact, word in _needs(branch):
                     edges[Edge(fact, f"rap {planned.name}", word)] = None
     ends = dict.fromkeys([end for e in edges for end in (e.source, e.target)])

@@ -44,6 +44,7 @@ UNBOUND_VARIABLE = Rule(
     severity=Severity.ERROR,
     summary="a variable has no value in some order of the steps",
     ignore="never: use a query or a function for values that a host knows",
+    fix="unsafe: writes the similar variable",
     source="T 4.2, 4.5.2",
 )
 
