@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Iterator, Sequence
-from itertools import product
+from itertools import islice, product
+from random import Random
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -19,6 +21,9 @@ Fact = tuple[str, ...]
 Literals = list[tuple[bool, Fact]]
 Row = tuple[list[str], Literals, Literals]
 """The inputs, conditions and effects of an operator."""
+
+MOST_ORDERS = 5040
+"""The number of orders of a net that are tried: all of one with 7 steps."""
 
 OBJECTS = ("a", "b", "c")
 PREDICATES = {"p0": 0, "p1": 1, "p2": 1, "p3": 2, "q": 1}
@@ -162,23 +167,74 @@ def one_value(effects: Sequence[tuple[bool, Fact]]) -> bool:
 def test_plan_of_random_model_holds_in_each_order(
     operators: list[Row], facts: set[Fact], goal: Literals
 ) -> None:
-    strips = Strips(operators, facts, goal)
+    checked(Strips(operators, facts, goal))
+
+
+def checked(strips: Strips) -> int | None:
+    """Check the plan of a model, in each order; return its steps, None without one."""
     found = strips.plan()
     shortest = strips.shortest(5)
     if shortest is not None:
         assert found.outcome == "solved"
     if found.sketch is None:
-        return
+        return None
     rows: dict[values.Fact, tuple[Literals, Literals]] = {
         goal: (needs, effects) for goal, needs, effects in strips.actions
     }
     steps = [rows[action.goal] for action in found.sketch.actions]
-    if len(steps) > 7:
-        return
-    for order in orders(found.sketch):
+    for order in islice(orders(found.sketch), MOST_ORDERS):
         state = frozenset(strips.facts)
         for at in order:
             needs, effects = steps[at]
             assert holds(state, needs)
             state = changed(state, effects)
         assert holds(state, strips.goal)
+    return len(steps)
+
+
+def drawn(seed: int) -> Strips:
+    """Return a random model; its goal is what some random steps have changed."""
+    dice = Random(seed)
+
+    def row(variables: Sequence[str], most: int, positive: float) -> Literals:
+        found = []
+        for _ in range(dice.randint(1, most)):
+            name = dice.choice(sorted(PREDICATES))
+            terms = [*variables, *variables, *OBJECTS]
+            args = [dice.choice(terms) for _ in range(PREDICATES[name])]
+            found.append((dice.random() < positive, (name, *args)))
+        return found
+
+    operators: list[Row] = []
+    while len(operators) < 6:
+        inputs = ["?x", "?y"][: dice.randint(0, 2)]
+        needs, effects = row(inputs, 3, 0.8), row(inputs, 3, 0.6)
+        used = {term for _, fact in (*needs, *effects) for term in fact}
+        if one_value(effects) and used.issuperset(inputs):
+            operators.append((inputs, needs, effects))
+    facts = {fact for _, fact in row((), 3, 1) if fact[0] != "q"}
+    state = begun = frozenset(facts)
+    actions = Strips(operators, facts, []).actions
+    for _ in range(8):
+        possible = [effects for _, needs, effects in actions if holds(state, needs)]
+        if possible:
+            state = changed(state, dice.choice(possible))
+    told = sorted(state ^ begun)
+    goal = [(fact in state, fact) for fact in told if fact[0] != "q" or fact in state]
+    return Strips(operators, facts, dice.sample(goal, min(3, len(goal))))
+
+
+def lengths(seeds: range) -> Counter[int | None]:
+    """Return how many of random models have plans of each length."""
+    return Counter([checked(drawn(seed)) for seed in seeds])
+
+
+def test_plans_of_drawn_models_hold_in_each_order() -> None:
+    found = lengths(range(300))
+    assert sum(n for steps, n in found.items() if steps and steps > 1) > 60
+
+
+@pytest.mark.nightly
+def test_plans_of_many_drawn_models_hold_in_each_order() -> None:
+    found = lengths(range(1000, 21_000))
+    assert sum(n for steps, n in found.items() if steps and steps > 1) > 3000
