@@ -47,7 +47,13 @@ def operator(draw: st.DrawFn) -> Row:
     inputs = ["?x", "?y"][: draw(st.integers(0, 2))]
     needs = draw(literals(inputs, 3))
     effects = draw(literals(inputs, 3).filter(bool))
-    return inputs, needs, effects
+    used = used_in(needs, effects)
+    return [one for one in inputs if one in used], needs, effects
+
+
+def used_in(*found: Literals) -> set[str]:
+    """Return the terms of literals; an operator with other inputs is left out."""
+    return {term for row in found for _, fact in row for term in fact}
 
 
 def written(found: tuple[bool, Fact]) -> str:
@@ -209,8 +215,7 @@ def drawn(seed: int) -> Strips:
     while len(operators) < 6:
         inputs = ["?x", "?y"][: dice.randint(0, 2)]
         needs, effects = row(inputs, 3, 0.8), row(inputs, 3, 0.6)
-        used = {term for _, fact in (*needs, *effects) for term in fact}
-        if one_value(effects) and used.issuperset(inputs):
+        if one_value(effects) and used_in(needs, effects).issuperset(inputs):
             operators.append((inputs, needs, effects))
     facts = {fact for _, fact in row((), 3, 1) if fact[0] != "q"}
     state = begun = frozenset(facts)
