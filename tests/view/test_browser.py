@@ -179,6 +179,15 @@ def test_every_control_is_reached_and_used_with_the_keyboard(
           .map((one) => one.outerHTML)"""
     )
     assert unnamed == []
+    misplaced = shown.page.evaluate(
+        """() => [
+          ...document.querySelectorAll('[role=option]:not([role=listbox] *)'),
+          ...document.querySelectorAll('[role=treeitem]:not([role=tree] *)'),
+          ...document.querySelectorAll('[role=button][aria-selected]'),
+          ...document.querySelectorAll('th:empty'),
+        ].map((one) => one.outerHTML)"""
+    )
+    assert misplaced == []
     shown.close()
 
 

@@ -146,7 +146,7 @@ function choosable(role, key, selected, act) {
     role,
     tabindex: selected ? 0 : -1,
     "data-key": key,
-    "aria-selected": String(selected),
+    "aria-selected": role === "button" ? undefined : String(selected),
     click: act,
     keydown: (event) => {
       if (event.key !== "Enter" && event.key !== " ") return;
@@ -161,6 +161,11 @@ function oneLine(...parts) {
   const made = el("span.text", {}, ...parts);
   made.title = made.textContent;
   return made;
+}
+
+/** Return a list of rows that can be chosen, with its name. */
+function listbox(name, rows) {
+  return el("div", { role: "listbox", "aria-label": visible(name) }, rows);
 }
 
 /** Let at least one row of an element be reached with Tab. */

@@ -292,7 +292,8 @@ function comparisonOf(app) {
       click: () => app.go(at, { run: index, task: app.runs[index].events[at]?.task }),
     }, `Go to it in ${app.names[index]}`) : "");
   const cells = (name, row) => row.map((one, index) =>
-    el(index > 1 ? `${name}.num` : name, name === "th" ? { scope: "col" } : {}, asText(one)));
+    el(`${one ? name : "td"}${index > 1 ? ".num" : ""}`,
+      name === "th" && one ? { scope: "col" } : {}, asText(one)));
   const table = rows.length
     ? el("table", {}, el("thead", {}, el("tr", {}, cells("th", columns))),
       el("tbody", {}, rows.map((row) => el("tr", {}, cells("td", row)))))

@@ -57,7 +57,8 @@ function factHistory(app) {
     oneLine(event.event === "fact-erased" ? "− erased" : "+ asserted",
       el("span.dim", {}, ` by ${source.text}`), ...[placeLink(app, source.place)].flat()));
   });
-  return [el("h3", {}, `${fact}: ${changes.length} changes`), ...rows];
+  const title = `${fact}: ${changes.length} changes`;
+  return [el("h3", {}, title), listbox(title, reachable(rows))];
 }
 
 /** Show memory. */
@@ -69,9 +70,10 @@ function showMemory(app) {
   const rows = factHistory(app);
   const now = [...changed].filter(([fact]) => fact.toLowerCase().includes(wanted));
   if (now.length) {
+    const shown = now.slice(0, 40).map(([fact, change]) =>
+      factRow(app, fact, memory.get(fact), change));
     rows.push(el("h3", {}, "Changed in this cycle"));
-    rows.push(...now.slice(0, 40).map(([fact, change]) =>
-      factRow(app, fact, memory.get(fact), change)));
+    rows.push(listbox("Changed in this cycle", reachable(shown)));
     if (now.length > 40) rows.push(el("p.dim", {}, `and ${now.length - 40} more`));
   }
   const groups = new Map();
@@ -87,7 +89,7 @@ function showMemory(app) {
   const few = wanted && found <= MOST_FACTS;
   for (const name of [...groups.keys()].sort()) {
     const facts = groups.get(name);
-    const list = el("div", { role: "listbox", "aria-label": visible(name) });
+    const list = listbox(name, []);
     const build = () => {
       const made = facts.slice(0, MOST_FACTS).map(([fact, since]) =>
         factRow(app, fact, since, changed.get(fact)));
@@ -129,11 +131,12 @@ function showBeliefs(app) {
   const first = Math.max(Math.min(before - 4, run.beliefs.length - 8), 0);
   const time = (index) => readable(run.timeOf(index));
   rows.push(el("h3", {}, `Wrong beliefs of the run: ${run.beliefs.length}`));
-  rows.push(...run.beliefs.slice(first, first + 8).map((one) => el("div.row", {
+  const moments = run.beliefs.slice(first, first + 8).map((one) => el("div.row", {
     ...choosable("option", `w${one.n}${asText(one.fact)}`, present.includes(one), () =>
       app.go(one.n, { fact: asText(one.fact) })),
   },
   el("span.t", {}, time(one.n)), oneLine(asText(one.fact)),
-  el("span.age", {}, one.end === null ? "until the end" : `until ${time(one.end)}`))));
+  el("span.age", {}, one.end === null ? "until the end" : `until ${time(one.end)}`)));
+  rows.push(listbox("Wrong beliefs of the run", reachable(moments)));
   fill(byId("beliefs"), rows);
 }

@@ -112,10 +112,12 @@ function showClaims(app) {
     ...group("Things that are claimed or used", held),
     ...group("Waits for other tasks", waits),
     ...group("Requests and skills under way", acts),
-    ...group("Signals and data of this cycle", heard),
+    ...group("Signals and data of this cycle",
+      heard.length ? [listbox("Signals and data of this cycle", heard)] : []),
     ...group("Other waits", background),
   ];
   const none = `nothing is held, awaited or under way at ${readable(now)}`;
   if (!rows.length) rows.push(el("p.dim", {}, none));
-  fill(byId("claims"), reachable(rows));
+  fill(byId("claims"), rows);
+  reachable([...byId("claims").querySelectorAll("[data-key]")]);
 }
