@@ -225,6 +225,14 @@ def test_text_that_is_none_is_an_error(tmp_path: Path) -> None:
         load(["."])
 
 
+def test_replaced_text_of_a_required_file_is_read_once(tmp_path: Path) -> None:
+    folder = _write(tmp_path, a=_rap("a", "b"), b=_rap("b"))
+    paths = [str(folder / "a.rap"), str(folder / "b.rap")]
+    loaded = load(paths, texts={paths[0]: _rap("a", "b"), paths[1]: _rap("c")})
+    assert list(loaded.library.raps) == ["c", "a"]
+    assert loaded.diagnostics == ()
+
+
 def test_required_file_that_cannot_be_read_is_an_error(tmp_path: Path) -> None:
     _write(tmp_path, a=_rap("a", "b"))
     (tmp_path / "b.rap").write_bytes(b"\xff")

@@ -301,10 +301,15 @@ class _Reading:
         return SourceFile(name, text)
 
     def add_first(self, source: SourceFile) -> None:
-        """Parse a file that was already read, or a text; see `add`."""
+        """Parse a file that was already read, or a text; see `add`.
+
+        A file that an earlier file requires is not parsed again.
+        """
         path = path_of(source.name)
         if os.path.lexists(path):
             identity = identity_of(path)
+            if identity in self.seen:
+                return
             self.seen.setdefault(identity, source.name)
             self.names.setdefault(identity, source.name)
         self.add(source)
