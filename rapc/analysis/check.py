@@ -22,8 +22,10 @@ from typing import Any, Generic, Literal, TypeVar, cast
 
 import msgspec
 
+from rapc.analysis.rap_cache import RapCache, Values
 from rapc.base.diagnostics import Diagnostic, Rule
 from rapc.base.source import Span
+from rapc.ir import nodes
 from rapc.library.library import Library
 from rapc.library.signatures import Signatures
 
@@ -37,6 +39,16 @@ class Fact(msgspec.Struct, Generic[T], frozen=True, eq=False):
     """A value about a library, computed when the first check requests the value."""
 
     compute: Callable[[Pass], T]
+
+
+class RapFact(msgspec.Struct, Generic[T], frozen=True, eq=False):
+    """A value about a RAP, computed when the first check requests the value.
+
+    The value depends only on the RAP, on the RAPs that its steps reach, and on the
+    declarations, rules and queries of the library. See `rapc.analysis.rap_cache`.
+    """
+
+    compute: Callable[[Pass, nodes.DefineRap], T]
 
 
 class Check(msgspec.Struct, frozen=True, eq=False):
@@ -75,6 +87,7 @@ class Pass:
         complete: whether every file that the library requires was found.
         unsure: whether a syntax error may affect the text at a place.
         required: by file name, the files that the file itself requires.
+        cache: values about RAPs from earlier checks of the library.
     """
 
     def __init__(
@@ -83,6 +96,7 @@ class Pass:
         complete: bool = True,
         unsure: Callable[[Span], bool] = never,
         required: Mapping[str, tuple[str, ...]] = MappingProxyType({}),
+        cache: RapCache | None = None,
     ) -> None:
         self.library = library
         self.signatures = Signatures.of(library)
@@ -90,6 +104,10 @@ class Pass:
         self.unsure = unsure
         self.required = required
         self._facts: dict[Fact[Any], object] = {}
+        #: The values about RAPs, by the `id` of the RAP.
+        self._of_raps: dict[int, Values] = {}
+        if cache is not None:
+            self._of_raps = cache.values(library, complete, unsure)
 
     def result(self, fact: Fact[T]) -> T:
         """Return the value of a fact; the value is computed once."""
@@ -97,9 +115,17 @@ class Pass:
             self._facts[fact] = fact.compute(self)
         return cast(T, self._facts[fact])
 
+    def of(self, fact: RapFact[T], rap: nodes.DefineRap) -> T:
+        """Return the value of a fact about a RAP; the value is computed once."""
+        values = self._of_raps.setdefault(id(rap), {})
+        if fact not in values:
+            values[fact] = fact.compute(self, rap)
+        return cast(T, values[fact])
+
     def keep(self, *facts: Fact[Any]) -> None:
-        """Forget the values of all other facts."""
+        """Forget the values of all other facts, and those about RAPs."""
         self._facts = {one: self._facts[one] for one in facts if one in self._facts}
+        self._of_raps = {}
 
     def known(self, fact: Fact[T]) -> T | None:
         """Return the value of a fact if it was computed."""

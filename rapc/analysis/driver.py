@@ -24,6 +24,7 @@ from rapc.analysis import registry, suppressions
 from rapc.analysis.check import Check, Pass, Whole
 from rapc.analysis.damage import Damage
 from rapc.analysis.hiding import visible, with_hiders
+from rapc.analysis.rap_cache import RapCache
 from rapc.analysis.selection import Selection, by_default
 from rapc.base.diagnostics import Diagnostic, Rule, Severity
 from rapc.base.files import lies_in
@@ -81,6 +82,7 @@ def check_libraries(
     selection: Selection | None = None,
     paths: Sequence[str] | None = None,
     before_check: Callable[[Pass], None] | None = None,
+    cache: RapCache | None = None,
 ) -> CheckReport:
     """Check libraries that share files; each finding is reported once.
 
@@ -93,9 +95,13 @@ def check_libraries(
             depends on files outside the paths.
         before_check: called before each check with the facts about the library; it
             may raise an exception to end the work.
+        cache: values about RAPs from earlier checks of the first library.
     """
     chosen = selection or Selection(by_default())
-    checked = [(one, _findings(one, chosen, before_check)) for one in libraries]
+    checked: list[tuple[Loaded, list[Finding]]] = []
+    for one in libraries:
+        own = None if checked else cache
+        checked.append((one, _findings(one, chosen, before_check, own)))
     files = {name: file for one, _ in checked for name, file in one.files.items()}
     raps: dict[str, int] = {}
     for one, _ in checked:
@@ -135,11 +141,12 @@ def _findings(
     loaded: Loaded,
     chosen: Selection,
     before_check: Callable[[Pass], None] | None = None,
+    cache: RapCache | None = None,
 ) -> list[Finding]:
     """Return the findings of one library, filtered by the reasons 1 to 5."""
     damage = Damage(loaded.units)
     complete = all(d.rule != UNRESOLVED.name for d in loaded.diagnostics)
-    run = Pass(loaded.library, complete, damage.reaches, loaded.required)
+    run = Pass(loaded.library, complete, damage.reaches, loaded.required, cache)
     certain = [
         diagnostic
         for diagnostic, whole in _found(run, chosen.enabled, before_check)

@@ -10,14 +10,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from rapc.analysis.facts.effects import Effect, Effects, calls_of
+from rapc.analysis.facts.effects import Effect, Effects
 from rapc.analysis.graphs import GraphDrawing, Kind, facts_of
 from rapc.base.graph import Graph, reachable
 from rapc.base.values import Atom, format_atom, format_list
 from rapc.ir import nodes
 from rapc.ir.printer import format_node
 from rapc.ir.walk import steps
-from rapc.library.library import Library
+from rapc.library.library import Library, calls_of
 
 
 class _Said(NamedTuple):

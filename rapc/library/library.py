@@ -16,6 +16,7 @@ from rapc.base.diagnostics import Diagnostic, Label, Rule
 from rapc.base.source import SourceFile, Span
 from rapc.ir import nodes
 from rapc.ir.nodes import DefineTest
+from rapc.ir.walk import steps
 from rapc.language.heads import ALONE, CALLS, QUERIES
 from rapc.library.kinds import KNOWN_KINDS
 from rapc.parser.unit import SourceUnit
@@ -87,6 +88,14 @@ def usable_in_plans(
     if rap.plan is None:
         return ()
     return rap.plan.raps or tuple([one.name for one in raps.values() if one.effects])
+
+
+def calls_of(
+    rap: nodes.DefineRap, raps: Mapping[str, nodes.DefineRap]
+) -> tuple[str, ...]:
+    """Return the RAPs that the steps of a RAP and of its plans may call, each once."""
+    called = [step.goal.name for method in rap.methods for step in steps(method)]
+    return tuple(dict.fromkeys([*called, *usable_in_plans(raps, rap)]))
 
 
 KINDS: Mapping[type[nodes.Node], tuple[str, str, str]] = {

@@ -64,11 +64,33 @@ class Units:
         self._made: dict[str, SourceUnit] = {}
 
     def __call__(self, source: SourceFile) -> SourceUnit:
-        """Return the unit of a file, from the cache if its text is unchanged."""
+        """Return the unit of a file, from the cache if its text is unchanged.
+
+        A form with the same text at the same place is the same node as before.
+        """
         made = self._made.get(source.name)
         if made is None or made.file.text != source.text:
-            made = self._made[source.name] = parse(source)
+            new = parse(source)
+            made = new if made is None else _with_nodes_of(made, new)
+            self._made[source.name] = made
         return made
+
+
+def _with_nodes_of(old: SourceUnit, new: SourceUnit) -> SourceUnit:
+    """Return a unit with the nodes of an earlier unit for forms with the same text.
+
+    A form with a part left out is not determined by its text and keeps its new node.
+    """
+    before = {form.span: form for form in old.forms}
+    for one in (*old.partial, *new.partial):
+        before.pop(one.form.span, None)
+
+    def known(form: nodes.TopForm) -> nodes.TopForm:
+        text = slice(form.span.start, form.span.end)
+        same = old.file.text[text] == new.file.text[text]
+        return before.get(form.span, form) if same else form
+
+    return msgspec.structs.replace(new, forms=tuple(map(known, new.forms)))
 
 
 _LONG = 60

@@ -27,6 +27,7 @@ from rapc.analysis.facts.effects import EFFECTS
 from rapc.analysis.facts.index import INDEX, Index
 from rapc.analysis.facts.kinds import INFERRED
 from rapc.analysis.libraries import LibrarySpec, libraries_of
+from rapc.analysis.rap_cache import RapCache
 from rapc.analysis.selection import Selection, UnknownRuleError, by_default
 from rapc.base.files import (
     STANDARD,
@@ -122,6 +123,7 @@ class _State:
         self.whole_at = -1
         #: The last change of a file of the library.
         self.changed_at = 0
+        self.cache = RapCache()
 
 
 class Worker:
@@ -318,7 +320,8 @@ class Worker:
             going()
             runs[id(run.library)] = run
 
-        report = check_libraries(loads, selection, work.folders or spec.paths, note)
+        paths = work.folders or spec.paths
+        report = check_libraries(loads, selection, paths, note, state.cache)
         report = _without_known(configured, report, unreadable)
         for run in runs.values():  # the facts of all checks take much memory
             run.keep(INDEX, INFERRED, EFFECTS)

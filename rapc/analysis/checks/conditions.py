@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import msgspec
 
-from rapc.analysis.check import Fact, Pass, check
+from rapc.analysis.check import Fact, Pass, RapFact, check
 from rapc.analysis.facts.bindings import Bound, whole_formulas
 from rapc.analysis.facts.clashes import clash_at, first_clash, said
 from rapc.analysis.facts.index import INDEX
@@ -59,11 +59,28 @@ class Contradiction(NamedTuple):
 
 def _run(run: Pass) -> Sequence[Contradiction]:
     return [
-        Contradiction(formula, clash)
+        one
         for form in run.library.forms
-        for formula, given in whole_formulas(form, run.library.functions)
-        for clash in _contradictions(run, formula, given)
+        for one in (
+            run.of(_OF_RAP, form)
+            if isinstance(form, nodes.DefineRap)
+            else _of_form(run, form)
+        )
     ]
+
+
+def _of_form(run: Pass, form: nodes.TopForm) -> Sequence[Contradiction]:
+    return tuple(
+        [
+            Contradiction(formula, clash)
+            for formula, given in whole_formulas(form, run.library.functions)
+            for clash in _contradictions(run, formula, given)
+        ]
+    )
+
+
+_OF_RAP = RapFact(_of_form)
+"""The contradictions in the clauses of a RAP."""
 
 
 CONTRADICTIONS = Fact(_run)
@@ -210,15 +227,21 @@ def _goal(formula: nodes.Formula, given: Container[str]) -> _Goal:
 @check(UNREACHABLE, needs_whole="form")
 def never_holds(run: Pass) -> Iterator[Diagnostic]:
     """Find methods that are never chosen."""
-    never = {id(one.formula) for one in run.result(CONTRADICTIONS)}
     for rap in run.library.forms:
         if isinstance(rap, nodes.DefineRap):
-            yield from one_for_each_place(_rap(run, rap, never))
+            yield from run.of(UNREACHABLE_METHODS, rap)
 
 
-def _rap(
-    run: Pass, rap: nodes.DefineRap, never: Container[int]
-) -> Iterator[Diagnostic]:
+def _never_holds(run: Pass, rap: nodes.DefineRap) -> Sequence[Diagnostic]:
+    return tuple(one_for_each_place(_rap(run, rap)))
+
+
+UNREACHABLE_METHODS = RapFact(_never_holds)
+"""The findings about methods of a RAP that are never chosen."""
+
+
+def _rap(run: Pass, rap: nodes.DefineRap) -> Iterator[Diagnostic]:
+    never = {id(one.formula) for one in run.of(_OF_RAP, rap)}
     given = given_names(rap)
     goals = [_goal(formula, given) for formula in _ways_to_succeed(rap)]
     at = _Chosen(run, given, list(_held(rap, given, never)), goals)

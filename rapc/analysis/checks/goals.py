@@ -16,7 +16,6 @@ from rapc.analysis.facts.clashes import follows_expanded, rules_out
 from rapc.analysis.facts.effects import (
     EFFECTS,
     Effect,
-    calls_of,
     done_by_method,
     goals_of_method,
     may_establish,
@@ -34,7 +33,7 @@ from rapc.base.graph import components
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
 from rapc.ir.walk import ways
-from rapc.library.library import Library
+from rapc.library.library import Library, calls_of
 
 HOPELESS = Rule(
     code="RAP140",

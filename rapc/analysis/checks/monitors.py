@@ -10,7 +10,6 @@ import msgspec
 from rapc.analysis.check import Pass, check
 from rapc.analysis.facts.effects import (
     below_agendas,
-    calls_of,
     done_by_method,
     endless,
     is_described,
@@ -62,7 +61,7 @@ from rapc.ir.walk import (
     variable_names,
     ways,
 )
-from rapc.library.library import Library
+from rapc.library.library import Library, calls_of
 
 AGE_IN_MONITOR = Rule(
     code="RAP068",

@@ -16,8 +16,9 @@ from collections.abc import (
     Sequence,
 )
 from functools import cache, partial
+from itertools import chain
 
-from rapc.analysis.check import Pass, check
+from rapc.analysis.check import Pass, RapFact, check
 from rapc.analysis.facts.clashes import (
     clash_at,
     first_clash,
@@ -29,7 +30,6 @@ from rapc.analysis.facts.effects import (
     ACTING,
     GUARANTEED,
     acts_itself,
-    calls_of,
     done_by_method,
     may_end,
     put_in,
@@ -67,6 +67,7 @@ from rapc.ir.walk import (
     variable_names,
     ways,
 )
+from rapc.library.library import calls_of
 
 COPIED_STEP = Rule(
     code="RAP168",
@@ -313,27 +314,47 @@ NEEDLESS = Rule(
 def step_conditions(run: Pass) -> Iterator[Diagnostic]:
     """Compare each step with the context and the clauses around the step."""
     raps = run.library.raps
-    undone: dict[str, list[Diagnostic]] = {}
-    for rap in run.library.raps.values():
-        for method in rap.methods:
-            for found in _undone_goal(run, rap, method, given_names(rap)):
-                undone.setdefault(rap.name, []).append(found)
-    for name, there in undone.items():
-        if undone.keys().isdisjoint(set(calls_of(raps[name], raps)) - {name}):
-            yield from there
+    for rap in raps.values():
+        undone = run.of(UNDONE, rap)
+        if undone and not any(
+            _is_undone(run, name) for name in calls_of(rap, raps) if name != rap.name
+        ):
+            yield from undone
     reported: set[Span] = set()
     for rap in run.library.raps.values():
-        for method in rap.methods:
-            if isinstance(method.body, nodes.TaskNet) and method.body.steps:
-                for found in _steps(run, rap, method, undone):
-                    causes = {label.span for label in found.labels}
-                    if causes.isdisjoint(reported):
-                        yield found
-                    reported |= causes
+        for found in run.of(STEP_CONDITIONS, rap):
+            causes = {label.span for label in found.labels}
+            if causes.isdisjoint(reported):
+                yield found
+            reported |= causes
+
+
+def _undone(run: Pass, rap: nodes.DefineRap) -> Sequence[Diagnostic]:
+    found = (_undone_goal(run, rap, method) for method in rap.methods)
+    return tuple(chain.from_iterable(found))
+
+
+UNDONE = RapFact(_undone)
+"""The findings about methods whose guaranteed effects contradict `succeed`."""
+
+
+def _is_undone(run: Pass, name: str) -> bool:
+    """Return whether a RAP has a method that contradicts its `succeed`."""
+    rap = run.library.raps.get(name)
+    return rap is not None and bool(run.of(UNDONE, rap))
+
+
+def _step_conditions(run: Pass, rap: nodes.DefineRap) -> Sequence[Diagnostic]:
+    found = (_steps(run, rap, method) for method in rap.methods if steps(method))
+    return tuple(chain.from_iterable(found))
+
+
+STEP_CONDITIONS = RapFact(_step_conditions)
+"""The findings about the steps of a RAP and the clauses around them."""
 
 
 def _undone_goal(
-    run: Pass, rap: nodes.DefineRap, method: nodes.Method, given: set[str]
+    run: Pass, rap: nodes.DefineRap, method: nodes.Method
 ) -> Iterator[Diagnostic]:
     """Find a method whose guaranteed effects contradict `succeed`."""
     goal = rap.succeed
@@ -343,6 +364,7 @@ def _undone_goal(
     relations = run.signatures.relations
     if not sure or not may_clash([*literals(goal), *sure], relations):
         return
+    given = given_names(rap)
     wanted = literals(apart(goal, given, "@goal"))
     bound = given | set(variable_names(*_formulas(rap, method)))
     clash = first_clash(run, (), [*wanted, *sure], bound)
@@ -372,15 +394,11 @@ def _done_last(run: Pass, method: nodes.Method) -> Sequence[Literal]:
 
 
 def _steps(
-    run: Pass, rap: nodes.DefineRap, method: nodes.Method, undone: Container[str]
+    run: Pass, rap: nodes.DefineRap, method: nodes.Method
 ) -> Iterator[Diagnostic]:
     """Compare the steps of a method with what holds when the steps begin.
 
-    Args:
-        run: the pass.
-        rap: the RAP of the method.
-        method: the method.
-        undone: the RAPs with a fault in `succeed`, which are reported themselves.
+    RAPs with a fault in `succeed` are reported themselves.
     """
     given = given_names(rap)
     body = method.body
@@ -392,10 +410,10 @@ def _steps(
     chosen = at_choice(run, rap, method, given)
     beginnings = Beginnings(run, rap, method, net, chosen, given)
     brought = cache(partial(_brought, run, body.steps))
-    is_sure = not any(step.goal.name in undone for step in body.steps)
+    is_sure = not any(_is_undone(run, step.goal.name) for step in body.steps)
     for at, step in enumerate(body.steps):
         called = run.library.raps.get(step.goal.name)
-        if called is None or called.name in undone:
+        if called is None or _is_undone(run, called.name):
             continue
         for note in step.annotations:
             if not isinstance(note, nodes.For) or note.formula is None:
@@ -650,7 +668,24 @@ UNORDERED = Rule(
 @check(UNORDERED, needs_whole="method")
 def unordered_steps(run: Pass) -> Iterator[Diagnostic]:
     """Find steps that need the effect of a step that is not before them."""
-    for rap, method, net in sure_nets(run):
+    for rap in run.library.raps.values():
+        yield from run.of(UNORDERED_STEPS, rap)
+
+
+def _unordered(run: Pass, rap: nodes.DefineRap) -> Sequence[Diagnostic]:
+    return tuple(_unordered_steps(run, rap))
+
+
+UNORDERED_STEPS = RapFact(_unordered)
+"""The findings about steps without an order in a RAP."""
+
+
+def _unordered_steps(run: Pass, rap: nodes.DefineRap) -> Iterator[Diagnostic]:
+    """Yield the first finding in each method."""
+    for method in rap.methods:
+        net = sure_net(run, method)
+        if net is None:
+            continue
         steps = method.body.steps if isinstance(method.body, nodes.TaskNet) else ()
         known = {fact_name(one) for one in _known(rap, method)}
         brought, protected = _brought(run, steps), _protected(steps)

@@ -6,10 +6,10 @@ new variable always holds [L 2.20]. Identical methods are reported here, too.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Container, Iterator, Mapping
+from collections.abc import Collection, Container, Iterator, Mapping, Sequence
 from itertools import pairwise, permutations
 
-from rapc.analysis.check import Pass, check
+from rapc.analysis.check import Pass, RapFact, check
 from rapc.analysis.facts.effects import does_nothing, may_end
 from rapc.analysis.facts.index import INDEX, Index, Occurrence
 from rapc.analysis.facts.logic import (
@@ -103,7 +103,6 @@ NEEDLESS_NEED = Rule(
 @check(COPY, AT_ONCE, NEVER, ALWAYS, NOT_AT_FIRST, NEEDLESS_NEED, needs_whole="form")
 def settled(run: Pass) -> Iterator[Diagnostic]:
     """Find identical methods, and clauses with a constant result."""
-    always = Always(run.signatures)
     awaited = {
         step.goal.name
         for rap in run.library.raps.values()
@@ -114,14 +113,24 @@ def settled(run: Pass) -> Iterator[Diagnostic]:
     for rap in run.library.forms:
         if not isinstance(rap, nodes.DefineRap):
             continue
-        given = given_names(rap)
-        yield from _without_a_wait(run, rap, given)
-        never = rap.succeed is not None and is_never(rap.succeed)
-        if rap.methods:
-            yield from _copies(rap)
-            yield from _settled(rap, always, given)
-        elif rap.succeed and never and rap.name in awaited and not _waits(rap):
+        yield from run.of(SETTLED, rap)
+        if rap.methods or rap.succeed is None or rap.name not in awaited:
+            continue
+        if is_never(rap.succeed) and not _waits(rap):
             yield _never_succeeds(rap, rap.succeed)
+
+
+def _of_rap(run: Pass, rap: nodes.DefineRap) -> Sequence[Diagnostic]:
+    given = given_names(rap)
+    found = list(_without_a_wait(run, rap, given))
+    if rap.methods:
+        found += _copies(rap)
+        found += _settled(rap, Always(run.signatures), given)
+    return tuple(found)
+
+
+SETTLED = RapFact(_of_rap)
+"""The findings about the clauses and methods of a RAP alone."""
 
 
 def _copies(rap: nodes.DefineRap) -> Iterator[Diagnostic]:

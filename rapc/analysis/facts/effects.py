@@ -43,17 +43,9 @@ from rapc.base.graph import Reachable, components, reachable
 from rapc.base.source import Span
 from rapc.ir import nodes
 from rapc.ir.walk import input_terms, steps, substitute, variables
-from rapc.library.library import Library, usable_in_plans
+from rapc.library.library import Library, calls_of
 
 # --- calls of RAPs --------------------------------------------------------------------
-
-
-def calls_of(
-    rap: nodes.DefineRap, raps: Mapping[str, nodes.DefineRap]
-) -> tuple[str, ...]:
-    """Return the RAPs that the steps of a RAP and of its plans may call, each once."""
-    called = [step.goal.name for method in rap.methods for step in steps(method)]
-    return tuple(dict.fromkeys([*called, *usable_in_plans(raps, rap)]))
 
 
 def reached(library: Library, names: Iterable[str]) -> dict[str, nodes.DefineRap]:
