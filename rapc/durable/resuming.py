@@ -72,6 +72,12 @@ class ResumedWorld(Wrapper):
         #: The time before the resumption; None afterwards.
         self._begun: Time | None = begun
         self._offset: Time = 0
+        #: The last time of the clock.
+        self._time = begun
+        #: The last time to come to, and the last result of `next_time`, each with this
+        #: time of the wrapped world: a sum of times is not exact.
+        self._target: tuple[Time, Time] = begun, 0
+        self._due: tuple[Time, Time] = begun, 0
         #: The messages to return before those of the world.
         self.first: list[Message | Resumed] = []
         #: The answers to requests that the first process may have sent, by ticket.
@@ -82,6 +88,7 @@ class ResumedWorld(Wrapper):
         self._begun = None
         behind = super().now()
         self._offset = number(last - behind) if behind < last else 0
+        self._time = last
 
     def facts(self) -> Iterable[Fact]:
         """Return the initial facts; none before the resumption, which are known."""
@@ -91,20 +98,30 @@ class ResumedWorld(Wrapper):
         """Return the time of the clock."""
         if self._begun is not None:
             return self._begun
-        now = super().now()
-        return number(now + self._offset) if self._offset else now
+        behind = super().now()
+        if not self._offset:
+            return behind
+        to, target = self._target
+        now = number(behind + self._offset)
+        self._time = max(self._time, now, to if behind >= target else now)
+        return self._time
 
     def next_time(self) -> Time | None:
         """Return the time of the next message."""
         due = super().next_time()
         if due is None or due == NOT_KNOWN or not self._offset:
             return due
-        return number(due + self._offset)
+        self._due = number(due + self._offset), due
+        return self._due[0]
 
     def advance(self, to: Time) -> None:
         """Advance the clock, unless messages are to be received."""
-        if not self.first:
-            super().advance(number(to - self._offset) if self._offset else to)
+        if self.first:
+            return
+        time, due = self._due
+        target = due if self._offset and to == time else number(to - self._offset)
+        self._target = to, target
+        super().advance(target)
 
     def messages(self) -> Sequence[Message]:
         """Return the outcomes of requests, or else the messages of the world."""
@@ -158,9 +175,7 @@ def go_on(
     under_way: dict[int, Fact | Skills] = {**recorded.requests, **recorded.skills}
     call, asked = question
     if call in ("cancel", "deactivate"):  # the ticket is no longer needed
-        del under_way[asked[0]]
-    # The clock of a resumable world is known after `resume`, and has gone on.
-    world.go_on(0 if isinstance(world, Resumable) else run.now)
+        under_way.pop(asked[0], None)
     first: list[Message | Resumed] = [Resumed(round(seconds, 3))]
     if isinstance(world, Resumable):
         tickets = sorted({*under_way, *([sent.ticket] if sent else ())})
@@ -170,6 +185,7 @@ def go_on(
             raise StateError(
                 f"cannot resume: the world `{world.name}` refuses: {error}"
             ) from error
+        world.go_on(run.now)
         if sent is not None and sent.ticket in known:
             world.settled[sent.ticket] = known[sent.ticket]
         for ticket, asked in under_way.items():
@@ -178,6 +194,7 @@ def go_on(
             else:
                 first += _sent_again(world, ticket, asked)
     else:
+        world.go_on(run.now)
         chosen = _Choice(world.kit.offer, treatments, decide)
         if sent is not None and not chosen.repeats(sent.asked[1]):
             world.settled[sent.ticket] = Refused(reason=LOST)

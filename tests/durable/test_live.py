@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Iterator
 from pathlib import Path
+from random import Random
 from typing import Any
 
 import pytest
@@ -15,23 +15,15 @@ import rapc
 from rapc.base.values import Fact
 from rapc.durable import journal
 from rapc.durable.folder import Options, Writer
-from rapc.durable.resuming import LOST
+from rapc.durable.resuming import LOST, ResumedWorld
 from rapc.durable.runs import DurableRun
 from rapc.errors import PortError, StateError
 from rapc.spec import RunSpec
-from tests.durable.helpers import Killed, Run, Traces, kill_after
+from tests.durable.helpers import Killed, Run, kill_after
 from tests.durable.peer import Peer, PeerWorld, ResumablePeer, library, of
 
 JOBS = 4
-
-
-@pytest.fixture(autouse=True)
-def _ends(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """Let a killed run, which is still in this process, lose its lock and files."""
-    monkeypatch.setattr("rapc.durable.folder.fcntl.flock", lambda *_: None)
-    traces = Traces(monkeypatch)
-    yield
-    traces.close()
+pytestmark = pytest.mark.usefixtures("killable")
 
 
 BRIEFLY = """
@@ -273,6 +265,41 @@ def test_clock_that_begins_again_goes_on(tmp_path: Path) -> None:
     events = [json.loads(line) for line in run.trace.read_text().splitlines()]
     times = [one["time"] for one in events]
     assert times == sorted(times)
+
+
+class Clock(PeerWorld):
+    """A world with messages at times that are given."""
+
+    def __init__(self, dues: list[float]) -> None:
+        self.time, self.dues = 0.0, dues
+
+    def now(self) -> float:
+        return self.time
+
+    def next_time(self) -> float | None:
+        return min((due for due in self.dues if due > self.time), default=None)
+
+    def advance(self, to: float) -> None:
+        self.time = to
+
+
+def test_clock_that_begins_again_comes_to_each_time_exactly() -> None:
+    chance = Random(1)
+    for _ in range(200):
+        behind = Clock(sorted(chance.random() * 100 for _ in range(10)))
+        world = ResumedWorld(behind, 0)
+        before = chance.random() * 1000
+        world.go_on(before)
+        assert world.now() == before
+        for due in behind.dues:
+            found = world.next_time()
+            assert found is not None
+            for to in (before + (found - before) / 3, found):
+                world.advance(to)
+                assert to <= world.now() <= to + 1e-9
+                before = world.now()
+            assert behind.time == due
+            assert world.now() >= before
 
 
 def test_world_that_has_forgotten_messages_is_refused(tmp_path: Path) -> None:
