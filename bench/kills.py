@@ -4,14 +4,15 @@
 
 Each run is a process of its own, and is ended with SIGKILL after a random time, then
 resumed and killed again until it ends. The last journal of each run is then cut off at
-random bytes: a resumed run has the same trace, or is refused in one line. A robot in a
-process of its own then gets 150 requests from runs that are killed at least 10 times
-each, and must do each request exactly once.
+random bytes: a resumed run has the same trace, or is refused in one line. Before that,
+two robots in processes of their own, one of them with a driver, get 150 requests from
+runs that are killed at least 10 times each, and must do each request exactly once.
 """
 
 from __future__ import annotations
 
 import argparse
+import importlib
 import os
 import random
 import shutil
@@ -21,19 +22,20 @@ import sys
 import tempfile
 import time
 import traceback
-from collections import Counter
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+from rapc.base import watchdog
 from rapc.cli.main import main as rapc
 from rapc.durable import journal
 from rapc.durable.folder import Options
 from rapc.durable.runs import Resumption, begin, enclosed
-from rapc.host import loads
+from rapc.host import CheckedLibrary, load, loads
 from rapc.runtime.interpreter import Interpreter
 from rapc.spec import RunSpec
+from rapc.world import World
 from tests.durable import peer as live
 
 HERE = Path(__file__).parents[1]
@@ -53,7 +55,7 @@ CYCLES = (10, 100, 1000)
 REFUSED = 2
 
 JOBS = 75
-"""The number of jobs of a robot in a process of its own, each after a look."""
+"""The number of jobs of a robot in a process of its own, each with two requests."""
 
 KILLS = 12
 """The number of kills of such a run."""
@@ -176,42 +178,80 @@ class Killed:
         return True
 
 
-def live_run(socket: str, folder: Path) -> None:
-    """Begin or resume the run of a peer in this process; end the process."""
-    library = loads(live.library(JOBS)).program
-    call = live.at(socket)
-    spec = RunSpec(tasks=("(all)",))
-    journalled, trace = folder / "journal", folder / "trace.jsonl"
-    if (journalled / "meta").exists():
-        found = Resumption(journalled, library)
-        world = enclosed(found.stored.meta)(live.ResumablePeer(call))
-        run = Interpreter.prepared(found.program, world, spec)
-        durable = found.resume(run, Options(), lambda request: "fail", trace=trace)
-    else:
-        shutil.rmtree(journalled, ignore_errors=True)
-        run = Interpreter.prepared(library, live.ResumablePeer(call), spec)
-        durable = begin(journalled, run, Options(), trace=trace)
-    assert durable.go() == "done"
-    durable.close()
+class Robot(NamedTuple):
+    """A robot that goes on when the interpreter dies, in a process of its own."""
+
+    #: The Python program of the robot; the last argument is its socket.
+    program: Sequence[str]
+    library: CheckedLibrary
+    tasks: Sequence[str]
+    #: Returns the world, by the socket.
+    world: Callable[[str], World]
+    #: Whether the robot has done each request once, by its counts.
+    once: Callable[[Any], bool]
+
+    def run(self, socket: str, folder: Path) -> None:
+        """Begin or resume the run, and bring it to its end."""
+        library, world = self.library.program, self.world(socket)
+        journalled, trace = folder / "journal", folder / "trace.jsonl"
+        if (journalled / "meta").exists():
+            found = Resumption(journalled, library)
+            spec, world = found.stored.meta.spec, enclosed(found.stored.meta)(world)
+            run = Interpreter.prepared(found.program, world, spec)
+            durable = found.resume(run, Options(), lambda _: "fail", trace=trace)
+        else:
+            shutil.rmtree(journalled, ignore_errors=True)
+            spec = RunSpec(tasks=tuple(self.tasks))
+            run = Interpreter.prepared(library, world, spec)
+            durable = begin(journalled, run, Options(), trace=trace)
+        assert durable.go() == "done"
+        durable.close()
 
 
-def killed_live(kills: int, rng: random.Random, folder: Path) -> int:
-    """Kill a run with a peer some times, at least; return how often it was killed.
+def peer() -> Robot:
+    """Return a robot whose world is resumable."""
+    wanted = {(name, n): 1 for name in ("look", "work") for n in range(1, JOBS + 1)}
+    return Robot(
+        ("-m", "tests.durable.peer"),
+        loads(live.library(JOBS)),
+        ["(all)"],
+        lambda socket: live.ResumablePeer(live.at(socket)),
+        lambda counts: dict(counts[0]) == dict(counts[1]) == wanted,
+    )
+
+
+def conveyor() -> Robot:
+    """Return the conveyor of the examples, with its driver; several jobs at once."""
+    folder = HERE / "examples" / "conveyor"
+    sys.path.insert(0, str(folder))
+    watchdog.PERIOD = 60.0  # a loaded machine stops no body
+    driver = importlib.import_module("conveyor").Conveyor
+    wanted = {f"p{n}": 1 for n in range(1, JOBS + 1)}
+    return Robot(
+        (str(folder / "controller.py"),),
+        load(folder / "conveyor.rap"),
+        [f"(dispatch p{n}) :at {n * 0.05}" for n in range(1, JOBS + 1)],
+        lambda socket: driver(options={"socket": socket}),
+        lambda counts: all(one == wanted for one in counts),
+    )
+
+
+def killed_live(robot: Robot, kills: int, rng: random.Random, folder: Path) -> int:
+    """Kill a run with a robot some times, at least; return how often it was killed.
 
     Raises:
         AssertionError: if a request was not done exactly once.
     """
-    socket = str(folder / "socket")
-    command = [sys.executable, "-m", "tests.durable.peer", socket]
-    done = 0
-    with subprocess.Popen(command, cwd=HERE, stdout=subprocess.PIPE) as peer:
-        assert peer.stdout is not None
-        peer.stdout.readline()
+    socket, done = str(folder / "socket"), 0
+    command = [sys.executable, *robot.program, socket]
+    with subprocess.Popen(command, cwd=HERE, stdout=subprocess.PIPE) as machine:
+        assert machine.stdout is not None
+        machine.stdout.readline()
         while True:
             process = os.fork()
             if not process:
                 try:
-                    live_run(socket, folder)
+                    robot.run(socket, folder)
                     os._exit(0)
                 except BaseException:
                     traceback.print_exc()
@@ -223,27 +263,30 @@ def killed_live(kills: int, rng: random.Random, folder: Path) -> int:
             if status != -signal.SIGKILL:
                 break
             done += 1
-        call = live.at(socket)
-        started, finished, _ = call("counts")
-        call("stop")
+        counts = live.at(socket)("counts")
+        machine.terminate()
     if status:
         raise AssertionError(f"status {status}")
-    wanted = {(name, n): 1 for name in ("look", "work") for n in range(1, JOBS + 1)}
-    if not dict(started) == dict(finished) == wanted:
-        raise AssertionError(f"{started - finished}, {finished - Counter(wanted)}")
+    if not robot.once(counts):
+        raise AssertionError(counts)
     return done
 
 
-def measured(kills: int, cuts: int, seed: int, folder: Path) -> dict[str, Counts]:
-    """Kill and cut runs; return how many were resumed and refused, by run."""
+def measured(
+    names: Sequence[str], kills: int, cuts: int, seed: int, folder: Path
+) -> dict[str, Counts]:
+    """Kill and cut some of `RUNS`; return how many were resumed and refused, by run.
+
+    The runs share the numbers of kills and of cuts.
+    """
     rng, found = random.Random(seed), {}
     os.chdir(HERE)
-    for name, given in RUNS.items():
-        args = (*given, "--seed", str(seed))
+    for name in names:
+        args = (*RUNS[name], "--seed", str(seed))
         whole = folder / f"{name}.jsonl"
         seconds = run_whole(args, whole)
         done, cut, refused = 0, 0, 0
-        while done < kills // len(RUNS) or cut < cuts // len(RUNS):
+        while done < kills // len(names) or cut < cuts // len(names):
             one = folder / "one"
             shutil.rmtree(one, ignore_errors=True)
             one.mkdir()
@@ -259,7 +302,7 @@ def measured(kills: int, cuts: int, seed: int, folder: Path) -> dict[str, Counts
 
             done += run.kill(seconds * 0.4, keep)
             for copy in copies:
-                if cut < cuts // len(RUNS):
+                if cut < cuts // len(names):
                     # the journal names its trace, so the copy goes to its place
                     shutil.rmtree(one)
                     shutil.copytree(copy, one)
@@ -279,14 +322,16 @@ def main() -> None:
     parser.add_argument("--live", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
     given = parser.parse_args()
-    rng, done = random.Random(given.seed), 0
-    while done < given.live:
-        with tempfile.TemporaryDirectory() as folder:
-            done += killed_live(KILLS, rng, Path(folder))
-        print(f"live: {done} kills", file=sys.stderr, flush=True)
-    print(f"{done} kills with a live robot: each request done once")
+    rng = random.Random(given.seed)
+    for robot in (peer, conveyor):
+        done = 0
+        while done < given.live:
+            with tempfile.TemporaryDirectory() as folder:
+                done += killed_live(robot(), KILLS, rng, Path(folder))
+            print(f"{robot.__name__}: {done} kills", file=sys.stderr, flush=True)
+        print(f"{done} kills with a {robot.__name__}: each request done once")
     scratch = Path(tempfile.mkdtemp())
-    found = measured(given.kills, given.cuts, given.seed, scratch)
+    found = measured([*RUNS], given.kills, given.cuts, given.seed, scratch)
     shutil.rmtree(scratch)  # not after an error: its message names a file in there
     for name, counts in found.items():
         print(f"{name:<22} {counts.same:>6} same {counts.refused:>6} refused")

@@ -212,6 +212,11 @@ class Journal:
     def _readings(self) -> int:
         return self._answers.position.readings
 
+    @property
+    def _repeats(self) -> bool:
+        """Whether the run repeats the contents of the journal."""
+        return self._answers.at_end is not None
+
     def _write(self, record: Record) -> None:
         self._writer.write(framed(record))
 
@@ -225,6 +230,8 @@ class Journal:
         world, tell = self._world, self._acknowledge
         if world is None or tell is None or world.received == self._acknowledged:
             return
+        if self._repeats:
+            return
         self._acknowledged = world.received
         tell(world.received)
 
@@ -234,8 +241,8 @@ class Journal:
         """Write a snapshot or the reached cycle, if it is time for that."""
         run = self.run
         assert run is not None
-        if self._answers.at_end is not None:
-            return  # the run repeats what is in the journal
+        if self._repeats:
+            return
         clock = time.monotonic()
         cycle, since = self._last
         due = run.cycle - cycle >= CYCLES and clock - since >= PAUSE * self._cost

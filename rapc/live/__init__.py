@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from rapc.live.clocks import Clock, SimulatedClock, WallClock
 from rapc.live.driver import Action, AsyncAction, Cancelled, Driver
+from rapc.live.resumable import ResumableDriver
 
 __all__ = (
     "Action",
@@ -11,6 +12,7 @@ __all__ = (
     "Cancelled",
     "Clock",
     "Driver",
+    "ResumableDriver",
     "SimulatedClock",
     "WallClock",
 )

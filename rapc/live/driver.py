@@ -339,8 +339,11 @@ class Driver(World, ABC):
             milliseconds = round(gap * 1000)
             _LOG.warning("cycle of %d ms at time %g", milliseconds, self._time)
 
-    def _begin(self) -> None:
-        """Start the clock, and connect to the machine, once."""
+    def _begin(self, connect: Callable[[], None] | None = None) -> None:
+        """Start the clock, and connect to the machine, once.
+
+        `connect` replaces the method of this name.
+        """
         if self._connected:
             return
         self._connected = True
@@ -349,7 +352,7 @@ class Driver(World, ABC):
         if self.clock.real:
             watch = self._watchdog.watch
             threading.Thread(target=watch, args=[self._closed], daemon=True).start()
-        self.connect()
+        (connect or self.connect)()
         self.clock.settle()
         self._watchdog.beat()
 

@@ -2,7 +2,7 @@
 
 The robot does jobs that take time, and a sensor sends a datum each second. It is in
 this process, with a clock that only `advance` moves, or in a process of its own with
-real time:
+real time, until it is killed:
 
     python -m tests.durable.peer SOCKET
 """
@@ -234,7 +234,7 @@ def library(jobs: int) -> str:
 
 
 def serve(socket: str) -> None:
-    """Serve one process of the interpreter after the other until `stop`."""
+    """Serve one process of the interpreter after the other."""
     peer = Peer(real=True)
     with Listener(socket, "AF_UNIX") as listener:
         print("ready", flush=True)
@@ -243,9 +243,6 @@ def serve(socket: str) -> None:
                 try:
                     while True:
                         name, *args = connection.recv()
-                        if name == "stop":
-                            connection.send(None)
-                            return
                         try:
                             connection.send(getattr(peer, name)(*args))
                         except ValueError as error:
