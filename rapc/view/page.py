@@ -21,8 +21,8 @@ from rapc.worlds.registry import OWN, find_world
 _SOURCES = Path(__file__).parent / "page"
 
 _SCRIPTS = (
-    *("model.js", "dom.js", "timeline.js", "tasks.js", "why.js", "memory.js"),
-    *("events.js", "map.js", "live.js", "main.js"),
+    *("model.js", "dom.js", "timeline.js", "tasks.js", "plan.js", "why.js"),
+    *("memory.js", "events.js", "map.js", "live.js", "main.js"),
 )
 """The scripts, in the order in which they are joined."""
 

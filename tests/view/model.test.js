@@ -165,3 +165,37 @@ test("events that are added later give the same run", () => {
       assert.deepEqual(run[key], whole[key]);
   }
 });
+
+test("a plan has its steps with their tasks", () => {
+  const steps = [
+    { tag: "t1", goal: "(go hall)", links: [{ step: "t2", fact: "(at hall)" }], before: [] },
+    { tag: "t2", goal: "(take box)", links: [{ step: null, fact: "(held box)" }], before: [] },
+  ];
+  const plan = { task: 1, goal: "(fetch box)", outcome: "solved", method: "plan-1", steps };
+  const chosen = { task: 1, rap: "fetch", method: "plan-1", bindings: {} };
+  const run = runOf([
+    created(1, "(fetch box)"),
+    [1, 1, "plan-made", plan],
+    [1, 1, "method-chosen", chosen],
+    [1, 1, "task-created", { task: 2, goal: "(go hall)", parent: 1, family: 1, step: "t1" }],
+    [2, 2, "method-ended", { task: 1, method: "plan-1", result: "bad" }],
+    [3, 3, "method-chosen", { ...chosen, method: "#1" }],
+    [4, 4, "plan-made", { ...plan, method: null, steps: [] }],
+    [5, 5, "plan-made", { ...plan, method: "plan-2", steps: [7, { links: "?" }] }],
+    [5, 5, "method-chosen", { ...chosen, method: "plan-2" }],
+  ]);
+  const task = run.tasks.get(1);
+  assert.equal(run.planOf(task, 2), null);
+  const { made, steps: found } = run.planOf(task, 5);
+  assert.equal(made, 2);
+  assert.deepEqual(found.map((one) => [one.tag, one.goal, one.task]), [
+    ["t1", "(go hall)", run.tasks.get(2)],
+    ["t2", "(take box)", null],
+  ]);
+  assert.deepEqual(found[1].links, [{ step: "", fact: "(held box)" }]);
+  assert.equal(run.planOf(task, 6), null);
+  assert.deepEqual(run.planOf(task, 9).steps, [
+    { tag: "", goal: "", links: [], before: [], task: null },
+  ]);
+  assert.equal(run.planOf(run.tasks.get(2), 9), null);
+});

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import random
+import shutil
 import string
 from collections.abc import Iterator
 from io import StringIO
@@ -218,6 +219,31 @@ def test_link_leads_to_moment_and_task(opened: Browser, pages: dict[str, Path]) 
     assert shown.page.evaluate("location.hash") == link
     shown.page.evaluate("location.hash = 'n=20'")
     shown.wait('html[data-moment="20"]')
+    shown.close()
+
+
+def test_plan_is_shown_with_its_links(opened: Browser, tmp_path: Path) -> None:
+    folder = tmp_path / "courier"
+    shutil.copytree(COURIER[0], folder)
+    goal = "(and (delivered medicine ward-3) (delivered meals ward-4) (docked))"
+    (folder / "round.rap").write_text(f"(define-rap (round) (succeed {goal}) (plan))")
+    file = tmp_path / "round.html"
+    run = ("--world", "courier", "--task", "(round)", "-o", str(file))
+    assert rapc("view", str(folder), *run).returncode == 0
+    shown = Shown(opened, file, link="#n=150&task=1")
+    rows = shown.page.locator("#why .plan li").all_inner_texts()
+    assert len(rows) == 6
+    assert "t1 (fetch meals ward-4)" in rows[0]
+    assert "for t2: (on-tray meals ward-4)" in rows[0]
+    assert rows[-1].endswith("for the goal: (docked)")
+    signs = shown.page.locator("#why .plan .sign").evaluate_all(
+        "all => all.map((one) => one.title)"
+    )
+    assert signs[0] == "succeeded"
+    assert signs[-1] == "has not been selected"
+    shown.page.click("#why .plan button:has-text('(fetch meals ward-4)')")
+    assert "for step t1 of (round)" in shown.text("#why")
+    assert "for t2: (on-tray meals ward-4)" in shown.text("#why")
     shown.close()
 
 

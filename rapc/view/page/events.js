@@ -16,10 +16,12 @@ function eventText(run, event) {
     if (Array.isArray(value) && !value.length) continue;
     const bare = BARE.has(key);
     if (key === "sent" && value === event.request) continue;
+    if (event.event === "plan-made" && key === "text") continue;
     if (key === "bindings" || key === "outputs") {
       const pairs = Object.entries(value && typeof value === "object" ? value : {});
       parts.push(...pairs.map(([name, one]) => `${name} ${asText(one)}`));
-    } else parts.push(bare ? asText(value) : `${key} ${asText(value)}`);
+    } else if (key === "steps" && Array.isArray(value)) parts.push(`${value.length} steps`);
+    else parts.push(bare ? asText(value) : `${key} ${asText(value)}`);
   }
   return parts.join(" ");
 }

@@ -127,6 +127,8 @@ class Run {
     this.facts = new Map();
     /** The intervals of skills and requests, each with its family. */
     this.requests = [];
+    /** The index of each plan, by `RAP METHOD`. */
+    this.plans = new Map();
     this.end = null;
     /** Memory and the live tasks before each event at a multiple of CHECKPOINT. */
     this._copies = [{ facts: new Map(), tasks: [] }];
@@ -174,6 +176,9 @@ class Run {
         case "task-created":
           this._create(event, at);
           if (this._order.at(-1)?.made === at) live.add(this._order.at(-1));
+          break;
+        case "plan-made":
+          this.plans.set(`${firstWord(asText(event.goal))} ${asText(event.method)}`, at);
           break;
         case "task-failed":
           this.failures.push(at);
@@ -495,6 +500,37 @@ class Run {
         if (last && last.ended < 0) last.ended = index;
     }
     return tries;
+  }
+
+  /**
+   * Return the plan that a task has chosen last up to a moment; or null.
+   *
+   * `made` is the index of its event. Each step has its task, or null before it begins.
+   */
+  planOf(task, at) {
+    const chosen = this.logOf(task, at).findLast((one) =>
+      this.events[one].event === "method-chosen");
+    const event = chosen === undefined ? {} : this.events[chosen];
+    const made = this.plans.get(`${asText(event.rap)} ${asText(event.method)}`);
+    if (made === undefined || made > at) return null;
+    const begun = new Map();
+    let next = search(this._order.length, (one) => this._order[one].made > chosen);
+    for (; next < this._order.length && this._order[next].made <= at; next++) {
+      const other = this._order[next];
+      if (other.parent === task) begun.set(other.step, other);
+    }
+    const steps = asList(this.events[made].steps).filter((one) => one && typeof one === "object");
+    return {
+      made,
+      steps: steps.map((one) => ({
+        tag: asText(one.tag),
+        goal: asText(one.goal),
+        links: asList(one.links).filter((to) => to && typeof to === "object").map((to) =>
+          ({ step: asText(to.step), fact: asText(to.fact) })),
+        before: asList(one.before).map(asText),
+        task: begun.get(asText(one.tag)) || null,
+      })),
+    };
   }
 
   /** Return the last request of a task up to a moment that did not end okay; or null. */

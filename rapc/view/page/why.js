@@ -149,7 +149,7 @@ function showWhy(app) {
       link(one.goal, () => app.choose(one), `task ${one.number}`),
     ]);
     const step = task.step ? `step ${task.step} of ` : "";
-    lines.push(el("div", {}, el("span.dim", {}, `for ${step}`), chain));
+    lines.push(el("div", {}, el("span.dim", {}, `for ${step}`), chain), ...stepLines(app, task));
   }
   const end = task.ended >= 0 && task.ended <= at ? run.events[task.ended] : null;
   if (end && end.event === "task-failed") lines.push(...causeChain(app, end.because, task, at));
@@ -158,6 +158,7 @@ function showWhy(app) {
     const event = run.events[state.method];
     lines.push(el("h3", {}, `Method ${asText(event.method)}`), bindingsLine(event.bindings));
   }
+  lines.push(...planLines(app, task));
   if (state.wait >= 0) {
     const event = run.events[state.wait];
     const holder = run.tasks.get(event.holder) || run.tasks.get(event.by);
