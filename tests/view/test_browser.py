@@ -477,6 +477,33 @@ def test_page_follows_a_run_that_goes_on(
     assert faults == []
 
 
+def test_timeline_of_a_run_that_goes_on_grows_in_a_part_of_the_time(
+    opened: Browser, pages: dict[str, Path]
+) -> None:
+    lines = pages["trace"].read_text().splitlines(keepends=True)
+    ends = [at for at, one in enumerate(lines) if '"task-succeeded"' in one]
+    end = next(at for at in ends if '"goal":"(deliver medicine ward-3)"' in lines[at])
+    live = Live(live_page(load(COURIER[0]).start("courier"), "courier"))
+    for line in lines[:end]:
+        live.feed.write(line)
+    page = opened.new_page()
+    page.goto(live.address)
+    page.wait_for_selector(f'html[data-events="{end}"]', state="attached")
+    page.click(".names button:has-text('(deliver medicine ward-3)')")
+    page.keyboard.press("+")
+    page.wait_for_timeout(100)
+    pixels = "document.querySelector('.lanes canvas').toDataURL()"
+    before = page.evaluate(pixels)
+    live.feed.write(lines[end])
+    live.feed.end()
+    page.wait_for_selector(f'html[data-events="{end + 1}"]', state="attached")
+    assert page.evaluate(pixels) != before
+    pressed = page.locator(".names button[aria-pressed=true]")
+    assert pressed.inner_text().endswith("(deliver medicine ward-3)")
+    page.close()
+    live.close()
+
+
 class Steered:
     """The page of a paused run of the truck in a window, with its trace."""
 

@@ -170,11 +170,13 @@ class Timeline {
     this.cursor = el("div.cursor", { "aria-hidden": "true" });
     const stage = el("div.stage", {}, el("div.drawing", {}, this.canvas, this.cursor));
     this.element = el("div.lanes", {}, this.names, stage);
-    this.element.style.height = `${AXIS + this.lanes.length * LANE + 4}px`;
+    this._fit();
     /** The size of the drawing and the scroll position: read when they change. */
     this.size = { width: 0, height: 0, top: 0 };
     /** What the canvas shows: it is drawn again only if this changes. */
     this.drawn = "";
+    /** The family whose lane is marked. */
+    this.family = undefined;
     const measure = () => {
       this.size = {
         width: stage.clientWidth, height: this.element.clientHeight, top: this.element.scrollTop,
@@ -205,6 +207,8 @@ class Timeline {
       this.buttons[index] = button;
       return lane;
     });
+    this.drawn = "";
+    this.family = undefined; // a new button is not marked
     this._fit();
   }
 
