@@ -273,5 +273,7 @@ def _json(found: Plan) -> str:
         "unreachable": found.unreachable,
         "left-out": found.left_out,
         "text": found.text if found else "",
+        "engine": found.engine,
+        "refused": found.refused,
     }
     return msgspec.json.encode(said).decode()

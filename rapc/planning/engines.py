@@ -38,6 +38,8 @@ _MOST_STEPS = 10_000
 _CHUNK = 65_536
 _KEPT = 4096
 _MOST_SHOWN = 200
+_LONGEST = 3600.0
+"""The longest wait of a selector in seconds."""
 _STEP = re.compile(r"\(\s*([^\s()]+)\s*\)")
 
 
@@ -93,7 +95,9 @@ def _answer(engine: Engine, problem: Problem) -> tuple[Action, ...]:
     """Return the plan of an engine; raise EngineError without a valid plan."""
     text = written(problem, costs=engine.costs)
     try:
-        with tempfile.TemporaryDirectory(prefix="rapc-engine-") as folder:
+        with tempfile.TemporaryDirectory(
+            prefix="rapc-engine-", ignore_cleanup_errors=True
+        ) as folder:
             files = [Path(folder, f"{place[1:-1]}.pddl") for place in _PLACES]
             for file, content in zip(files, text[:2], strict=False):
                 file.write_text(content, encoding="utf-8")
@@ -162,7 +166,8 @@ def _run(command: Sequence[str], folder: str, timeout: float) -> str:
         try:
             status, printed = _watched(mine, process, time.monotonic() + timeout)
         finally:
-            os.killpg(process.pid, signal.SIGKILL)
+            with suppress(ProcessLookupError, PermissionError):  # all have ended
+                os.killpg(process.pid, signal.SIGKILL)
             process.wait()
             assert process.stdout is not None
             process.stdout.close()
@@ -193,7 +198,7 @@ def _watched(
             left = ends - time.monotonic()
             if left <= 0:
                 break
-            ready = {key.fd for key, _ in selector.select(left)}
+            ready = {key.fd for key, _ in selector.select(min(left, _LONGEST))}
             if mine.fileno() in ready:
                 status = mine.recv(_CHUNK)
             with suppress(BlockingIOError):
@@ -209,4 +214,7 @@ def _ending(status: bytes) -> str:
     if not status:
         return "its process was killed"
     number = int(status)
-    return f"status {number}" if number >= 0 else signal.Signals(-number).name
+    if number >= 0:
+        return f"status {number}"
+    names = {one.value: one.name for one in signal.Signals}
+    return names.get(-number, f"signal {-number}")

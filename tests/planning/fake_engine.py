@@ -37,6 +37,8 @@ def main(deed: str, plan: Path) -> None:
         sys.exit(3)
     elif deed == "die":
         os.kill(os.getpid(), signal.SIGSEGV)
+    elif deed == "die-of-another-signal":
+        os.kill(os.getpid(), 40)
     elif deed == "kill-parent":
         os.kill(os.getppid(), signal.SIGKILL)
         time.sleep(60)

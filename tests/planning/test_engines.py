@@ -105,6 +105,7 @@ def test_valid_plan_of_an_engine_is_used(deed: str) -> None:
         ("one-long-line", "wrong-plan: unknown step in line 1"),
         ("fail", "engine-failed: no plan, status 3"),
         ("die", "engine-failed: no plan, SIGSEGV"),
+        ("die-of-another-signal", "engine-failed: no plan, signal 40"),
         ("kill-parent", "engine-failed: no plan, its process was killed"),
     ],
 )
@@ -218,9 +219,9 @@ def test_command_refuses_an_engine_that_cannot_be_run() -> None:
 
 @pytest.mark.slow
 def test_engine_that_hangs_is_ended_with_its_group(pids: Path) -> None:
-    found = plan(fake("hang", timeout=1))
+    found = plan(fake("hang", timeout=0.5))
     wait_for_end(pids)
-    assert found.refused == "engine-timeout: no answer in 1 s"
+    assert found.refused == "engine-timeout: no answer in 0.5 s"
     assert found.engine == "builtin"
     assert found
 
@@ -261,7 +262,7 @@ def kill_at(moments: int, seed: int, pids: Path) -> None:
     rng = random.Random(seed)
     for _ in range(moments):
         pids.unlink(missing_ok=True)
-        late = rng.random() * 0.3
+        late = rng.random() * 0.2
         chosen = rng.randrange(2)
 
         def kill(late: float = late, chosen: int = chosen) -> None:
@@ -272,13 +273,13 @@ def kill_at(moments: int, seed: int, pids: Path) -> None:
 
         thread = threading.Thread(target=kill)
         thread.start()
-        found = plan(fake("hang", timeout=2))
+        found = plan(fake("hang", timeout=1))
         thread.join()
         wait_for_end(pids)
         assert tuple(one.goal for one in found.steps) == STEPS
         assert found.refused in (
             "engine-failed: no plan, SIGKILL",
-            "engine-timeout: no answer in 2 s",
+            "engine-timeout: no answer in 1 s",
         )
 
 
