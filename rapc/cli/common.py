@@ -13,22 +13,26 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from threading import Event as Signal
 from typing import TYPE_CHECKING, Any, TextIO
 
 import click
 
 from rapc.analysis.driver import CheckReport
 from rapc.base.files import path_of
+from rapc.base.interrupts import terminations_as_interrupts
 from rapc.base.outputs import SVG, Output, check_output
 from rapc.base.visible import visible
 from rapc.base.writing import write_whole
 from rapc.cli.options import USAGE, fail, say, say_error, settings
-from rapc.errors import LoadError, WriteError
+from rapc.errors import LoadError, WriteError, reason
 from rapc.library.loader import Loaded, load
 from rapc.parser.rewriting import write_back
 
 if TYPE_CHECKING:
     from rapc.compiler.program import Program
+    from rapc.view.control import Control
+    from rapc.view.live import Live
 
 _STYLES: Mapping[str, Mapping[str, Any]] = {
     "passed": {"fg": "green"},
@@ -130,6 +134,36 @@ def write_picture(file: str, picture: str) -> None:
     refuse_output("--picture", file, SVG)
     write_output(file, picture.encode())
     click.echo(f"wrote {visible(file)}")
+
+
+def serve(
+    page: str,
+    port: int = 0,
+    control: Control | None = None,
+    trace: TextIO | None = None,
+) -> Live:
+    """Serve the page of a run that goes on, and print its address.
+
+    A port that cannot be used ends the command. The arguments are those of `Live`.
+    """
+    from rapc.view.live import Live
+
+    try:
+        live = Live(page, port, control, trace)
+    except OSError as error:
+        fail(f"cannot serve the page: {reason(error)}")
+    click.echo(f"view: {live.address}", err=True)
+    return live
+
+
+def wait_for_readers(live: Live, said: str = "the run has ended") -> None:
+    """Print a text, and serve the page of a run that does not go on until Ctrl-C."""
+    try:
+        with terminations_as_interrupts():
+            click.echo(f"{said}; Ctrl-C stops the server", err=True)
+            Signal().wait()
+    except KeyboardInterrupt:
+        live.close()
 
 
 def rewrite(name: str, read: str, text: str) -> bool:

@@ -9,7 +9,6 @@ from contextlib import ExitStack, contextmanager
 from functools import partial
 from itertools import chain
 from pathlib import Path
-from threading import Event as Signal
 from typing import TYPE_CHECKING, Any, TextIO, get_type_hints
 
 import click
@@ -24,6 +23,8 @@ from rapc.cli.common import (
     PIPED_WIDTH,
     load_checked,
     refuse_output,
+    serve,
+    wait_for_readers,
     width_of,
     write_output,
 )
@@ -232,7 +233,7 @@ def run(
         _tell_end(course.run, report, mended, known)
     finally:
         if live is not None:
-            _wait_for_readers(live)
+            wait_for_readers(live)
 
 
 def _followed(
@@ -267,28 +268,13 @@ def _served(course: Course, name: str, port: int, trace: TextIO | None) -> Live:
 
     A port that cannot be used ends the command.
     """
-    from rapc.view.live import Live
     from rapc.view.page import live_page
 
     control = course.control if isinstance(course, Controlled) else None
     commands = () if control is None else control.commands()
-    try:
-        live = Live(live_page(course.run, name, commands), port, control, trace)
-    except OSError as error:
-        fail(f"cannot serve the page: {reason(error)}")
+    live = serve(live_page(course.run, name, commands), port, control, trace)
     course.run.listen(JsonTrace(live.feed))
-    click.echo(f"view: {live.address}", err=True)
     return live
-
-
-def _wait_for_readers(live: Live) -> None:
-    """Serve the page of a run that has ended until Ctrl-C."""
-    try:
-        with terminations_as_interrupts():
-            click.echo("the run has ended; Ctrl-C stops the server", err=True)
-            Signal().wait()
-    except KeyboardInterrupt:
-        live.close()
 
 
 def _show_run(

@@ -6,39 +6,49 @@ import signal
 import webbrowser
 from collections.abc import Mapping, Sequence
 from importlib.util import find_spec
-from io import BytesIO
+from io import BytesIO, StringIO
 from pathlib import Path
 from typing import Any
 
 import click
 import msgspec
 
+from rapc.base.interrupts import terminations_as_interrupts
 from rapc.base.outputs import CHROME, MCAP, PAGE
 from rapc.base.visible import visible
 from rapc.cli.common import (
     load_checked,
     refuse_output,
+    serve,
+    wait_for_readers,
     write_output,
     write_picture,
 )
 from rapc.cli.options import command, fail
-from rapc.cli.repl import RECORDED, begun_again, history_of, shell_of
+from rapc.cli.repl import (
+    RECORDED,
+    begun_again,
+    history_of,
+    opened_journal,
+    shell_of,
+)
 from rapc.cli.run_options import prepared, run_options, until_option
 from rapc.debug.bug import SUFFIX
 from rapc.debug.history import History, Stop
 from rapc.debug.questions.differences import MOST_DURATIONS, library_of
 from rapc.debug.recorded import Replay
 from rapc.debug.recording import Playback, Recording
+from rapc.durable.folder import is_running
 from rapc.durable.records import is_journal
 from rapc.experiments.draws import drawn
 from rapc.experiments.points import Point
 from rapc.experiments.run import resolved
 from rapc.experiments.session import Batch
 from rapc.runtime.events.trace import record
-from rapc.view.page import page
+from rapc.view.page import live_page, page
 from rapc.view.pictures import Pictures
 from rapc.view.svg import svg
-from rapc.view.viewed import Trace, Viewed
+from rapc.view.viewed import Viewed, stream_trace
 from rapc.world import Savable
 
 EXAMPLES = """\b
@@ -47,12 +57,13 @@ Examples:
   rapc view rocks.rap --world truck --task '(rock-order red 1)' -o rocks.html --open
   rapc view yesterday.jsonl --compare today.jsonl
   rapc view run.jsonl --picture moment.svg --at 120
+  rapc view --attach day-1 --open
   rapc view run.jsonl --export perfetto.json --export run.mcap
 """
 
 
 @command(EXAMPLES)
-@click.argument("path", type=click.Path())
+@click.argument("path", required=False, type=click.Path())
 @click.option("--world", "world_name", help="World to run against.")
 @run_options
 @until_option
@@ -83,15 +94,22 @@ Examples:
     metavar="FILE",
     help="Write the run to FILE.json (Perfetto) or FILE.mcap (repeatable).",
 )
+@click.option(
+    "--attach",
+    type=click.Path(file_okay=False),
+    metavar="FOLDER",
+    help="Serve the page of the run of a journal that goes on.",
+)
 @click.option("--open", "opens", is_flag=True, help="Open the page in a browser.")
 def view(
-    path: str,
+    path: str | None,
     world_name: str | None,
     output: str | None,
     other: str | None,
     picture: str | None,
     at: int | None,
     exports: Sequence[str],
+    attach: str | None,
     opens: bool,
     **more: Any,
 ) -> None:
@@ -111,8 +129,18 @@ def view(
     OTHER is like PATH. A library as OTHER begins its run as the run at PATH did, and is
     stopped after 10 times the duration of that run.
 
+    With --attach, a server on this computer shows a run with a journal, which goes on
+    in another process, until Ctrl-C. Standard error has the address.
+
     Exit status: 0 if the page was written, 2 if not.
     """
+    if attach is not None:
+        if any((path, output, other, picture, exports, *more.values())):
+            raise click.UsageError("--attach can only be used with --world and --open")
+        _attach(attach, world_name, opens=opens)
+        return
+    if path is None:
+        raise click.UsageError("Missing argument 'PATH'.")
     if at is not None and picture is None:
         raise click.UsageError("--at requires --picture")
     for name in exports:
@@ -136,6 +164,28 @@ def view(
     click.echo(f"wrote {visible(file)}")
     if opens:
         webbrowser.open(Path(file).resolve().as_uri())
+
+
+def _attach(folder: str, world_name: str | None, *, opens: bool) -> None:
+    """Serve the page of the run of a journal, which may go on."""
+    shell = opened_journal(Path(folder), world_name, follow=True)
+    history, note = shell.history, "the run goes on in another process"
+    live = serve(live_page(history.run, folder, note=note))
+    try:
+        with terminations_as_interrupts():
+            stream_trace(history, live.feed)
+            if opens:
+                webbrowser.open(live.address)
+            if is_running(Path(folder)):
+                history.go()
+            live.feed.end()
+    except KeyboardInterrupt:
+        live.close()
+        return
+    if history.over:
+        wait_for_readers(live)
+    else:
+        wait_for_readers(live, "the run stands still: `rapc run --resume` continues it")
 
 
 def _draw(viewed: Viewed, file: str, at: int | None) -> None:
@@ -220,14 +270,16 @@ def _other(path: str, world_name: str | None, first: Viewed) -> Viewed:
 
 def _run(name: str, history: History, *, goes_on: bool) -> Viewed:
     """Return a run at its end; Ctrl-C ends it early."""
-    trace, pictures = Trace(history), Pictures(history)
+    trace = StringIO()
+    stream_trace(history, trace)
+    pictures = Pictures(history)  # it may leave the end of the run
     before = signal.signal(signal.SIGINT, lambda *_: history.pause())
     try:
         stop = history.go() if goes_on else Stop("asked")
     finally:
         signal.signal(signal.SIGINT, before)
     note = stop.said if stop.kind == "broken" else ""
-    text = trace.text()
+    text = trace.getvalue().encode()
     return Viewed(name, note, text, history, history.run.library, pictures)
 
 

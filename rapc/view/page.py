@@ -40,7 +40,10 @@ def page(views: Sequence[Viewed] = ()) -> str:
 
 
 def live_page(
-    run: Interpreter, name: str, commands: Sequence[Mapping[str, str]] = ()
+    run: Interpreter,
+    name: str,
+    commands: Sequence[Mapping[str, str]] = (),
+    note: str = "",
 ) -> str:
     """Return the page of a run that goes on: it requests the events of the run.
 
@@ -48,10 +51,11 @@ def live_page(
         run: the run.
         name: its name.
         commands: the commands for readers who control the run; see `Control.commands`.
+        note: a note for readers.
     """
     sensors = sorted(run.world.kit.offer.sensors)
-    more = {"name": name, "sensors": sensors, "commands": commands}
-    more |= sources(run.library)
+    given = {"name": name, "note": note, "sensors": sensors, "commands": commands}
+    more = {**given, **sources(run.library)}
     data = (*_data(()), json_element("live", more))
     policy = "connect-src 'self'"
     return composed(BEGINNING, _SCRIPTS, "index.html", data, policy)

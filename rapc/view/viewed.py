@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from io import StringIO
 from typing import Any
 
 import msgspec
@@ -19,7 +18,7 @@ from rapc.debug.questions.times import sensors_of
 from rapc.debug.recording import Recording
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
-from rapc.runtime.events.trace import JsonTrace
+from rapc.runtime.events.trace import JsonTrace, Writable
 from rapc.view.pictures import Pictures, scene_at
 from rapc.view.scene import Scene
 
@@ -75,20 +74,12 @@ class Viewed(msgspec.Struct):
         }
 
 
-class Trace:
-    """The trace of a run from its start, written while the history goes on."""
-
-    def __init__(self, history: History) -> None:
-        self._text = StringIO()
-        self._history = history
-        self._trace = JsonTrace(self._text)
-        for told in history.scan():
-            self._trace.raw(*told)
-        history.follow(lambda told: self._trace.raw(*told))
-
-    def text(self) -> bytes:
-        """Return the events so far as lines of JSON."""
-        return self._text.getvalue().encode()
+def stream_trace(history: History, stream: Writable) -> None:
+    """Write the trace of a run from its start, also while the history goes on."""
+    trace = JsonTrace(stream)
+    for told in history.scan():
+        trace.raw(*told)
+    history.follow(lambda told: trace.raw(*told))
 
 
 def comparison(before: Viewed, after: Viewed) -> dict[str, Any]:

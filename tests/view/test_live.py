@@ -13,9 +13,11 @@ from threading import Thread
 
 import pytest
 
-from rapc import load
+from rapc import load, open_world
+from rapc.spec import RunSpec
 from rapc.view.control import Control
 from rapc.view.live import HOST, Live
+from tests.durable.helpers import Run
 
 LINES = [f'{{"n":{n}}}\n' for n in range(12_000)]
 
@@ -175,6 +177,35 @@ def test_readers_get_the_state_of_the_run(controlled: Live) -> None:
             seen.append(json.loads(answer.readline().removeprefix(b"data: ")))
     assert seen[-1]["state"] == "paused"
     link.close()
+
+
+def test_journal_is_followed_from_another_process(tmp_path: Path) -> None:
+    program = load("examples/courier").program
+    spec = RunSpec(agenda="shift", seed=3, until=1500)
+    run = Run(tmp_path, program, spec, lambda: open_world("courier", seed=3))
+    durable = run.begin()
+    durable.reach(40)
+    view = (sys.executable, "-m", "rapc", "view", "--attach", str(run.journal))
+    with subprocess.Popen(view, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stderr is not None
+        address = process.stderr.readline().removeprefix("view: ").strip()
+        _, _, host, token, _ = address.split("/")
+        link = http.client.HTTPConnection(host, timeout=60)
+        link.request("GET", f"/{token}/events")
+        answer = link.getresponse()
+        head = answer.readline() + answer.readline()
+        assert b"run-started" in head
+        link.close()
+        durable.go()
+        durable.close()
+        link.request("GET", f"/{token}/events")
+        body = link.getresponse().read().decode()
+        link.close()
+        while "the run has ended; Ctrl-C" not in process.stderr.readline():
+            assert process.poll() is None
+        process.send_signal(signal.SIGINT)
+    assert process.returncode == 0
+    assert data(body) == run.trace.read_text()
 
 
 def test_events_of_a_run_equal_its_trace(tmp_path: Path) -> None:
