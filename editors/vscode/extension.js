@@ -3,7 +3,8 @@
 
 const fs = require("fs");
 const path = require("path");
-const { commands, window, workspace, Location, Position, Range, Uri } = require("vscode");
+const { commands, languages, window, workspace } = require("vscode");
+const { Location, Position, Range, Uri } = require("vscode");
 const { LanguageClient } = require("vscode-languageclient/node");
 
 let client;
@@ -47,16 +48,30 @@ async function start() {
   await client.start();
 }
 
+function toLocation({ uri, range: { start, end } }) {
+  const range = new Range(start.line, start.character, end.line, end.character);
+  return new Location(Uri.parse(uri), range);
+}
+
 function showCallers(uri, at, places) {
-  const range = ({ start, end }) =>
-    new Range(start.line, start.character, end.line, end.character);
-  const found = places.map((one) => new Location(Uri.parse(one.uri), range(one.range)));
   const position = new Position(at.line, at.character);
+  const found = places.map(toLocation);
   commands.executeCommand("editor.action.showReferences", Uri.parse(uri), position, found);
 }
 
+/** Lead from a handler in Python to the declaration of its primitive or datum. */
+const declarations = {
+  async provideDefinition({ uri }, { line, character }) {
+    if (!client?.isRunning()) return [];
+    const params = { textDocument: { uri: String(uri) }, position: { line, character } };
+    return (await client.sendRequest("textDocument/definition", params)).map(toLocation);
+  },
+};
+
 exports.activate = async (context) => {
+  const python = { scheme: "file", language: "python" };
   context.subscriptions.push(
+    languages.registerDefinitionProvider(python, declarations),
     commands.registerCommand("rapc.showCallers", showCallers),
     commands.registerCommand("rapc.restart", async () => {
       await client?.stop();
