@@ -1,15 +1,19 @@
-"""The extension for VS Code: its grammar and its package."""
+"""The extension for VS Code: its grammar, its package, and VS Code itself."""
 
 from __future__ import annotations
 
 import json
 import re
 import shutil
-import subprocess
+import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
+from bench.browser import chromium
+from bench.vscode import COURIER, MISTAKE, VSCode, courier, extension, vscode
+from rapc.analysis.check_files import check_files
 from rapc.language.heads import FORMS, QUERIES
 
 FOLDER = Path(__file__).parents[2] / "editors" / "vscode"
@@ -37,17 +41,47 @@ def test_manifest_names_the_files_of_the_extension() -> None:
 @pytest.mark.slow
 @pytest.mark.skipif(shutil.which("npm") is None, reason="npm is not installed")
 def test_package_is_built_from_the_registry(tmp_path: Path) -> None:
-    root = tmp_path / "rapc"
-    folder = root / "editors" / "vscode"
-    shutil.copytree(FOLDER, folder, ignore=shutil.ignore_patterns("node_modules"))
-    shutil.copy(FOLDER.parents[1] / "LICENSE", root)
-    for command in (
-        ["npm", "ci", "--ignore-scripts", "--no-audit", "--no-fund"],
-        ["npm", "run", "package"],
-        ["npm", "test"],
-    ):
-        done = subprocess.run(
-            command, cwd=folder, capture_output=True, text=True, check=False
-        )
-        assert done.returncode == 0, done.stdout + done.stderr
-    assert (folder / "rapc.vsix").stat().st_size <= MOST
+    assert extension(tmp_path).stat().st_size <= MOST
+
+
+@pytest.mark.nightly
+@pytest.mark.skipif(shutil.which("npm") is None, reason="npm is not installed")
+@pytest.mark.skipif(chromium() is None, reason="Chromium is not installed")
+def test_courier_is_mended_and_renamed_in_vs_code(tmp_path: Path) -> None:
+    project = courier(tmp_path)
+    raps, orders = project / "moving.rap", project / "orders.rap"
+    before = raps.read_text()
+    with vscode(extension(tmp_path), project, tmp_path) as page:
+        editor = VSCode(page)
+        editor.open("moving.rap")
+        page.wait_for_selector(".codelens-decoration:has-text('4 callers')")
+        editor.go_to(*MISTAKE)
+        editor.keys.press("Delete")
+        editor.squiggle()
+        assert "help: did you mean `halt-for`?" in editor.hover()
+        assert editor.fixes() == [
+            "Write `halt-for`",
+            "Define the RAP `halt-fr`",
+            "Ignore unknown-rap here",
+        ]
+        editor.keys.press("Enter")
+        editor.squiggle(present=False)
+        editor.save()
+        until(lambda: raps.read_text() == before)
+        editor.go_to(9, 15)
+        editor.rename("go-to")
+        until(lambda: "(go-to " in orders.read_text())
+        editor.save()
+        until(lambda: "(go-to " in raps.read_text())
+    for file in COURIER.glob("*.rap"):
+        renamed = file.read_text().replace("travel-to", "go-to")
+        assert (project / file.name).read_text() == renamed
+    assert not check_files([str(project)]).findings
+
+
+def until(ready: Callable[[], bool]) -> None:
+    """Wait until VS Code has written a file."""
+    end = time.monotonic() + 30
+    while not ready():
+        assert time.monotonic() < end
+        time.sleep(0.1)
