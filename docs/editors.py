@@ -20,17 +20,18 @@ import tempfile
 import time
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT))
-
 from rich.console import Console
 from rich.text import Text
 
+sys.path.insert(0, str(Path(__file__).parents[1]))
+
 from bench.vscode import MISTAKE, VSCode, courier, extension, vscode
 
+ROOT = Path(__file__).parents[1].resolve()
 FIGURES = ROOT / "docs" / "figures"
 
 COLUMNS, ROWS = 92, 22
+
 
 def mistaken(project: Path) -> Path:
     """Make the mistake of the pictures in the courier; return the file."""
@@ -100,7 +101,8 @@ def neovim(folder: Path) -> None:
         *(os.environ.get("NVIM", "nvim"), "--clean", "-i", "NONE", "-n"),
         *("-c", f"luafile {ROOT / 'editors' / 'neovim' / 'rap.lua'}"),
         *("-c", "lua vim.diagnostic.config({ virtual_text = true })"),
-        *("-c", look, "-c", f"edit {file.name}", "-c", f"call cursor({MISTAKE[0]}, 14)"),
+        *("-c", look, "-c", f"edit {file.name}"),
+        *("-c", f"call cursor({MISTAKE[0]}, 14)"),
     ]
     terminal("neovim", command, project, "unknown RAP", "zz", "gra", "Ignore")
 
