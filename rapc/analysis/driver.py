@@ -34,6 +34,7 @@ from rapc.ir import nodes
 from rapc.ir.nodes import DefineTest
 from rapc.library.library import Library
 from rapc.library.loader import STANDARD_INPUT, UNRESOLVED, Loaded
+from rapc.parser.unit import SourceUnit
 
 
 class Finding(msgspec.Struct, frozen=True):
@@ -108,6 +109,18 @@ def check_libraries(
         forms = one.library.forms
         raps |= Counter(f.span.file for f in forms if isinstance(f, nodes.DefineRap))
     return _report(_merged(checked, paths), files, raps)
+
+
+def check_syntax(unit: SourceUnit, selection: Selection) -> list[Finding]:
+    """Return the findings of reading a file, as a check of its library reports them."""
+    rules = registry.rules()
+    valid, _ = suppressions.find_suppressions(unit, rules)
+    found, _ = suppressions.apply(unit.diagnostics, valid)
+    return [
+        Finding(selection.graded(rules[one.rule]), one)
+        for one in found
+        if selection.chooses(one)
+    ]
 
 
 def merged_reports(reports: Sequence[CheckReport]) -> CheckReport:

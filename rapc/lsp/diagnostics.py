@@ -19,7 +19,7 @@ _SEVERITIES: Mapping[Severity, types.DiagnosticSeverity] = {
 
 def diagnostics(workspace: Workspace, uri: str) -> list[types.Diagnostic]:
     """Return the diagnostics of a file, moved by the edits since they were found."""
-    found = [diagnostic(view, one) for view, one in workspace.findings(uri)]
+    found = [diagnostic(view, one) for view, one in workspace.latest(uri)]
     for snapshot in workspace.snapshots.values():
         for name in aliases(name_of(uri)):
             if name in snapshot.unreadable:

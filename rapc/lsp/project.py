@@ -1,8 +1,9 @@
 """The libraries of a workspace, checked in one worker thread while the user types.
 
-The thread of the protocol holds the buffers. The worker loads and checks libraries with
-the texts of the buffers, first for errors, then, when the user pauses, for all rules.
-Each result is a `Snapshot`, which never changes. An edit abandons a check under way.
+The thread of the protocol holds the buffers. The worker reads an edited file and
+publishes its syntax errors. Then the worker loads and checks libraries with the texts
+of the buffers, first for errors, then, when the user pauses, for all rules. Each result
+is a `Snapshot`, which never changes. An edit abandons a check under way.
 """
 
 from __future__ import annotations
@@ -22,7 +23,12 @@ from rapc.analysis.check import Pass
 from rapc.analysis.check_files import loaded_libraries
 from rapc.analysis.config import Configured
 from rapc.analysis.config_file import ConfigError, nearest_config
-from rapc.analysis.driver import CheckReport, Finding, check_libraries
+from rapc.analysis.driver import (
+    CheckReport,
+    Finding,
+    check_libraries,
+    check_syntax,
+)
 from rapc.analysis.facts.effects import EFFECTS
 from rapc.analysis.facts.index import INDEX, Index
 from rapc.analysis.facts.kinds import INFERRED
@@ -35,6 +41,7 @@ from rapc.base.files import (
     path_of,
     read_text,
 )
+from rapc.base.source import SourceFile
 from rapc.errors import Error, LoadError, in_a_line
 from rapc.language.complete import fits
 from rapc.library.loader import Loaded, Names, Units, names_below
@@ -103,6 +110,15 @@ class Snapshot(msgspec.Struct, frozen=True, eq=False):
         return any(lies_in(name, path) for path in self.spec.paths)
 
 
+class Syntax(msgspec.Struct, frozen=True):
+    """The findings of reading an edited file, before its library is checked."""
+
+    name: str
+    #: The number of changes of the file when it was read.
+    revision: int
+    findings: Sequence[Finding]
+
+
 class Work(msgspec.Struct, frozen=True):
     """The state of the buffers for the worker."""
 
@@ -132,6 +148,7 @@ class Worker:
     Args:
         delays: the times to wait after an edit.
         publish: receives each snapshot, in the worker's thread.
+        read: receives the syntax errors of an edited file, in that thread.
         forget: receives the libraries that are no longer there, in that thread.
         log: receives messages about faults, in the worker's thread.
         clock: the time in seconds.
@@ -141,12 +158,14 @@ class Worker:
         self,
         delays: Delays,
         publish: Callable[[Snapshot], None],
+        read: Callable[[Syntax], None],
         forget: Callable[[list[LibrarySpec]], None],
         log: Callable[[str], None],
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self._delays = delays
         self._publish = publish
+        self._read = read
         self._forget = forget
         self._log = log
         self._clock = clock
@@ -157,6 +176,8 @@ class Worker:
         #: The number of changes so far, and the time of the last one.
         self._now = 0
         self._last = 0.0
+        #: The edited files that were not read since.
+        self._edited: set[str] = set()
         self._stopped = False
         self._is_warm = False
         #: The name of each file of the workspace.
@@ -191,6 +212,7 @@ class Worker:
             self._now += 1
             if typed:
                 self._last = self._clock()
+                self._edited.update(names)
             for state in self._states.values():
                 if not names or not state.files or state.files.intersection(names):
                     state.changed_at = self._now
@@ -226,6 +248,9 @@ class Worker:
         quiet = self._clock() - self._last
         if self._are_folders_old:
             return self._discover, None
+        if self._edited:
+            left = self._delays.errors - quiet
+            return (None, left) if left > 0 else (self._read_edited, None)
         opened = self._work.revisions
         states = sorted(
             self._states.items(),
@@ -270,6 +295,22 @@ class Worker:
             self._states = {one: self._states.get(one) or _State() for one in specs}
             self._names = names
         self._forget(gone)
+
+    def _read_edited(self) -> None:
+        """Read the edited files, and publish their syntax errors at once."""
+        with self._changed:
+            work, names = self._work, sorted(self._edited)
+            self._edited.clear()
+            states = dict(self._states)
+        for name in names:
+            spec = next((s for s, one in states.items() if name in one.files), None)
+            if spec is None or name not in work.texts:
+                continue
+            unit = self._units(SourceFile(name, work.texts[name]))
+            configured, selection = _configured(spec, {})
+            if configured.config.baseline is None:
+                found = check_syntax(unit, selection)
+                self._read(Syntax(name, work.revisions[name], found))
 
     def _check(self, spec: LibrarySpec, whole: bool) -> None:
         """Load and check a library, and publish the snapshot."""

@@ -32,7 +32,7 @@ from rapc.lsp.complete import MOST, completions
 from rapc.lsp.diagnostics import diagnostics
 from rapc.lsp.hover import hover
 from rapc.lsp.positions import Text
-from rapc.lsp.project import Delays, Snapshot, Worker
+from rapc.lsp.project import Delays, Snapshot, Syntax, Worker
 from rapc.lsp.workspace import View, Workspace, aliases, name_of
 
 _PATIENCE = 10.0
@@ -128,6 +128,9 @@ class Server(LanguageServer):
         def publish(snapshot: Snapshot) -> None:
             loop.call_soon_threadsafe(self._receive, snapshot)
 
+        def read(syntax: Syntax) -> None:
+            loop.call_soon_threadsafe(self._receive_syntax, syntax)
+
         def forget(gone: list[LibrarySpec]) -> None:
             loop.call_soon_threadsafe(self._forget, gone)
 
@@ -135,7 +138,7 @@ class Server(LanguageServer):
             loop.call_soon_threadsafe(self._log, message)
 
         delays = _delays(params.initialization_options)
-        self.worker = Worker(delays, publish, forget, log)
+        self.worker = Worker(delays, publish, read, forget, log)
         self.worker.start()
         self.worker.tell(self.rap.work())
 
@@ -161,7 +164,7 @@ class Server(LanguageServer):
     def _receive(self, snapshot: Snapshot) -> None:
         """Use a snapshot from now on, and send its findings to the client."""
         before = self.rap.snapshots.get(snapshot.spec)
-        self.rap.snapshots[snapshot.spec] = snapshot
+        self.rap.receive(snapshot)
         names = files_with_findings(snapshot)
         self._publish(names if before is None else names | files_with_findings(before))
         self._arrival.set()
@@ -169,6 +172,14 @@ class Server(LanguageServer):
         if snapshot.whole:
             for method in self.refreshes:
                 self.protocol.send_request(method, None)
+
+    def _receive_syntax(self, read: Syntax) -> None:
+        """Send the syntax errors of an edited file to the client."""
+        self.rap.receive_syntax(read)
+        if self.pulls:
+            self.workspace_diagnostic_refresh(None)
+        else:
+            self._send(self.rap.uri(read.name))
 
     def _forget(self, gone: list[LibrarySpec]) -> None:
         """Remove the snapshots of libraries that are no longer there."""
@@ -189,12 +200,21 @@ class Server(LanguageServer):
         else:
             found |= opened
         for uri in sorted(found):
-            told = diagnostics(self.rap, uri)
-            if uri in opened or told != self._published.get(uri, []):
-                self._published[uri] = told
-                version = self.rap.version(uri)
-                params = types.PublishDiagnosticsParams(uri, told, version)
-                self.text_document_publish_diagnostics(params)
+            self._send(uri, again=uri in opened)
+
+    def _send(self, uri: str, *, again: bool = False) -> None:
+        """Send the findings of a file to the client, if they have changed.
+
+        Args:
+            uri: the address of the file.
+            again: whether to send the same findings again, for their version.
+        """
+        told = diagnostics(self.rap, uri)
+        if again or told != self._published.get(uri, []):
+            self._published[uri] = told
+            version = self.rap.version(uri)
+            params = types.PublishDiagnosticsParams(uri, told, version)
+            self.text_document_publish_diagnostics(params)
 
     # --- requests -----------------------------------------------------------------
 

@@ -9,8 +9,10 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Iterator, Sequence
 from functools import cache, cached_property
+from itertools import islice
 
 from lsprotocol import types
+from msgspec.structs import replace
 from pygls.uris import from_fs_path, to_fs_path
 
 from rapc.analysis import suppressions
@@ -20,8 +22,12 @@ from rapc.analysis.naming import Naming
 from rapc.base.files import STANDARD, SUFFIX, fold_line_ends, path_of
 from rapc.base.source import SourceFile, Span
 from rapc.lsp.positions import Change, Text, change, moved, moved_back
-from rapc.lsp.project import Part, Snapshot, Work
+from rapc.lsp.project import Part, Snapshot, Syntax, Work
 from rapc.parser.names import Named
+from rapc.parser.rules.table import RULES as READER_RULES
+
+_OF_READER = frozenset(rule.name for rule in READER_RULES)
+"""The rules of the findings in a `Syntax`."""
 
 
 class Document:
@@ -156,6 +162,8 @@ class Workspace:
         self.documents: dict[str, Document] = {}
         self._revisions = 0
         self.snapshots: dict[LibrarySpec, Snapshot] = {}
+        #: The syntax errors of files that were edited after the last snapshot.
+        self._syntax: dict[str, Syntax] = {}
 
     # --- files ----------------------------------------------------------------------
 
@@ -169,6 +177,8 @@ class Workspace:
     def close(self, uri: str) -> str:
         """Remove an open file and return its name."""
         name = name_of(uri)
+        for alias in aliases(name):
+            self._syntax.pop(alias, None)
         document = self.documents.pop(name, None)
         if document is not None:
             self._revisions = max(self._revisions, document.revision + 1)
@@ -260,6 +270,35 @@ class Workspace:
     def view(self, uri: str) -> View | None:
         """Return the snapshot that decides about a file, if there is one yet."""
         return next(self.views(uri), None)
+
+    def receive(self, snapshot: Snapshot) -> None:
+        """Use a snapshot from now on."""
+        self.snapshots[snapshot.spec] = snapshot
+        for name, read in list(self._syntax.items()):
+            if snapshot.revisions.get(name, -1) >= read.revision:
+                del self._syntax[name]
+
+    def receive_syntax(self, read: Syntax) -> None:
+        """Use the syntax errors of a file, unless a snapshot has them."""
+        snapshots = self.snapshots.values()
+        if all(one.revisions.get(read.name, -1) < read.revision for one in snapshots):
+            self._syntax[read.name] = read
+
+    def latest(self, uri: str) -> Iterator[tuple[View, Finding]]:
+        """Yield the findings of a file, with the syntax errors of its latest text."""
+        reads = [self._syntax.get(name) for name in aliases(name_of(uri))]
+        read = next(filter(None, reads), None)
+        if read is None:
+            yield from self.findings(uri)
+            return
+        for view, finding in self.findings(uri):
+            if finding.diagnostic.rule not in _OF_READER:
+                yield view, finding
+        for view in islice(self.views(uri), 1):
+            revisions = {**view.snapshot.revisions, view.name: read.revision}
+            now = replace(view.snapshot, revisions=revisions)
+            for finding in read.findings:
+                yield View(self, now, view.part, view.name), finding
 
     def findings(self, uri: str) -> Iterator[tuple[View, Finding]]:
         """Yield the findings of a file in all libraries; see `merged_reports`."""
