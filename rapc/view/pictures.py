@@ -9,6 +9,7 @@ from typing import Any
 import msgspec
 
 from rapc.base import pictures
+from rapc.base.messages import Time
 from rapc.base.values import format_list, number
 from rapc.debug.history import History
 from rapc.debug.log import ToldEvent
@@ -19,9 +20,13 @@ from rapc.events import (
     FactAsserted,
     FactErased,
     Pictured,
+    PrimitiveCancelled,
     PrimitiveEnded,
+    PrimitiveRequested,
     RunEnded,
     SignalReceived,
+    SkillDisabled,
+    SkillEnabled,
     TaskSelected,
 )
 from rapc.view.scene import Beliefs, Scene, scene_of
@@ -34,7 +39,10 @@ PATH = 20
 """The number of pictures before a picture that give the path of the robot."""
 
 _MOMENTS = (TaskSelected, PrimitiveEnded, DataReceived, SignalReceived, RunEnded)
-"""The events at which the picture may have changed."""
+"""The events at which the picture is taken."""
+
+_ACTS = (PrimitiveRequested, PrimitiveCancelled, SkillEnabled, SkillDisabled)
+"""The events after which the picture may change without time and other events."""
 
 
 class Pictures:
@@ -50,6 +58,8 @@ class Pictures:
         #: The changes, in the order of their events.
         self.changes: list[Change] = []
         self._last: Any = {}
+        #: The time at which the picture is as it was at the last event.
+        self._settled: Time | None = None
         if not history.is_run or history.spec.settings.get("pictures"):
             return
         run = history.run
@@ -58,14 +68,20 @@ class Pictures:
             if history.cycle:
                 history.goto(0)
             self._take(run.port, max(history.serial - 1, 0))
-            run.listen(self._hear, *_MOMENTS)
+            run.listen(self._hear, *_MOMENTS, *_ACTS)
             if here.cycle:
                 history.goto(here)
 
     def _hear(self, event: Event) -> None:
+        if isinstance(event, _ACTS):
+            self._settled = None
+            return
+        if isinstance(event, TaskSelected) and event.time == self._settled:
+            return
         port = self._history.run.port
         if event.n > self.changes[-1][0] and isinstance(port, Drawable):
             self._take(port, event.n)
+            self._settled = event.time
 
     def _take(self, port: Drawable, serial: int) -> None:
         text = msgspec.json.encode(pictures.plain(port.picture()))
