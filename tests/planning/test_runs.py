@@ -8,6 +8,17 @@ import pytest
 
 import rapc
 from rapc import events
+from rapc.base import values
+from rapc.base.source import SourceFile
+from rapc.base.values import format_list
+from rapc.host import find_plan
+from rapc.ir import nodes
+from rapc.library.operators import Model
+from rapc.parser.parse import parse
+from rapc.planning.solver import Solution, solve
+from rapc.runtime.planner import Planned, PlanRequest
+from rapc.worlds.script import Row
+from rapc.worlds.scripted import ScriptedWorld
 
 ROUND = """(define-rap (evening-round)
   (succeed (and (delivered medicine ward-3) (delivered meals ward-4)
@@ -108,3 +119,79 @@ def test_plan_is_false_without_steps_to_the_goal() -> None:
 def test_plan_refuses_what_is_no_operator() -> None:
     with pytest.raises(rapc.PlanError, match="`deliver`: it has no `effects`"):
         rapc.plan(rapc.load("examples/courier"), GOAL, use=["deliver"])
+
+
+WAYS = """(declare-kind room (hall lab))
+(declare-memory-proposition open ())
+(declare-memory-property at ((?room room)) hall)
+(declare-memory-proposition clean ((?room room)))
+(declare-memory-proposition dry ((?room room)))
+(define-rap (unlock) (effects (open)))
+(define-rap (go-to (?room room)) (preconditions (open)) (effects (at ?room)))
+(define-rap (broom (?room room)) (preconditions (at ?room)) (effects (clean ?room)))
+(define-rap (mop (?room room)) (preconditions (at ?room)) (effects (clean ?room)))
+(define-rap (wipe (?room room)) (preconditions (clean ?room)) (effects (dry ?room)))
+(define-rap (prepare) (succeed (dry lab)) (plan))"""
+
+
+def test_remaining_steps_of_a_broken_plan_are_used() -> None:
+    program = rapc.loads(WAYS, check=False).program
+
+    def solved(*facts: values.Fact, last: nodes.Method | None = None) -> Solution:
+        model = Model(program.library, program.signatures)
+        goal = model.goal(program.library.raps["prepare"], {})
+        return solve(model, dict.fromkeys(facts), goal, limit=1000, last=last)
+
+    def goals(found: Solution) -> list[str]:
+        assert found.sketch is not None
+        return [format_list(action.goal) for action in found.sketch.actions]
+
+    way = ["(go-to lab)", "(broom lab)", "(wipe lab)"]
+    first = solved(("open",))
+    assert goals(first) == way
+    other = [step.replace("broom", "mop") for step in way]
+    steps = "".join(f" (t{at} {goal})" for at, goal in enumerate(other, 1))
+    (form,) = parse(
+        SourceFile("plan", f"(define-method prepare (task-net{steps}))")
+    ).forms
+    assert isinstance(form, nodes.DefineMethod)
+    broken = solved(last=form.method)
+    assert goals(broken) == ["(unlock)", *other]
+    assert broken.expanded < solved().expanded
+    assert goals(solved()) == ["(unlock)", *way]
+    later = solved(("open",), ("at", "lab"), ("clean", "lab"), last=form.method)
+    assert goals(later) == ["(wipe lab)"]
+
+
+PAUSE = """(declare-memory-proposition held (?thing))
+(declare-primitive grip (?thing) (okay slipped))
+(declare-primitive rest () (okay))
+(define-rap (take ?thing)
+  (succeed (held ?thing))
+  (effects (held ?thing))
+  (method (context (not (last-result slipped))) (primitive (grip ?thing))))
+(define-rap (fetch)
+  (succeed (held box))
+  (method rest (context (last-result slipped)) (primitive (rest)))
+  (plan))"""
+
+
+def test_plan_is_remembered_after_another_method() -> None:
+    library = rapc.loads(PAUSE)
+    rows = [
+        Row(pattern=("grip", "?x"), result="slipped", takes=1, times=1),
+        Row(pattern=("rest",), result="okay", takes=1),
+        Row(pattern=("grip", "?x"), takes=1, asserts=(("held", "?x"),)),
+    ]
+    world = ScriptedWorld(rows, declared=library.program.library)
+    run = library.start(world, tasks="(fetch)")
+    asked: list[object] = []
+
+    def spy(request: PlanRequest) -> Planned:
+        asked.append(None if request.last is None else request.last.name)
+        return find_plan(request)
+
+    run.planner = spy
+    assert run.run() == "done"
+    assert run.results()[0].outcome == "succeeded"
+    assert asked == [None, "plan-1"]

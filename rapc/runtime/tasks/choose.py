@@ -166,7 +166,8 @@ def _ask_planner(run: Run, task: Task) -> bool:
     rap, planner = task.plan, run.planner
     if rap.node.plan is None or planner is None:
         return False
-    added, last = run.state.added_methods.get(rap.name, ()), task.method
+    added = run.state.added_methods.get(rap.name, ())
+    tried = () if task.history is None else task.history.results
     taken = {method.node.name for method in run.state.methods(rap)}
     failed = {} if task.history is None else task.history.failed_steps
     view = run.context.view
@@ -176,7 +177,14 @@ def _ask_planner(run: Run, task: Task) -> bool:
         values={name: task.env[name] for name in rap.inputs},
         memory=view,
         name=next(n for at in count(1) if (n := f"plan-{at}") not in taken),
-        last=None if last is None or last not in added else last.node,
+        last=next(
+            (
+                plan.node
+                for plan in reversed(added)
+                if plan is task.method or plan.node.name in tried
+            ),
+            None,
+        ),
         avoided=[view.canonical(one) for one, n in failed.items() if n >= _RELUCTANT],
         failed=[view.canonical(one) for one, n in failed.items() if n >= _HOPELESS],
         limit=run.settings.plan_limit,
