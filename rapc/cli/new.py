@@ -98,7 +98,7 @@ def _convert(name: str, domain: str, problem: str | None) -> None:
         fail(error.message)
     write_output(name, found.library.encode())
     for one in found.left_out:
-        click.echo(visible(f"note: {one}"), err=True)
+        click.echo(visible(f"note: left out: {one}"), err=True)
     click.echo(visible(f"created {name}"))
     if found.goal is not None:
         facts = [word for fact in found.facts for word in ("--fact", fact)]

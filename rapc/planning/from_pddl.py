@@ -185,25 +185,33 @@ class _Domain:
             name, args = self._atom(item)
             if name in self._predicates:
                 self._fail(item, f"duplicate predicate `{name}`")
-            found = tuple(self._typed(args, Variable))
+            found = tuple(self._typed(args, Variable, either=True))
             for one in found:
                 self._known_kind(one.kind, one.datum)
             self._predicates[name] = found
 
     def _typed(
-        self, items: Sequence[Datum], wanted: type[Symbol] | type[Variable]
+        self,
+        items: Sequence[Datum],
+        wanted: type[Symbol] | type[Variable],
+        either: bool = False,
     ) -> Iterator[_Typed]:
-        """Yield the names of `a b - type c`."""
+        """Yield the names of `a b - type c`.
+
+        With `either`, a name may have several types; it has no kind then.
+        """
         waiting: list[Symbol | Variable] = []
         at = 0
         while at < len(items):
             item = items[at]
             if isinstance(item, Symbol) and item.name == "-":
                 kind = items[at + 1] if at + 1 < len(items) else item
-                if not isinstance(kind, Symbol) or kind.name == "-":
+                several = either and self._head(kind) == "either"
+                name = kind.name if isinstance(kind, Symbol) else "-"
+                if name == "-" and not several:
                     self._fail(kind, "expected the name of a type after `-`")
                 for one in waiting:
-                    yield _Typed(one.name, self._kind(kind.name), one)
+                    yield _Typed(one.name, None if several else self._kind(name), one)
                 waiting, at = [], at + 2
             elif isinstance(item, wanted):
                 waiting.append(item)
@@ -271,8 +279,15 @@ class _Domain:
             clauses.append(f"(effects {effects})")
         if self._cost is not None:
             clauses.append(f"(duration {format_atom(self._cost)})")
-        index = " ".join([name, *[_declared(one) for one in inputs]])
-        self._actions[name] = f"(define-rap ({index}) {' '.join(clauses)})"
+        text = " ".join(clauses)
+        index = [name]
+        for one in inputs:
+            if one.name in re.findall(r"[^()\s]+", text):
+                index.append(_declared(one))
+            else:
+                said = f"the parameter `{one.name}`: no condition or effect has it"
+                self.left_out.append(f"{self._place(one.datum)}: {said}")
+        self._actions[name] = f"(define-rap ({' '.join(index)}) {text})"
 
     def _effects(
         self, effect: Datum, local: Mapping[str, str | None], form: str

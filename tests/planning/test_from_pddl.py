@@ -102,6 +102,27 @@ def test_cost_that_is_not_constant_is_left_out() -> None:
     assert said == "d.pddl:24:50: a cost that is not constant"
 
 
+def test_parameter_without_use_is_left_out() -> None:
+    text = (
+        "(define (domain d) (:types cup) (:predicates (clean ?x - cup))"
+        "(:action wash :parameters (?x - cup ?by - cup) :effect (clean ?x)))"
+    )
+    found = made(text)
+    assert "(define-rap (wash (?x cup))\n" in found.library
+    said = "the parameter `?by`: no condition or effect has it"
+    assert found.left_out == (f"d.pddl:1:99: {said}",)
+
+
+def test_argument_of_several_types_has_no_kind() -> None:
+    text = (
+        "(define (domain d) (:types cup pan) (:predicates (at ?x - (either cup pan)))"
+        "(:action put :parameters (?x - cup) :effect (at ?x)))"
+    )
+    library = made(text).library
+    assert "(declare-memory-proposition at (?x))\n" in library
+    assert "(define-rap (put (?x cup))\n" in library
+
+
 HEAD = "(define (domain d) (:types ball) (:predicates (p ?x) (q ?x - ball)) "
 
 
