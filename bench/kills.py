@@ -126,7 +126,7 @@ class Killed:
         if not resume:
             shutil.rmtree(self.journal, ignore_errors=True)
             files = ("--trace", str(self.trace), "--journal", str(self.journal))
-            args = ("run", *self._args, *files)
+            args = ("run", *self._args, *files, "--journal-limit", "1")
         return started(args, self.errors, cycles)
 
     def kill(self, seconds: float, after: Callable[[], None]) -> int:
@@ -294,7 +294,7 @@ def measured(
             copies: list[Path] = []
 
             def keep(one: Path = one, copies: list[Path] = copies) -> None:
-                if rng.random() < 0.5 and (one / "journal" / "meta").exists():
+                if (one / "journal" / "meta").exists():
                     copy = folder / f"copy-{len(copies)}"
                     shutil.rmtree(copy, ignore_errors=True)
                     shutil.copytree(one, copy)
