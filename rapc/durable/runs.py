@@ -16,7 +16,14 @@ import msgspec
 from rapc.base.version import VERSION
 from rapc.compiler.program import Program
 from rapc.debug import act_lines
-from rapc.debug.acts import Act
+from rapc.debug.acts import (
+    Act,
+    AssertFact,
+    CancelTasks,
+    EraseFacts,
+    SendSignal,
+    SubmitTask,
+)
 from rapc.debug.history import Done
 from rapc.debug.reload import TakeUp, changed
 from rapc.durable import folder as files
@@ -37,10 +44,8 @@ from rapc.errors import Error, LoadError, StateError
 from rapc.runtime.answers import Answer, Answers, Position
 from rapc.runtime.events.trace import JsonTrace
 from rapc.runtime.interpreter import Interpreter
-from rapc.world import Savable, Time, World
-
-Make = Callable[[Program, Callable[[World], World]], Interpreter]
-"""Makes a run of a library, with a world in the given wrapper."""
+from rapc.runtime.task_request import TaskRequest, read_task_request
+from rapc.world import Atom, Fact, Savable, Time, World
 
 
 class Past(NamedTuple):
@@ -160,8 +165,34 @@ class DurableRun:
         self.journal.ended()
         return self.run.reason or ""
 
+    def submit(self, task: TaskRequest | str) -> None:
+        """Submit a task: see `Interpreter.submit`."""
+        if isinstance(task, str):
+            task = read_task_request(task)
+        self.act(SubmitTask(task))
+
+    def cancel(self, goal: Fact) -> None:
+        """Cancel the top-level tasks that a goal matches.
+
+        Raises:
+            ArgumentError: if there are none.
+        """
+        self.act(CancelTasks(goal))
+
+    def assert_fact(self, *fact: Atom) -> None:
+        """Assert a fact: see `Interpreter.assert_fact`."""
+        self.act(AssertFact(fact))
+
+    def erase(self, *prefix: Atom) -> None:
+        """Erase every fact that starts with `prefix`: see `Interpreter.erase`."""
+        self.act(EraseFacts(prefix))
+
+    def signal(self, *content: Atom) -> None:
+        """Send a signal: see `Interpreter.signal`."""
+        self.act(SendSignal(content))
+
     def act(self, act: Act) -> None:
-        """Perform an act of the host between two cycles.
+        """Perform an act of the host between two cycles, and write it to the journal.
 
         Raises:
             Error: if the act is impossible.
@@ -175,7 +206,11 @@ class DurableRun:
             raise
 
     def _perform(self, act: Act) -> None:
-        self.run = act.do(self.run) or self.run
+        self.run.in_journal = False
+        try:
+            self.run = act.do(self.run) or self.run
+        finally:
+            self.run.in_journal = True
         self.journal.follow(self.run)
         if isinstance(act, TakeUp):
             self.journal.library = act_lines.library_in_text(act.program)
@@ -250,6 +285,7 @@ def begin(
     journal.follow(run)
     file = _traced(run, trace)
     run.start(until)
+    run.in_journal = True
     return DurableRun(run, journal, lock, file)
 
 
@@ -357,6 +393,7 @@ class Resumption:
             run.restore(snapshot.run)
             for report, state in zip(reports, snapshot.reports, strict=False):
                 report.take_up(state)
+        run.in_journal = True
         durable.repeat(past.acts)
         if self._changed:
             durable.reach(past.cycle)

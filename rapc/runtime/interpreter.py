@@ -18,7 +18,7 @@ from rapc.base.values import Atom, Fact, format_list
 from rapc.compiler.program import Program
 from rapc.compiler.query.query import Query
 from rapc.compiler.rap_plan import MethodPlan, RapPlan
-from rapc.errors import ArgumentError, PortError, RefusedError
+from rapc.errors import ArgumentError, PortError, RefusedError, StateError
 from rapc.events import Event, Goal, RunEnded, RunStarted, TaskResult
 from rapc.ir.nodes import Formula, Node, Proposition
 from rapc.language.atoms import kind, need_atoms, need_fact
@@ -143,6 +143,8 @@ class Interpreter(Run):
         #: The tasks with which the run begins.
         self.first_tasks: tuple[TaskRequest, ...] = ()
         self.first_facts: tuple[Fact, ...] = ()
+        #: Whether each change by a host must be in a journal: it comes as an act.
+        self.in_journal = False
         self._registered = (functions, solvers, comparators)
         self._world = world
         code = code_of_authors(world.kit, functions, solvers, comparators)
@@ -297,6 +299,7 @@ class Interpreter(Run):
         Raises:
             FactError: if the declarations do not allow it.
         """
+        self._may_change()
         self.access.assert_for("user", fact)
         if self.recognizer.unsettled:
             self.access.recognise()
@@ -311,6 +314,7 @@ class Interpreter(Run):
         Raises:
             FactError: if the prefix has an undeclared name.
         """
+        self._may_change()
         self.access.erase_for("user", prefix)
         if self.recognizer.unsettled:
             self.access.recognise()
@@ -321,6 +325,7 @@ class Interpreter(Run):
         Raises:
             FactError: for a name that no handler introduced.
         """
+        self._may_change()
         with self.access.batch():
             if place is None:
                 self.access.lose(item)
@@ -333,6 +338,7 @@ class Interpreter(Run):
         Raises:
             FactError: for an undeclared event, or wrong arguments.
         """
+        self._may_change()
         need_fact(content, "the signal")
         self.port.check_signal(content)
         signal(self, self.beliefs.canonical(content))
@@ -347,6 +353,7 @@ class Interpreter(Run):
         Raises:
             ArgumentError: if `time` is no time, or `action` cannot be called.
         """
+        self._may_change()
         need_time(time, "`time`")
         need_call(action, "`action`")
         self.state.requests += 1
@@ -356,6 +363,14 @@ class Interpreter(Run):
         """Call `action` when the run is over, before live tasks are removed."""
         need_call(action, "`action`")
         self.at_end.append(action)
+
+    def _may_change(self) -> None:
+        """Raise StateError if the run has a journal, and this is no act of it."""
+        if self.in_journal:
+            raise StateError(
+                "cannot change the run: its journal would not have the change",
+                "use the methods of the `DurableRun`",
+            )
 
     def call_when_waiting(self, action: Callable[[], None]) -> None:
         """Call `action` each time before the run waits for the next time.
@@ -373,6 +388,7 @@ class Interpreter(Run):
             RefusedError: for an unknown RAP, or a wrong number of inputs.
             TextError: for an invalid text.
         """
+        self._may_change()
         if isinstance(task, str):
             task = read_task_request(task)
         else:
@@ -421,6 +437,7 @@ class Interpreter(Run):
 
         Variables of the goal (`?x`, `?`) match anything.
         """
+        self._may_change()
         need_atoms(goal, "`goal`")
         return cancel_matching(self, goal)
 
@@ -430,6 +447,7 @@ class Interpreter(Run):
         Raises:
             ArgumentError: for an unknown task.
         """
+        self._may_change()
         task = self.task(number)
         if task.run is not None:
             end_method(self, task.run, INTERFERENCE, None, "cancelled")
@@ -442,6 +460,7 @@ class Interpreter(Run):
         Raises:
             ArgumentError: for an unknown task, or a task without a method under way.
         """
+        self._may_change()
         task = self.task(number)
         if task.run is None:
             raise ArgumentError(f"task [{number}] is at work on no method")
@@ -463,6 +482,7 @@ class Interpreter(Run):
         Raises:
             RefusedError: if the library is not the present library with added RAPs.
         """
+        self._may_change()
         need_program(library, "`library`")
         refuse_extension(self.library.library, library.library)
         self.library = library
