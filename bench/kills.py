@@ -30,11 +30,8 @@ from typing import Any, NamedTuple
 from rapc.base import watchdog
 from rapc.cli.main import main as rapc
 from rapc.durable import journal
-from rapc.durable.folder import Options
-from rapc.durable.runs import Resumption, begin, enclosed
+from rapc.durable.runs import begin, resume
 from rapc.host import CheckedLibrary, load, loads
-from rapc.runtime.interpreter import Interpreter
-from rapc.spec import RunSpec
 from rapc.world import World
 from tests.durable import peer as live
 
@@ -192,18 +189,14 @@ class Robot(NamedTuple):
 
     def run(self, socket: str, folder: Path) -> None:
         """Begin or resume the run, and bring it to its end."""
-        library, world = self.library.program, self.world(socket)
+        library, world = self.library, self.world(socket)
         journalled, trace = folder / "journal", folder / "trace.jsonl"
         if (journalled / "meta").exists():
-            found = Resumption(journalled, library)
-            spec, world = found.stored.meta.spec, enclosed(found.stored.meta)(world)
-            run = Interpreter.prepared(found.program, world, spec)
-            durable = found.resume(run, Options(), lambda _: "fail", trace=trace)
+            durable = resume(journalled, library.program, world, trace=trace)
         else:
             shutil.rmtree(journalled, ignore_errors=True)
-            spec = RunSpec(tasks=tuple(self.tasks))
-            run = Interpreter.prepared(library, world, spec)
-            durable = begin(journalled, run, Options(), trace=trace)
+            run = library.start(world, tasks=self.tasks, begin=False)
+            durable = begin(journalled, run, trace=trace)
         assert durable.go() == "done"
         durable.close()
 

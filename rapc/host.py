@@ -158,6 +158,7 @@ class CheckedLibrary:
         comparators: Callables | None = None,
         listeners: Iterable[Listener] = (),
         engine: str | Engine | None = None,
+        begin: bool = True,
     ) -> Interpreter:
         """Start a run for stepping, queries, and further tasks.
 
@@ -179,6 +180,8 @@ class CheckedLibrary:
             listeners: called with every event of the run.
             engine: the planner for RAPs with `(plan)`, see `rapc.engine`; None for the
                 planner of rapc.
+            begin: whether to begin the run; `rapc.durable.runs.begin` begins a run with
+                a journal.
 
         Raises:
             WorldError: if the world or an option is unknown, or the world cannot be
@@ -217,7 +220,8 @@ class CheckedLibrary:
         )
         for listener in listeners:
             run.listen(listener)
-        run.start()
+        if begin:
+            run.start()
         return run
 
 

@@ -41,6 +41,7 @@ from rapc.durable.records import (
 )
 from rapc.durable.resuming import Decide, ResumedWorld, Sent, go_on
 from rapc.errors import Error, LoadError, StateError
+from rapc.host import find_plan
 from rapc.runtime.answers import Answer, Answers, Position
 from rapc.runtime.events.trace import JsonTrace
 from rapc.runtime.interpreter import Interpreter
@@ -254,7 +255,7 @@ class DurableRun:
 def begin(
     folder: Path,
     run: Interpreter,
-    options: Options,
+    options: Options | None = None,
     *,
     until: Time | None = None,
     trace: Path | None = None,
@@ -264,8 +265,8 @@ def begin(
 
     Args:
         folder: the folder of the journal; it must be empty or missing.
-        run: the run; `Interpreter.prepared` made it.
-        options: the options of the journal.
+        run: the run; `Interpreter.prepared` made it, or `start` with `begin=False`.
+        options: the options of the journal; None: the defaults.
         until: the time limit of the run.
         trace: the file for its trace.
         reports: listeners whose state is part of a snapshot.
@@ -275,6 +276,7 @@ def begin(
         StateError: if another process uses the folder.
         PortError: if the world breaks.
     """
+    options = options or Options()
     lock = Lock(folder)
     spec = msgspec.structs.replace(run.spec, until=until)
     library = act_lines.library_in_text(run.library)
@@ -287,6 +289,45 @@ def begin(
     run.start(until)
     run.in_journal = True
     return DurableRun(run, journal, lock, file)
+
+
+def resume(
+    folder: Path,
+    library: Program,
+    world: World,
+    *,
+    options: Options | None = None,
+    decide: Decide = lambda request: "fail",
+    trace: Path | None = None,
+    take_up: bool = False,
+    **code: Any,
+) -> DurableRun:
+    """Resume a run from its journal.
+
+    Args:
+        folder: the folder of the journal.
+        library: the library, as its files have it.
+        world: a new world, made like the first world of the run.
+        options: the options of the journal; None: those before.
+        decide: decides on requests under way whose treatment is `ask`.
+        trace: the file for its trace; it continues the trace of the first process.
+        take_up: whether the library may differ from that of the run.
+        code: `functions`, `solvers`, `comparators`: see `Interpreter.prepared`.
+
+    Raises:
+        Error: if the run cannot be continued.
+    """
+    found = Resumption(folder, library, take_up=take_up)
+    meta = found.stored.meta
+    try:
+        enclosing = enclosed(meta)(world)
+        run = Interpreter.prepared(
+            found.program, enclosing, meta.spec, planner=find_plan, **code
+        )
+        return found.resume(run, options or meta.options, decide, trace=trace)
+    except BaseException:
+        found.release()
+        raise
 
 
 def _traced(run: Interpreter, trace: Path | None, size: int = 0) -> Trace | None:
@@ -316,8 +357,12 @@ class Resumption:
         try:
             self._read(folder, loaded, take_up)
         except BaseException:
-            self._lock.release()
+            self.release()
             raise
+
+    def release(self) -> None:
+        """Release the lock of a run that is not resumed."""
+        self._lock.release()
 
     def _read(self, folder: Path, loaded: Program, take_up: bool) -> None:
         self.stored: Stored = files.read(folder)

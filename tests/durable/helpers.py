@@ -14,7 +14,7 @@ from rapc.compiler.program import Program
 from rapc.durable import runs
 from rapc.durable.folder import Options, Writer
 from rapc.durable.journal import Trace
-from rapc.durable.runs import DurableRun, Resumption, begin, enclosed
+from rapc.durable.runs import DurableRun, begin, resume
 from rapc.runtime.interpreter import Interpreter
 from rapc.spec import RunSpec
 from rapc.world import World
@@ -77,11 +77,15 @@ class Run:
 
     def resume(self, *, take_up: bool = False) -> DurableRun:
         """Resume the run."""
-        found = Resumption(self.journal, self.library, take_up=take_up)
-        meta = found.stored.meta
-        world = enclosed(meta)(self._world())
-        run = Interpreter.prepared(found.program, world, meta.spec)
-        return found.resume(run, self.options, self.decide, trace=self.trace)
+        return resume(
+            self.journal,
+            self.library,
+            self._world(),
+            options=self.options,
+            decide=self.decide,
+            trace=self.trace,
+            take_up=take_up,
+        )
 
     def whole(self) -> str:
         """Return the trace of the run without a journal."""

@@ -44,7 +44,9 @@ class Workshop(SimpleWorld):
     """A world that makes things, with a bell."""
 
     name = "workshop"
-    kit = Kit(Offer({"make": (1, ("okay",))}, events={":bell": 1}, not_atomic=["make"]))
+    kit = Kit(
+        Offer({"make": (1, ("okay",))}, events={":bell": 1}, not_atomic=("make",))
+    )
 
     def perform(self, ticket: int, request: Fact) -> None:
         """Make a thing in 2 time units."""
