@@ -289,6 +289,7 @@ def test_killed_engine_does_not_end_the_plan(pids: Path) -> None:
 
 
 @pytest.mark.nightly
+@pytest.mark.timeout(3600)
 def test_killed_engines_do_not_end_the_plan(pids: Path) -> None:
     kill_at(20, 2, pids)
 

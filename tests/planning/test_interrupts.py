@@ -102,6 +102,7 @@ def test_interrupt_ends_a_search(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.nightly
+@pytest.mark.timeout(3600)
 @pytest.mark.parametrize("name", COMMANDS)
 def test_interrupts_at_any_moment_end_a_search(name: str, tmp_path: Path) -> None:
     rng = random.Random(30)

@@ -55,6 +55,7 @@ def test_mutated_libraries_have_findings_or_runs() -> None:
 
 
 @pytest.mark.nightly
+@pytest.mark.timeout(3600)
 def test_many_mutated_libraries_have_findings_or_runs() -> None:
     found = outcomes(range(1000, 11_000))
     assert min(found["CheckError"], found["failed"], found["passed"]) > 1000

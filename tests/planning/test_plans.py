@@ -240,6 +240,7 @@ def test_plans_of_drawn_models_hold_in_each_order() -> None:
 
 
 @pytest.mark.nightly
+@pytest.mark.timeout(3600)
 def test_plans_of_many_drawn_models_hold_in_each_order() -> None:
     found = lengths(range(1000, 21_000))
     assert sum(n for steps, n in found.items() if steps and steps > 1) > 3000
