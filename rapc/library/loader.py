@@ -15,6 +15,7 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
+from threading import Lock
 
 import msgspec
 
@@ -58,22 +59,27 @@ STANDARD_INPUT = "<stdin>"
 
 
 class Units:
-    """A `parser` for `load` and similar functions that caches the units of files."""
+    """A `parser` for `load` and similar functions that caches the units of files.
+
+    Threads may share the cache.
+    """
 
     def __init__(self) -> None:
         self._made: dict[str, SourceUnit] = {}
+        self._lock = Lock()
 
     def __call__(self, source: SourceFile) -> SourceUnit:
         """Return the unit of a file, from the cache if its text is unchanged.
 
         A form with the same text at the same place is the same node as before.
         """
-        made = self._made.get(source.name)
-        if made is None or made.file.text != source.text:
-            new = parse(source)
-            made = new if made is None else _with_nodes_of(made, new)
-            self._made[source.name] = made
-        return made
+        with self._lock:
+            made = self._made.get(source.name)
+            if made is None or made.file.text != source.text:
+                new = parse(source)
+                made = new if made is None else _with_nodes_of(made, new)
+                self._made[source.name] = made
+            return made
 
 
 def _with_nodes_of(old: SourceUnit, new: SourceUnit) -> SourceUnit:

@@ -1,9 +1,10 @@
-"""The libraries of a workspace, checked in one worker thread while the user types.
+"""The libraries of a workspace, checked in threads of their own while the user types.
 
-The thread of the protocol holds the buffers. The worker reads an edited file and
-publishes its syntax errors. Then the worker loads and checks libraries with the texts
-of the buffers, first for errors, then, when the user pauses, for all rules. Each result
-is a `Snapshot`, which never changes. An edit abandons a check under way.
+The thread of the protocol holds the buffers. The reader reads an edited file at once,
+also during a check, and publishes its syntax errors. Then the worker loads and checks
+libraries with the texts of the buffers, first for errors, then, when the user pauses,
+for all rules. Each result is a `Snapshot`, which never changes. An edit abandons a
+check under way.
 """
 
 from __future__ import annotations
@@ -176,25 +177,31 @@ class Worker:
         #: The number of changes so far, and the time of the last one.
         self._now = 0
         self._last = 0.0
-        #: The edited files that were not read since.
+        #: The edited files that were not read since, and whether the reader reads.
         self._edited: set[str] = set()
+        self._is_reading = False
         self._stopped = False
         self._is_warm = False
         #: The name of each file of the workspace.
         self._names: Names = {}
         #: Whether files or `require` forms have changed since the last search.
         self._are_folders_old = True
-        self._thread = threading.Thread(target=self._run, daemon=True, name="checks")
+        jobs = {"checks": self._next, "reader": self._next_read}
+        self._threads = [
+            threading.Thread(target=self._run, args=(one,), daemon=True, name=name)
+            for name, one in jobs.items()
+        ]
 
     def start(self) -> None:
-        """Start the thread."""
-        self._thread.start()
+        """Start the threads."""
+        for thread in self._threads:
+            thread.start()
 
     def stop(self) -> None:
-        """Abandon the check under way, and end the thread."""
+        """Abandon the check under way, and end the threads."""
         with self._changed:
             self._stopped = True
-            self._changed.notify()
+            self._changed.notify_all()
 
     def tell(
         self, work: Work, names: Sequence[str] = (), *, typed: bool = False
@@ -218,12 +225,12 @@ class Worker:
                     state.changed_at = self._now
             if not typed:
                 self._are_folders_old = True
-            self._changed.notify()
+            self._changed.notify_all()
 
-    # --- the thread -----------------------------------------------------------------
+    # --- the threads ----------------------------------------------------------------
 
-    def _run(self) -> None:
-        while (job := self._next()) is not None:
+    def _run(self, next_job: Callable[[], Callable[[], None] | None]) -> None:
+        while (job := next_job()) is not None:
             try:
                 job()
             except AbandonedError:
@@ -243,14 +250,24 @@ class Worker:
                 self._changed.wait(wait)
         return None
 
+    def _next_read(self) -> Callable[[], None] | None:
+        """Wait until an edited file is to be read; None when the worker is stopped."""
+        with self._changed:
+            while not self._stopped:
+                left = self._delays.errors - (self._clock() - self._last)
+                if self._edited and left <= 0:
+                    self._is_reading = True
+                    return self._read_edited
+                self._changed.wait(left if self._edited else None)
+        return None
+
     def _due(self) -> tuple[Callable[[], None] | None, float | None]:
         """Return the next job, or the time until one is due."""
         quiet = self._clock() - self._last
         if self._are_folders_old:
             return self._discover, None
-        if self._edited:
-            left = self._delays.errors - quiet
-            return (None, left) if left > 0 else (self._read_edited, None)
+        if self._edited or self._is_reading:
+            return None, None
         opened = self._work.revisions
         states = sorted(
             self._states.items(),
@@ -297,11 +314,21 @@ class Worker:
         self._forget(gone)
 
     def _read_edited(self) -> None:
-        """Read the edited files, and publish their syntax errors at once."""
+        """Read the edited files, and publish their syntax errors."""
         with self._changed:
             work, names = self._work, sorted(self._edited)
             self._edited.clear()
             states = dict(self._states)
+        try:
+            self._read_files(work, names, states)
+        finally:
+            with self._changed:
+                self._is_reading = False
+                self._changed.notify_all()
+
+    def _read_files(
+        self, work: Work, names: Sequence[str], states: Mapping[LibrarySpec, _State]
+    ) -> None:
         for name in names:
             spec = next((s for s, one in states.items() if name in one.files), None)
             if spec is None or name not in work.texts:
