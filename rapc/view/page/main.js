@@ -203,9 +203,12 @@ class App {
     const last = foreground.sort((one, other) => other.ended - one.ended)[0];
     const [symptom] = asList(this.mores[this.current].symptoms);
     const [, number] = /\[([0-9]+)\]/.exec(asText(symptom)) || [];
-    const named = run.tasks.get(Number(number)) || last;
+    const named = run.tasks.get(Number(number));
+    const end = run.lastLive;
     if (failed) this.go(failed.ended, { task: failed.number });
-    else this.go(run.lastLive, named ? { task: named.number } : {});
+    else if (named)
+      this.go(named.ended < 0 ? end : Math.min(named.ended, end), { task: named.number });
+    else this.go(end, last ? { task: last.number } : {});
   }
 
   /** Show what does not change with the moment. */
@@ -274,7 +277,8 @@ function symptomLine(app, text) {
     if (index % 2 === 0) return part;
     const task = app.run.tasks.get(Number(part.slice(1, -1)));
     if (task) return link(part, () => app.choose(task, true), visible(task.goal));
-    return sourceAt(app, part) ? link(part, () => app.showPlace(part)) : part;
+    if (!sourceAt(app, part)) return part;
+    return link(lastPart(part), () => app.showPlace(part), visible(part));
   }));
 }
 
