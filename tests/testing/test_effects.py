@@ -16,7 +16,7 @@ from tests.cli.command import rapc
         ("examples/courier/simulation.test.rap", 5, "2"),
         ("examples/laboratory/simulation.test.rap", 4, "1"),
         ("stdlib/hallway/errands.test.rap", 2, "1"),
-        ("stdlib/truck-beyond/errands.test.rap", 5, "2"),
+        ("stdlib/truck-beyond/errands.test.rap", 4, "2"),
     ],
 )
 def test_effects_of_shipped_libraries_come_true(
