@@ -8,6 +8,7 @@ files reads the lists, so sizes and depths are limited as in RAP files.
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple, NoReturn
 
@@ -27,6 +28,8 @@ _ROOT = "object"
 
 _PARTS = (":parameters", ":precondition", ":effect")
 """The parts of an action."""
+
+_WORD = re.compile(r"[^()\s]+")
 
 _NO_LOCAL: Mapping[str, str | None] = {}
 
@@ -131,11 +134,12 @@ class _Domain:
 
     def text(self) -> str:
         """Return the library as unformatted text."""
-        forms = []
+        forms, own = [], dict[str | None, list[str]]()
+        for name, its_kind in self._objects.items():
+            own.setdefault(its_kind, []).append(name)
         for kind, above in self._above.items():
             under = f" :is {above}" if above else ""
-            own = [name for name, one in self._objects.items() if one == kind]
-            values = f" ({' '.join(own)})" if self._closed else ""
+            values = f" ({' '.join(own.get(kind, ()))})" if self._closed else ""
             forms.append(f"(declare-kind {kind}{under}{values})")
         for name, args in self._predicates.items():
             told = " ".join([_declared(one) for one in args])
@@ -280,9 +284,9 @@ class _Domain:
         if self._cost is not None:
             clauses.append(f"(duration {format_atom(self._cost)})")
         text = " ".join(clauses)
-        index = [name]
+        index, used = [name], set(_WORD.findall(text))
         for one in inputs:
-            if one.name in re.findall(r"[^()\s]+", text):
+            if one.name in used:
                 index.append(_declared(one))
             else:
                 said = f"the parameter `{one.name}`: no condition or effect has it"
@@ -366,14 +370,13 @@ class _Domain:
                 self._fail(one.datum, f"unsupported: `{one.name}` has two meanings")
             self._types[one.name] = one.kind
         part = self._formula(body, negated=head == "forall")
-        text = part.text
         for one in own:
             if one.name not in part.bound:
                 said = f"no fact in `{head}` gives `{one.name}` a value of its type"
                 self._fail(one.datum, f"unsupported: {said}")
-            uses = re.compile(rf"{re.escape(one.name)}(?=[ )])")
-            if len(uses.findall(text)) == 1:
-                text = uses.sub("?", text)
+        uses = Counter(_WORD.findall(part.text))
+        once = {one.name for one in own if uses[one.name] == 1}
+        text = _WORD.sub(lambda word: "?" if word[0] in once else word[0], part.text)
         self._types = before
         positive = (head == "exists") != negated
         return _Part(text, part.bound) if positive else _Part(f"(not {text})")

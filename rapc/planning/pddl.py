@@ -50,15 +50,18 @@ class _Names:
 
     def __init__(self) -> None:
         self._taken = set(_RESERVED)
+        #: The next number for a name that is taken.
+        self._numbers: dict[str, int] = {}
 
     def new(self, *parts: str) -> str:
         """Return a new name that consists of parts."""
         plain = [re.sub(r"[^a-z0-9-]+", "-", one.lower()).strip("-") for one in parts]
         name = "_".join([one or "x" for one in plain])[:_LONGEST]
         name = name if name[0].isalpha() else f"x{name}"
-        found, number = name, 2
+        found = name
         while found in self._taken:
-            found, number = f"{name}_{number}", number + 1
+            number = self._numbers[name] = self._numbers.get(name, 1) + 1
+            found = f"{name}_{number}"
         self._taken.add(found)
         return found
 
@@ -78,7 +81,7 @@ def written(problem: Problem, *, costs: bool = True) -> Pddl:
     predicates: dict[str, str] = {}
     for at in dict.fromkeys(atoms):
         present, fact = problem.literals[at]
-        parts = ["x".join(map(str, n)) if isinstance(n, tuple) else n for n in fact]
+        parts = ["-".join(map(str, n)) if isinstance(n, tuple) else n for n in fact]
         name = names.new(*([] if present else ["not"]), *map(format_atom, parts))
         terms[at] = f"({name})"
         predicates[terms[at]] = str(problem.literals[at])
