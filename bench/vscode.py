@@ -61,10 +61,9 @@ def run(command: Sequence[str | Path], folder: Path) -> None:
 
 def extension(folder: Path) -> Path:
     """Build the package of the extension in a folder, and test its grammar."""
-    made = folder / "rapc" / "editors" / "vscode"
+    made = folder / "vscode"
     skipped = shutil.ignore_patterns("node_modules", "out", "*.vsix")
     shutil.copytree(EXTENSION, made, ignore=skipped)
-    shutil.copy(EXTENSION.parents[1] / "LICENSE", folder / "rapc")
     run(("npm", "ci", *_NPM), made)
     run(("npm", "run", "package"), made)
     run(("npm", "test"), made)

@@ -23,7 +23,7 @@ from tests.docs.test_pages import WIDE
 
 CHECKOUT = Path(__file__).parents[2]
 TUTORIALS = sorted(path.stem for path in (CHECKOUT / "docs" / "tutorials").glob("*.md"))
-LINKED = ("stdlib", "examples")
+LINKED = ("stdlib", "examples", "editors")
 
 pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("wheel")]
 
@@ -72,11 +72,13 @@ def installed(built: Path, tmp_path_factory: pytest.TempPathFactory) -> Installe
 
 
 def _data_files() -> set[str]:
-    """The RAP files of stdlib/ and examples/, relative to the checkout."""
+    """The RAP files and configurations of the linked folders, from the checkout."""
     found = {
         path.relative_to(CHECKOUT).as_posix()
         for folder in LINKED
-        for path in (CHECKOUT / folder).rglob("*.rap")
+        for path in (CHECKOUT / folder).rglob("*")
+        if path.suffix in (".rap", ".lua", ".el", ".js", ".json")
+        and "node_modules" not in path.parts
     }
     assert {"stdlib/truck/world.rap", "examples/rock-order.rap"} <= found
     return found
