@@ -193,11 +193,11 @@ def test_invalid_problem_is_refused_with_its_position(text: str, said: str) -> N
 
 
 def test_large_domain_is_read_in_linear_time() -> None:
-    actions = "".join(f"(:action a{at} :effect (p{at}))" for at in range(4000))
-    predicates = "".join(f"(p{at})" for at in range(4000))
+    actions = "".join(f"(:action a{at} :effect (p{at}))" for at in range(1500))
+    predicates = "".join(f"(p{at})" for at in range(1500))
     began = time.process_time()
     made(f"(define (domain d) (:predicates {predicates}) {actions})")
-    assert time.process_time() - began < 20
+    assert time.process_time() - began < 10
 
 
 def mutated(text: str, seed: int) -> str:

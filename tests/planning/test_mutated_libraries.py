@@ -50,8 +50,8 @@ def outcomes(seeds: range) -> Counter[str]:
 
 
 def test_mutated_libraries_have_findings_or_runs() -> None:
-    found = outcomes(range(150))
-    assert min(found["CheckError"], found["failed"], found["passed"]) > 20
+    found = outcomes(range(60))
+    assert min(found["CheckError"], found["failed"], found["passed"]) > 10
 
 
 @pytest.mark.nightly
