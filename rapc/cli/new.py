@@ -13,12 +13,7 @@ from pathlib import Path
 
 import click
 
-from rapc.base.files import path_named, read_text
-from rapc.base.visible import visible
-from rapc.cli.common import write_output
-from rapc.cli.keep import refuse_kept
 from rapc.cli.options import command, fail
-from rapc.errors import LoadError, TextError
 
 EXAMPLES = """\b
 Examples:
@@ -86,7 +81,12 @@ def new(name: str, domain: str | None, problem: str | None) -> None:
 
 def _convert(name: str, domain: str, problem: str | None) -> None:
     """Write the library of a PDDL domain to a new file."""
+    from rapc.base.files import path_named, read_text
     from rapc.base.source import SourceFile
+    from rapc.base.visible import visible
+    from rapc.cli.common import write_output
+    from rapc.cli.keep import refuse_kept
+    from rapc.errors import LoadError, TextError
     from rapc.planning.from_pddl import converted
 
     refuse_kept(name, "NAME")
