@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import product
+from math import prod
 from typing import Any, NamedTuple
 
 from rapc.base.values import Atom, Fact, Number, format_atom, format_list
@@ -224,6 +225,29 @@ class Grounding:
         if name in self._model.defaults and plain not in self._valued:
             self._first((*index, self._model.defaults[name]))
 
+    def _take_defaults(self, operator: Operator, pattern: Pattern) -> None:
+        """Take in the defaults of a property that a condition asks of any inputs.
+
+        Other defaults are taken in when a join has values for the index, and so are
+        those of more than `MOST_ALTERNATIVES` inputs.
+        """
+        default = self._model.defaults.get(_plain(pattern.name))
+        value = pattern.args[-1] if pattern.args else None
+        if default is None or not (isinstance(value, nodes.Var) or value == default):
+            return
+        inputs = {one.name for one in operator.rap.inputs}
+        choices: list[Sequence[Atom]] = []
+        for arg in pattern.args[:-1]:
+            if not isinstance(arg, nodes.Var):
+                choices.append([arg])
+            elif arg.name in inputs:
+                choices.append(self._of_kind(operator.kinds.get(arg.name)))
+            else:
+                return
+        if prod(map(len, choices)) <= MOST_ALTERNATIVES:
+            for index in product(*choices):
+                self._take_default((pattern.name, *index))
+
     def _known_objects(
         self, situation: Situation, patterns: Iterable[Pattern]
     ) -> dict[str, dict[Atom, None]]:
@@ -289,8 +313,7 @@ class Grounding:
         for operator in self._model.operators:
             for at, pattern in enumerate(operator.conditions.present):
                 users.setdefault(pattern.name, []).append((operator, at))
-                if len(pattern.args) == 1:
-                    self._take_default((pattern.name,))
+                self._take_defaults(operator, pattern)
             if not operator.conditions.present:
                 self._join(operator, [], {})
         while self._queue:

@@ -205,3 +205,22 @@ def test_plan_is_remembered_after_another_method() -> None:
     assert run.run() == "done"
     assert run.results()[0].outcome == "succeeded"
     assert asked == [None, "plan-1"]
+
+
+STORES = """(declare-kind room (hall yard))
+(declare-kind tool (saw drill))
+(declare-memory-property at ((?room room)) hall)
+(declare-memory-property stored ((?tool tool) (?room room)) yard)
+(declare-memory-proposition held ((?tool tool)))
+(define-rap (go-to (?room room)) (effects (at ?room)))
+(define-rap (pick-up (?tool tool))
+  (preconditions (and (stored ?tool ?room) (at ?room)))
+  (effects (held ?tool)))"""
+
+
+def test_plan_begins_with_defaults_for_inputs() -> None:
+    library = rapc.loads(STORES, check=False)
+    goal = "(and (held saw) (held drill))"
+    plan = rapc.plan(library, goal, facts=["(stored drill hall)"])
+    steps = ["(pick-up drill)", "(go-to yard)", "(pick-up saw)"]
+    assert [step.goal for step in plan.steps] == steps
