@@ -11,6 +11,7 @@ import argparse
 import statistics
 import time
 from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
 from typing import NamedTuple
 
 import rapc
@@ -20,6 +21,7 @@ from rapc.library.library import usable_in_plans
 from rapc.library.operators import Model
 from rapc.planning.ground import Grounding, Situation
 from rapc.planning.solver import situation, solve
+from rapc.worlds.registry import importing_from
 
 ROUND = """(define-rap (evening-round)
   (succeed (and (delivered medicine ward-3) (delivered meals ward-4)
@@ -229,7 +231,8 @@ def main() -> None:
         return
     for name in given.cases:
         seeds = range(given.first, given.first + given.seeds)
-        print(measured(name, CASES[name], seeds), flush=True)
+        with importing_from(Path(CASES[name].library)):
+            print(measured(name, CASES[name], seeds), flush=True)
 
 
 def measured(name: str, case: Case, seeds: Iterable[int]) -> str:
