@@ -26,6 +26,9 @@ MAX_NODE_DEPTH = 150
 MAX_LEAVES = 200
 """Propositions and tests of a formula: queries become nested code."""
 
+MAX_BRANCHES = 64
+"""Branches into which the formulas of an operator of the planner are divided."""
+
 MAX_PARTS = 1000
 """Parts of a formula built by a program; a formula from a text has fewer."""
 

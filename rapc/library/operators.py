@@ -12,6 +12,7 @@ from itertools import count
 from typing import Literal as Word
 from typing import NamedTuple
 
+from rapc.base.limits import MAX_BRANCHES
 from rapc.base.resources import Value
 from rapc.base.source import Span
 from rapc.base.values import Atom, Number, Text
@@ -26,10 +27,6 @@ Name = str | tuple[str, Number]
 
 Term = Atom | nodes.Var
 """A constant or a variable."""
-
-MOST_BRANCHES = 64
-"""The greatest number of branches into which a formula is divided."""
-
 
 FRESH = "?("
 """The beginning of the names of new variables, which no text can contain."""
@@ -252,7 +249,7 @@ class Model:
             case nodes.Or():
                 every = [self._branches(part, queries) for part in formula.parts]
                 found = list(dict.fromkeys([one for part in every for one in part]))
-                if len(found) > MOST_BRANCHES:
+                if len(found) > MAX_BRANCHES:
                     found = self._leave(formula, "too many branches")
             case nodes.Not():
                 found = self._negated(formula, queries)
@@ -323,7 +320,7 @@ class Model:
     ) -> list[Conjunction]:
         found = [Conjunction()]
         for branches in parts:
-            if len(found) * len(branches) > MOST_BRANCHES:
+            if len(found) * len(branches) > MAX_BRANCHES:
                 return self._leave(formula, "too many branches")
             found = [one.and_also(other) for one in found for other in branches]
         return found

@@ -531,6 +531,8 @@ class Interpreter(Run):
         Args:
             most: the highest number of cycles; default: no limit.
         """
+        if most is not None:
+            need_count(most, "the number of cycles")
         return self._go(most, wait=False)
 
     def come_to_choice(self) -> bool:

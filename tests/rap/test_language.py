@@ -66,7 +66,7 @@ IN_PYTHON: Mapping[str, Mapping[str, Sequence[str]]] = {
         "3.77": ("test_finding_it_out_changes_nothing",),
     },
     "planning/test_runs.py": {
-        "10.13": ("test_two_runs_make_the_same_plans",),
+        "10.13": ("test_two_runs_and_a_replay_make_the_same_plans",),
     },
     "worlds/test_broken_worlds.py": {
         "3.78": ("test_a_handler_may_give_another_result",),
