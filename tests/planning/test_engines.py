@@ -12,17 +12,21 @@ import threading
 import time
 from collections.abc import Iterator
 from importlib.util import find_spec
+from itertools import islice
 from pathlib import Path
 from typing import NoReturn
 
 import pytest
 
 import rapc
+from bench.plans import searches
 from rapc import events
 from rapc.cli.repl import begun_again
 from rapc.debug.history import History
 from rapc.debug.recorded import Replay
 from rapc.debug.recording import Recording
+from rapc.library.library import usable_in_plans
+from rapc.library.operators import Model
 from rapc.planning import engines, solver
 from tests.cli.command import COMMAND
 from tests.cli.command import rapc as command
@@ -297,24 +301,39 @@ def test_killed_engines_do_not_end_the_plan(pids: Path) -> None:
 # --- real engines ---------------------------------------------------------------------
 
 
+PYPERPLAN = (
+    f'{shlex.quote(sys.executable)} -m pyperplan -s gbf -H hff "$0" "$1" '
+    '&& mv "$1.soln" "$2"'
+)
+COMMAND_OF_PYPERPLAN = f"sh -c {shlex.quote(PYPERPLAN)} {{domain}} {{problem}} {{plan}}"
+
+
+def solved_by(name: str) -> list[int]:
+    """Solve three problems with an engine; return the sizes of the plans."""
+    engine, sizes = rapc.engine(name, 5 * LIMIT), []
+    for one in islice(searches(), 3):
+        program = one.library.program
+        rap = program.library.raps[one.goal]
+        use = usable_in_plans(program.library.raps, rap)
+        model = Model(program.library, program.signatures, use)
+        goal = model.goal(rap, {})
+        found = solver.solve(model, one.facts, goal, limit=1, engine=engine)
+        assert (found.engine, found.refused) == (name, "")
+        assert found.sketch is not None
+        sizes.append(len(found.sketch.actions))
+    return sizes
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(find_spec("pyperplan") is None, reason="requires pyperplan")
-def test_pyperplan_is_an_engine() -> None:
-    script = (
-        f'{shlex.quote(sys.executable)} -m pyperplan -s gbf -H hff "$0" "$1" '
-        '&& mv "$1.soln" "$2"'
-    )
-    name = f"sh -c {shlex.quote(script)} {{domain}} {{problem}} {{plan}}"
-    found = plan(rapc.engine(name, LIMIT))
-    assert (found.engine, found.refused) == (name, "")
-    assert tuple(one.goal for one in found.steps) == STEPS
+def test_pyperplan_solves_three_problems() -> None:
+    assert solved_by(COMMAND_OF_PYPERPLAN)[:2] == [8, 7]
 
 
 @pytest.mark.nightly
 @pytest.mark.skipif(find_spec("up_pyperplan") is None, reason="requires up-pyperplan")
-def test_engine_of_unified_planning_is_asked() -> None:
-    found = plan(rapc.engine("up:pyperplan", LIMIT))
-    assert (found.engine, found.refused) == ("up:pyperplan", "")
+def test_engine_of_unified_planning_solves_three_problems() -> None:
+    assert solved_by("up:pyperplan")[:2] == [8, 7]
     missing = plan(rapc.engine("up:nowhere", LIMIT))
     assert missing.refused.startswith("engine-failed: no plan, status 1: ")
     assert missing
