@@ -73,16 +73,15 @@ def _plan(shell: Shell, args: Arguments) -> Answer:
     found = plan(
         library, goal, run=run, limit=limits.plan_limit, tries=limits.plan_tries
     )
+    submits = args.takes("do")
+    options = args.rest() if submits else []
+    if not found:
+        return failure(found.summary) if submits else say(found.summary)
     rows = [(step.tag, step.goal, step.purpose) for step in found.steps]
     columns = "step", "goal", "purpose"
-    answer = table(
-        columns, rows, none=found.summary, notes=[found.summary][: len(rows)]
-    )
-    if not args.takes("do"):
+    answer = table(columns, rows, none="the goal holds", notes=[found.summary])
+    if not submits:
         return answer
-    options = args.rest()
-    if not found:
-        return failure(found.summary)
     rap = achieving(library.program, goal)
     added = shell.define(format_node(rap))
     submitted = shell.submit(" ".join([f"({rap.name})", *options]))
