@@ -278,8 +278,8 @@ class _Place:
             yield from self._declared("kinds", "kind")
         elif terminal == "THING":
             yield from _candidates(self._things(), "thing", "")
-        elif terminal in _FIELDS and not self._defines():
-            for field in _FIELDS[terminal]:
+        elif terminal in FIELDS and not self._defines():
+            for field in FIELDS[terminal]:
                 yield from self._declared(field, SPACE_OF[terminal])
 
     def _defines(self) -> bool:
@@ -320,7 +320,7 @@ _TABLES: Mapping[str, str] = {
 }
 """The table of signatures of a name space."""
 
-_FIELDS: Mapping[str, Sequence[str]] = {
+FIELDS: Mapping[str, Sequence[str]] = {
     "RAP": ("raps",),
     "PREDICATE": ("propositions", "properties", "functions", "queries"),
     "FUNCTION": ("functions",),
@@ -328,6 +328,7 @@ _FIELDS: Mapping[str, Sequence[str]] = {
     "DATUM": ("data",),
     "SKILL": ("skills",),
     "SIGNAL": ("events",),
+    "KIND": ("kinds",),
     "AGENDA": ("agendas",),
     "CLASS": ("indistinct",),
 }

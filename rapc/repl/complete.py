@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any, NamedTuple
 
 import msgspec
 
+from rapc.analysis.completion import FIELDS
 from rapc.base.values import format_atom
 from rapc.debug.arguments import split
 from rapc.debug.breakpoints import KINDS
@@ -251,26 +252,12 @@ def _raps(library: Library) -> Iterator[tuple[str, str]]:
         yield rap.name, f"({' '.join([rap.name, *(v.name for v in rap.inputs)])})"
 
 
-_FIELDS: Mapping[str, tuple[str, ...]] = {
-    "PREDICATE": ("propositions", "properties", "functions", "queries"),
-    "FUNCTION": ("functions",),
-    "QUERY": ("queries",),
-    "PRIMITIVE": ("primitives",),
-    "DATUM": ("data",),
-    "SKILL": ("skills",),
-    "SIGNAL": ("events",),
-    "EVENT": ("events",),
-    "KIND": ("kinds",),
-    "AGENDA": ("agendas",),
-}
-"""The tables of a library that contain each kind of name."""
-
-
 def _of_kind(library: Library, kind: str) -> Iterator[tuple[str, str]]:
     """Yield the names of a grammar kind, each with its documentation."""
     if kind == "RAP":
         yield from _raps(library)
-    for field in _FIELDS.get(kind, ()):
+        return
+    for field in FIELDS.get(kind, ()):
         for name, node in getattr(library, field).items():
             yield name, _doc(name, node)
 
