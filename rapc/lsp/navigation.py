@@ -118,7 +118,10 @@ def links(view: View) -> list[types.DocumentLink]:
             files = required_files(view, one.node)
             if len(files) == 1:
                 uri = view.workspace.uri(files[0])
-                found.append(types.DocumentLink(view.range(one.node.span), target=uri))
+                start = view.source.text.index('"', one.node.span.start)
+                end = view.source.text.index('"', start + 1) + 1
+                name = view.range(view.source.span(start, end))
+                found.append(types.DocumentLink(name, target=uri))
     return found
 
 
