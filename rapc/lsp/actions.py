@@ -39,8 +39,10 @@ def actions(
     fixable = False
     for other, finding in view.workspace.findings(uri):
         fixable |= _is_safe(finding.diagnostic.fix)
-        there = other.range(finding.diagnostic.span)
-        if there.start <= place.end and place.start <= there.end:
+        span = finding.diagnostic.span
+        there = other.range(span)
+        near = there.start <= place.end and place.start <= there.end
+        if near and other.unchanged(span):
             found += _of_finding(other, finding)
     if fixable:
         command = types.Command("Fix all", FIX_ALL, arguments=[uri])
@@ -95,12 +97,10 @@ def _edits(view: View, edits: Sequence[tuple[Span, str]]) -> types.WorkspaceEdit
     changes: dict[str, list[types.TextEdit]] = {}
     for span, text in edits:
         there = view.beside(span.file)
-        place = there.range(span)
-        start, end = there.text.stretch(place)
-        if there.text.text[start:end] != there.source.text[span.start : span.end]:
+        if not there.unchanged(span):
             return None
         uri = view.workspace.uri(span.file)
-        changes.setdefault(uri, []).append(types.TextEdit(place, text))
+        changes.setdefault(uri, []).append(types.TextEdit(there.range(span), text))
     return workspace_edit(view, changes)
 
 

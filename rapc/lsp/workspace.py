@@ -98,6 +98,12 @@ class View:
         """Return the file and range in the editor of a span."""
         return types.Location(self.workspace.uri(span.file), self.range(span))
 
+    def unchanged(self, span: Span) -> bool:
+        """Return whether the text of a span of the file is the same in the editor."""
+        now = self.text
+        start, end = now.stretch(self.range(span))
+        return now.text[start:end] == self.source.text[span.start : span.end]
+
     def beside(self, name: str) -> View:
         """Return another file of the same part."""
         return View(self.workspace, self.snapshot, self.part, name)
@@ -140,10 +146,7 @@ class Names:
 
     def unchanged(self, span: Span) -> bool:
         """Return whether the text of a span is the same in the editor."""
-        view = self.view(span.file)
-        now = view.text
-        start, end = now.stretch(view.range(span))
-        return now.text[start:end] == view.source.text[span.start : span.end]
+        return self.view(span.file).unchanged(span)
 
 
 class Workspace:

@@ -160,6 +160,7 @@ def test_definition_of_a_require_is_its_file(editor: Editor, raps: str) -> None:
         types.TEXT_DOCUMENT_DOCUMENT_LINK, types.DocumentLinkParams(document(raps))
     )
     assert link.target == found.uri
+    assert (link.range.start.character, link.range.end.character) == (9, 16)
 
 
 def test_references_are_in_all_files(editor: Editor, raps: str) -> None:
@@ -372,6 +373,18 @@ def test_missing_declaration_is_added(editor: Editor, raps: str) -> None:
     assert edit is not None
     declared = "(declare-memory-proposition seen (?place ?arg2))"
     assert declared in apply(editor, raps, edit)
+
+
+def test_finding_of_a_former_text_has_no_actions(tmp_path: Path) -> None:
+    (tmp_path / "world.rap").write_text(WORLD)
+    (tmp_path / "raps.rap").write_text(RAPS.replace("go hall", "goo hall"))
+    editor = Editor(tmp_path, options={"errorDelay": 60_000, "delay": 60_000})
+    uri = editor.open(tmp_path / "raps.rap")
+    assert "unknown-rap" in editor.findings(uri)
+    assert "Define the RAP `goo`" in actions(editor, uri, "goo")
+    editor.edit(uri, "goo hall", "go hall")
+    assert "Define the RAP `goo`" not in actions(editor, uri, "go hall")
+    editor.close()
 
 
 def test_finding_can_be_suppressed(editor: Editor, raps: str) -> None:
