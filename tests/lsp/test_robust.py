@@ -13,8 +13,7 @@ from tests.lsp.client import Editor  # before lsprotocol: it skips without it
 
 from lsprotocol import types  # isort: skip
 
-from rapc.analysis.config import Configured
-from rapc.analysis.libraries import check_workspace
+from tests.lsp.edits import assert_findings_are_fresh, type_keys
 from tests.lsp.programs import RAPS, WORLD
 
 ROOT = Path(__file__).parents[2]
@@ -168,7 +167,8 @@ PIECES = ("(", ")", " ", "\n", "?x", "go", '"', "; ", "(method", "😀", "#|", "
 def random_edits(editor: Editor, files: list[Path], count: int, seed: int) -> None:
     """Make edits at random, and compare the findings with those of a fresh check."""
     rng = random.Random(seed)
-    uris = [editor.open(file) for file in files]
+    opened = {editor.open(file): file for file in files}
+    uris = list(opened)
     for number in range(count):
         uri = rng.choice(uris)
         text = editor.texts[uri]
@@ -180,26 +180,17 @@ def random_edits(editor: Editor, files: list[Path], count: int, seed: int) -> No
         if number % 50 == 49:
             back = rng.choice(range(len(uris)))
             editor.replace(uris[back], files[back].read_text())
-    texts = {
-        str(file): editor.texts[uri] for file, uri in zip(files, uris, strict=True)
-    }
-    report = check_workspace(str(editor.folders[0]), Configured(), None, texts)
-    for file, uri in zip(files, uris, strict=True):
-        expected = sorted(
-            (one.rule.name, one.diagnostic.message)
-            for one in report.findings
-            if one.diagnostic.span.file == str(file)
-        )
-        editor.findings(uri)
-        found = [
-            (str(one.code), one.message.partition("\n")[0])
-            for one in editor.client.diagnostics[uri]
-        ]
-        assert sorted(found) == expected
+        if number % 100 == 99:
+            assert_findings_are_fresh(editor, opened)
 
 
 @pytest.mark.parametrize(
-    "count", [300, pytest.param(10_000, marks=pytest.mark.nightly)]
+    "count",
+    [
+        40,
+        pytest.param(300, marks=pytest.mark.slow),
+        pytest.param(10_000, marks=pytest.mark.nightly),
+    ],
 )
 def test_findings_after_edits_are_those_of_a_fresh_check(
     tmp_path: Path, count: int
@@ -208,3 +199,11 @@ def test_findings_after_edits_are_those_of_a_fresh_check(
     editor = Editor(tmp_path)
     random_edits(editor, sorted((tmp_path / "courier").glob("*.rap")), count, seed=1)
     assert editor.close() == 0
+
+
+@pytest.mark.slow
+def test_answers_while_typing_are_right(editor: Editor) -> None:
+    uri = editor.open(editor.folders[0] / "raps.rap")
+    editor.findings(uri)
+    type_keys(editor, uri, "go", 120, pause=0.02)
+    assert_findings_are_fresh(editor, {uri: editor.folders[0] / "raps.rap"})
