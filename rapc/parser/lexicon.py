@@ -77,7 +77,8 @@ class Lexicon:
 
     An atom is a `_NAME`, but not a single colon; `atom` matches the kinds of atoms.
     `loose` matches a token and the space before it; of a string it matches only the
-    opening quote.
+    opening quote. `offsets` has the numbers of the first offsets: files that share the
+    objects need less memory.
 
     Args:
         terminals: regular expressions without groups, by terminal name.
@@ -95,6 +96,11 @@ class Lexicon:
         kinds = "|".join(f"(?P<{kind}>{terminals[kind]})" for kind in MAKERS)
         self.atom = re.compile(kinds)
         self.string = re.compile(terminals["STRING"])
+        self.offsets = tuple(range(_SHARED))
+
+
+_SHARED = 1 << 16
+"""The number of offsets that are shared."""
 
 
 @cache
@@ -116,7 +122,7 @@ def tokens(
         closers: the end of each comment in `#| |#`. An unclosed comment is an
             `UNCLOSED`, which ends before the next form.
     """
-    find = lexicon().loose
+    find, offsets = lexicon().loose, lexicon().offsets
     again = True
     while again:
         again = False
@@ -125,6 +131,8 @@ def tokens(
             if kind is None:
                 return
             start, end = match.start(kind), match.end()
+            if end < _SHARED:
+                start, end = offsets[start], offsets[end]
             if kind <= ATOM:
                 yield kind, start, end
                 continue
