@@ -196,8 +196,11 @@ class DurableRun:
         """Perform an act of the host between two cycles, and write it to the journal.
 
         Raises:
+            StateError: in the middle of a cycle.
             Error: if the act is impossible.
         """
+        if self.run.in_loop:
+            raise StateError("cannot change the run in the middle of a cycle")
         line = act_lines.written(act)
         self.journal.act(self.run.cycle, self._arrivals, line)
         try:
@@ -209,10 +212,13 @@ class DurableRun:
     def _perform(self, act: Act) -> None:
         self.run.in_journal = False
         try:
-            self.run = act.do(self.run) or self.run
+            other = act.do(self.run)
         finally:
             self.run.in_journal = True
-        self.journal.follow(self.run)
+        if other is not None:
+            self.run = other
+            other.in_journal = True
+            self.journal.follow(other)
         if isinstance(act, TakeUp):
             self.journal.library = act_lines.library_in_text(act.program)
 

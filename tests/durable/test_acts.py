@@ -9,10 +9,11 @@ import pytest
 
 import rapc
 from rapc.durable import journal
-from rapc.durable.folder import read
+from rapc.durable.folder import numbers, read
 from rapc.durable.records import Acted
 from rapc.durable.runs import DurableRun
 from rapc.errors import ArgumentError, Error, RefusedError, StateError
+from rapc.events import TaskSelected
 from rapc.spec import RunSpec
 from rapc.world import Fact, Finished, Kit, Offer, Reply, SimpleWorld
 from tests.durable.helpers import Killed, Run, kill_after
@@ -150,3 +151,29 @@ def test_change_outside_the_journal_is_refused(
     with pytest.raises(StateError, match="its journal would not have the change"):
         change(durable.run)
     durable.close()
+
+
+def test_run_with_many_acts_has_snapshots(run: Run) -> None:
+    durable = run.begin()
+    for n in range(10):
+        durable.assert_fact("wanted", n)
+        durable.reach(durable.run.cycle + 2)
+    durable.close()
+    assert len(numbers(run.journal)[1]) >= 3
+
+
+def test_act_in_the_middle_of_a_cycle_is_refused(run: Run) -> None:
+    durable = run.begin()
+    durable.assert_fact("wanted", 1)
+    said: list[str] = []
+
+    def submit(event: object) -> None:
+        with pytest.raises(StateError) as error:
+            durable.submit("(answer 7)")
+        said.append(error.value.message)
+
+    durable.run.listen(submit, TaskSelected)
+    durable.step()
+    assert said[0] == "cannot change the run in the middle of a cycle"
+    durable.close()
+    run.resume().close()
