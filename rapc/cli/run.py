@@ -186,6 +186,11 @@ def run(
     --resume FOLDER` continues the run and its trace. FOLDER names the world, whose code
     is run: resume only journals that you trust.
 
+    The outcome of a request that was under way at the end of the process may be
+    unknown. --after-crash states the treatment of a primitive: `repeat` sends the
+    request again, `fail` ends its method, `ask` asks the user on a terminal. By default
+    sensors repeat and other primitives fail.
+
     Exit status: 0 if every foreground task succeeded and no background task failed, 1
     if not, 2 if the run could not start or its files cannot be written, 3 if a request
     under way requires --after-crash.

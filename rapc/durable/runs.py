@@ -146,11 +146,14 @@ class DurableRun:
             WriteError: if the journal cannot be written.
         """
         self._arrivals = 0
+        over = self.run.reason is not None
         going = self.run.step()
         if going:
             self.journal.after_cycle(self._trace)
-        elif self._trace is not None:
-            self._trace.size()
+        elif not over:
+            if self._trace is not None:
+                self._trace.size()
+            self.journal.ended()
         return going
 
     def wait(self) -> bool:
@@ -163,7 +166,6 @@ class DurableRun:
         """Run to the end; return the reason. Raises the errors of `step`."""
         while self.step():
             pass
-        self.journal.ended()
         return self.run.reason or ""
 
     def submit(self, task: TaskRequest | str) -> None:

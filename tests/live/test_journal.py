@@ -84,7 +84,6 @@ def _check(folder: Path, clock: Clock, until: float, moments: int) -> None:
     seen: dict[int, bytes] = {}
     while durable.step():
         seen[durable.run.cycle] = _digest(durable.run)
-    durable.journal.ended()
     durable.close()
     rover.close()
     assert durable.run.reason == "until"
