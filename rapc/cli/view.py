@@ -62,6 +62,10 @@ Examples:
 """
 
 
+_MOST_EVENTS = 2_000_000
+"""The number of events that are kept for the symptoms, so that no run is repeated."""
+
+
 @command(EXAMPLES)
 @click.argument("path", required=False, type=click.Path())
 @click.option("--world", "world_name", help="World to run against.")
@@ -270,6 +274,7 @@ def _other(path: str, world_name: str | None, first: Viewed) -> Viewed:
 
 def _run(name: str, history: History, *, goes_on: bool) -> Viewed:
     """Return a run at its end; Ctrl-C ends it early."""
+    history.branch.events.keep(_MOST_EVENTS)
     trace = StringIO()
     stream_trace(history, trace)
     pictures = Pictures(history)  # it may leave the end of the run
@@ -287,6 +292,7 @@ def _recorded(path: Path, world_name: str | None) -> Viewed:
     """Return a recorded run, run again if that gives the same events."""
     recording = Recording(path)
     history, note = begun_again(recording, world_name), ""
+    history.branch.events.keep(_MOST_EVENTS)
     pictures = Pictures(history)
     if history.is_run and not isinstance(history.run.port, Savable):
         note = "the world of the run cannot be run again: the page shows no truth"

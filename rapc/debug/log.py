@@ -57,6 +57,10 @@ class Events:
         #: The latest events; their serial numbers have no gaps.
         self.latest: deque[ToldEvent] = deque(maxlen=most)
 
+    def keep(self, most: int) -> None:
+        """Keep another number of events from now on."""
+        self.latest = deque(self.latest, maxlen=most)
+
     @property
     def end(self) -> int:
         """The serial number after the last event; 0 without events."""
