@@ -152,6 +152,9 @@ def test_operators_are_shown_with_their_facts(folder: Path) -> None:
         ("fact at", "rap go-home", "needs"),
         ("fact held", "rap go-home", "needs not"),
     ]
+    _, calls = _drawn(folder)
+    raps = ("go", "unlock", "drop")
+    assert calls == [("rap go-home", f"rap {rap}", "plan") for rap in raps]
 
 
 def test_effects_of_a_rap_include_its_steps(folder: Path) -> None:
