@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 import rapc
+from bench import kills
 from bench.journal import LIMITS, RUNS, row
-from bench.kills import measured
 from rapc.durable import folder as files
 from rapc.durable import journal
 from rapc.durable.folder import Lock
@@ -264,9 +264,15 @@ def test_full_disk_ends_the_command_and_loses_nothing(
 
 @pytest.mark.slow
 def test_killed_and_cut_runs_have_the_same_trace(tmp_path: Path) -> None:
-    found = measured(["courier"], 20, 20, 2, tmp_path)
+    found = kills.measured(["courier"], 20, 20, 2, tmp_path)
     assert found["courier: kills"].same >= 20
     assert sum(found["courier: cuts"]) == 20
+
+
+@pytest.mark.nightly
+@pytest.mark.timeout(1800)
+def test_killed_and_cut_runs_of_each_world_have_the_same_trace(tmp_path: Path) -> None:
+    kills.measured([*kills.RUNS], 90, 90, 3, tmp_path)
 
 
 @pytest.mark.nightly
