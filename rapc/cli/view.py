@@ -32,12 +32,14 @@ from rapc.cli.repl import (
     opened_journal,
     shell_of,
 )
-from rapc.cli.run_options import prepared, run_options, until_option
+from rapc.cli.run_options import end_time, prepared, run_options, until_option
 from rapc.debug.bug import SUFFIX
-from rapc.debug.history import History, Stop
+from rapc.debug.history import History, Moment, Stop
+from rapc.debug.log import EventLog
 from rapc.debug.questions.differences import MOST_DURATIONS, library_of
 from rapc.debug.recorded import Replay
 from rapc.debug.recording import Playback, Recording
+from rapc.debug.saved_state import SavedState, is_saved_state
 from rapc.durable.folder import is_running
 from rapc.durable.records import is_journal
 from rapc.experiments.draws import drawn
@@ -49,7 +51,8 @@ from rapc.view.page import live_page, page
 from rapc.view.pictures import Pictures
 from rapc.view.svg import svg
 from rapc.view.viewed import Viewed, stream_trace
-from rapc.world import Savable
+from rapc.world import Savable, Time
+from rapc.worlds.registry import build_world, find_world
 
 EXAMPLES = """\b
 Examples:
@@ -126,7 +129,8 @@ def view(
     written with -o, --compare or --open.
 
     PATH is a recorded run (FILE.jsonl), the report of a run (FILE.bug), the folder of a
-    journal, or a library that is run; Ctrl-C ends the run. A recorded run of a
+    journal, a saved state, which is continued, or a library that is run; Ctrl-C ends
+    the run. A recorded run of a
     simulated world is run again if its library and world are available: the page then
     shows the source and the truth, too.
 
@@ -249,6 +253,8 @@ def _viewed(path: str, world_name: str | None, more: Mapping[str, Any]) -> Viewe
                 "remove all options of the run but --world",
             )
         return _recorded(Path(path), world_name)
+    if is_saved_state(Path(path)):
+        return _continued(Path(path), world_name, more)
     is_past = path.endswith(SUFFIX) or is_journal(Path(path))
     if not (is_past or more["tasks"] or more["agenda"]):
         fail("missing --task or --agenda")
@@ -258,7 +264,8 @@ def _viewed(path: str, world_name: str | None, more: Mapping[str, Any]) -> Viewe
 
 def _other(path: str, world_name: str | None, first: Viewed) -> Viewed:
     """Return a run to compare; a library begins its run as the first run did."""
-    if path.endswith((RECORDED, SUFFIX)) or is_journal(Path(path)):
+    is_past = path.endswith((RECORDED, SUFFIX)) or is_journal(Path(path))
+    if is_past or is_saved_state(Path(path)):
         return _viewed(path, world_name, {"until": None})
     spec = first.history.spec
     if spec.world_class and world_name is None:
@@ -272,20 +279,53 @@ def _other(path: str, world_name: str | None, first: Viewed) -> Viewed:
     return _run(path, history_of(ready, spec.until), goes_on=True)
 
 
-def _run(name: str, history: History, *, goes_on: bool) -> Viewed:
-    """Return a run at its end; Ctrl-C ends it early."""
+def _continued(path: Path, world_name: str | None, more: Mapping[str, Any]) -> Viewed:
+    """Return the run that continues a saved state, at its end."""
+    until = end_time(more["until"])
+    if any({**more, "until": None}.values()):
+        fail(
+            "cannot change the start of a saved state",
+            "remove all options of the run but --world and --until",
+        )
+    state = SavedState(path.read_bytes())
+    found = find_world(world_name or state.world)
+    world = build_world(found, state.seed, state.options_of(found))
+    run, log = state.continued(state.library(), world, {}), EventLog()
+    run.listen(log)
+    return _run(path.name, History(run, log), goes_on=True, until=until)
+
+
+def _run(
+    name: str, history: History, *, goes_on: bool, until: Time | None = None
+) -> Viewed:
+    """Return a run at its end; Ctrl-C ends it early.
+
+    Args:
+        name: the name of the run.
+        history: the run.
+        goes_on: whether the run goes on from its present moment.
+        until: the time at which it stops, if the history has no limit of its own.
+    """
+    notes, first = [], history.beginning.cycle
+    if history.beginning != Moment(0):
+        notes.append(f"what happened up to cycle {first} is unknown")
     history.branch.events.keep(_MOST_EVENTS)
     trace = StringIO()
     stream_trace(history, trace)
     pictures = Pictures(history)  # it may leave the end of the run
     before = signal.signal(signal.SIGINT, lambda *_: history.pause())
     try:
-        stop = history.go() if goes_on else Stop("asked")
+        stop = Stop("asked")
+        if goes_on and until is not None:
+            stop = history.go(lambda: "" if history.now >= until else None)
+        elif goes_on:
+            stop = history.go()
     finally:
         signal.signal(signal.SIGINT, before)
-    note = stop.said if stop.kind == "broken" else ""
-    text = trace.getvalue().encode()
-    return Viewed(name, note, text, history, history.run.library, pictures)
+    if stop.kind == "broken":
+        notes.append(stop.said)
+    text, program = trace.getvalue().encode(), history.run.library
+    return Viewed(name, "; ".join(notes), text, history, program, pictures)
 
 
 def _recorded(path: Path, world_name: str | None) -> Viewed:

@@ -212,7 +212,7 @@ class History:
 
     Args:
         run: a run that has begun, with `log` among its listeners; or a playback of a
-            recording.
+            recording. If the log has heard nothing, the history begins now.
         log: the log of the run; optional for a playback.
         acts: the acts to repeat on the way, in order: those of a run of the same
             specification that somebody has reported.
@@ -239,6 +239,12 @@ class History:
         self.notes: list[Callable[[], str]] = []
         #: The library at the start of the run; an act can replace the library.
         self.first_library: Program | None = None
+        #: The first moment, which is later than cycle 0 for a run from a saved state.
+        self.beginning = _BEGINNING
+        if isinstance(run, Interpreter) and run.serial > log.events.end == 0:
+            self.beginning = Moment(run.cycle)
+            log.events.opening += map(ToldEvent.of, run.past())
+            log.serial = run.serial
         self.branch = Branch("main", acts=list(acts), events=log.events)
         self.branches = [self.branch]
         self.answers.solutions = self.branch.solutions
@@ -628,7 +634,7 @@ class History:
         """Return the moment of the last saved state up to a time."""
         saves = self.branch.saves.items()
         found = (at for at, save in saves if save.time <= time)
-        return max(found, default=_BEGINNING)
+        return max(found, default=self.beginning)
 
     def _look_back(self) -> None:
         if self.no_way_back:
@@ -744,7 +750,7 @@ class History:
         branch = self.branch
         self._look_back()
         with self._aside(), suppress(UnknownAnswerError):
-            self._put_back(branch.moment_before(cycle) if cycle else _BEGINNING)
+            self._put_back(branch.moment_before(cycle) if cycle else self.beginning)
             if cycle:
                 self.run.come_to_choice()
             self._log.elsewhere = hear
@@ -802,7 +808,7 @@ class History:
                 gathered.append(told)
 
         until, over = self.moment, self.over
-        with self.at(max(first - 1, 0)):
+        with self.at(max(first - 1, self.beginning.cycle)):
             for told in self.branch.events.opening:
                 if told.serial < self.serial:
                     take(told)
@@ -829,7 +835,7 @@ class History:
         with self.at():
             try:
                 self.branch, self.answers.solutions = branch, branch.solutions
-                self._put_back(_BEGINNING)
+                self._put_back(self.beginning)
                 gathered += branch.events.opening
                 self._log.elsewhere = gathered.append
                 while self.moment < branch.end:

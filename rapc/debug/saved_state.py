@@ -6,6 +6,8 @@ another library continues the state by the rules of a reload (`rapc.debug.reload
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import msgspec
 
 from rapc.base.source import SourceFile
@@ -24,8 +26,18 @@ from rapc.world import Callables, Time, World
 from rapc.worlds.faults import FaultyWorld, InjectedFault, problem
 from rapc.worlds.registry import check_options
 
-_MARK = b"rapc-state 1\n"
+_KIND = b"rapc-state "
+_MARK = _KIND + b"1\n"
 """The first bytes of a file: the kind of file and the version of its format."""
+
+
+def is_saved_state(path: Path) -> bool:
+    """Return whether a path is a file with a saved state, of any version."""
+    try:
+        with path.open("rb") as file:
+            return file.read(len(_KIND)) == _KIND
+    except OSError:
+        return False
 
 
 class _Contents(msgspec.Struct, frozen=True):
@@ -70,13 +82,13 @@ class SavedState:
     """
 
     def __init__(self, data: bytes) -> None:
-        if not data.startswith(_MARK[: _MARK.index(b" ") + 1]):
+        if not data.startswith(_KIND):
             raise StateError("the file is not a saved state")
         if not data.startswith(_MARK):
             raise StateError("another version of rapc wrote the saved state")
         try:
             self._contents = msgspec.json.decode(data[len(_MARK) :], type=_Contents)
-        except (msgspec.MsgspecError, RecursionError) as error:
+        except (msgspec.MsgspecError, UnicodeError, RecursionError) as error:
             raise StateError(f"the saved state is damaged: {error}") from error
         self._record: RunRecord = decode_run(self._contents.run)
 
@@ -94,6 +106,11 @@ class SavedState:
         if saved != world.name:
             raise StateError(f"the saved state belongs to the world `{saved:.60}`")
         return check_options(world, self._record.options)
+
+    @property
+    def world(self) -> str:
+        """Return the name of the world of the state."""
+        return self._record.world_name
 
     @property
     def seed(self) -> int:
@@ -121,7 +138,7 @@ class SavedState:
             PortError: if the world breaks.
         """
         is_same = library.digest == self._record.library
-        saved = library if is_same else self._library()
+        saved = library if is_same else self.library()
         spec = RunSpec(seed=self.seed, settings=self._record.settings.named())
         world = self._with_faults(world)
         run = Interpreter.prepared(
@@ -140,8 +157,12 @@ class SavedState:
         world = FaultyWorld(world, faults, self.seed) if faults else world
         return ForcedWorld(world) if self._contents.forced else world
 
-    def _library(self) -> Program:
-        """Return the library of the saved run."""
+    def library(self) -> Program:
+        """Return the library of the saved run.
+
+        Raises:
+            StateError: if the state is damaged.
+        """
         sources = [SourceFile(name, text) for name, text in self._contents.sources]
         try:
             return linked(load_sources(sources), "saved state").program

@@ -104,7 +104,6 @@ class Opened:
             run.start(self.spec.until)
         else:
             run.restore(snapshot.run)
-            log.serial = run.serial
         history = self._history = History(run, log, self._past.acts)
         history.spec = replace(history.spec, until=self.spec.until)
         if simulated:

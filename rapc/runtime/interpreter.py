@@ -786,6 +786,15 @@ class Interpreter(Run):
         """Return the result of each task so far, in order of arrival."""
         return snapshot.results(self.state.top_level)
 
+    def past(self) -> tuple[Event, ...]:
+        """Return events in place of those before this moment, for a restored run.
+
+        The events are `run-started`, and those that give the facts of memory, the live
+        tasks with their methods, and the requests under way. They have the cycle 0.
+        """
+        start = RunStarted(n=0, cycle=0, time=0, format=TRACE_FORMAT, spec=self.spec)
+        return snapshot.past(self, start)
+
     def agenda(self) -> tuple[AgendaEntry, ...]:
         """Return all live tasks by number, each with its slack."""
         return snapshot.agenda(self)

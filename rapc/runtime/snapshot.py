@@ -5,16 +5,28 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterable
+from operator import itemgetter
+from typing import Any
 
 import msgspec
 
 from rapc.base.values import Fact, format_list, number
-from rapc.events import Goal, TaskResult
+from rapc.events import (
+    Event,
+    FactAsserted,
+    Goal,
+    MethodChosen,
+    PrimitiveRequested,
+    RunStarted,
+    TaskBlocked,
+    TaskCreated,
+    TaskResult,
+)
 from rapc.ir.printer import format_formula
 from rapc.runtime.run import Run
 from rapc.runtime.state.deadlocks import deadlocks, held, in_words
 from rapc.runtime.state.states import BLOCKED, ELIGIBLE, UNTESTED, WAITING
-from rapc.runtime.state.task import MethodRun, Task, TopLevelTask
+from rapc.runtime.state.task import MethodRun, Task, TopLevelTask, as_told
 from rapc.runtime.state.things import Hold, ThingWait, words
 from rapc.world import OKAY, Time
 
@@ -70,6 +82,46 @@ class Candidate(msgspec.Struct, frozen=True):
 def agenda(run: Run) -> tuple[AgendaEntry, ...]:
     """Return all live tasks by number, as values independent of the run."""
     return tuple(_entry(run, task) for task in run.state.live_tasks())
+
+
+def past(run: Run, start: RunStarted) -> tuple[Event, ...]:
+    """Return events that stand for the past of a restored run; see `Interpreter.past`.
+
+    Args:
+        run: the run.
+        start: the first event.
+    """
+    now, memory = run.recorder.time, run.context.view
+    known = [(memory.since(fact), fact) for fact in memory]
+    begun = min((since for since, _ in known if since is not None), default=now)
+    found: list[tuple[Time, type[Event], dict[str, Any]]] = [
+        (since or begun, FactAsserted, {"fact": fact, "by": "state"})
+        for since, fact in known
+    ]
+    for task in run.state.live_tasks():
+        within, method = task.within, task.run
+        since = now if method is None else method.started
+        since = since if within is None else within.started
+        found.append((since, TaskCreated, task.told_created()))
+        if method is not None:
+            keys = {"rap": task.plan.name, "method": method.plan.name}
+            bound = as_told(method.env)
+            given = {"task": task.number, **keys, "bindings": bound}
+            found.append((method.started, MethodChosen, given))
+        elif task.state is BLOCKED:
+            given = {"task": task.number, "on": _obstacle(run, task)}
+            found.append((now, TaskBlocked, given))
+    for asking, request in run.state.pending.values():
+        if asking is not None and asking.run is not None:
+            given = {"task": asking.number, "request": request, "sent": request}
+            found.append((asking.run.started, PrimitiveRequested, given))
+    found.sort(key=itemgetter(0))
+    first = run.recorder.serial - len(found)
+    replaced = msgspec.structs.replace(start, n=first - 1, time=begun)
+    events = [
+        k(n=first + at, cycle=0, time=t, **o) for at, (t, k, o) in enumerate(found)
+    ]
+    return replaced, *events
 
 
 def _entry(run: Run, task: Task) -> AgendaEntry:

@@ -178,7 +178,6 @@ class Control:
         if self._shell is None:
             log = EventLog()
             self._run.listen(log)
-            log.serial = self._run.serial
             self._shell = Shell(History(self._run, log), [*_COMMANDS.values()])
             self._shell.shows = "none"
         return self._shell

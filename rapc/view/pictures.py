@@ -65,11 +65,11 @@ class Pictures:
         run = history.run
         if isinstance(run.port, Drawable):
             here = history.moment
-            if history.cycle:
-                history.goto(0)
+            if here > history.beginning:
+                history.goto(history.beginning)
             self._take(run.port, max(history.serial - 1, 0))
             run.listen(self._hear, *_MOMENTS, *_ACTS)
-            if here.cycle:
+            if here > history.beginning:
                 history.goto(here)
 
     def _hear(self, event: Event) -> None:

@@ -25,6 +25,12 @@ from rapc.view.scene import Scene
 _NO_SOURCES: dict[str, Any] = {"sources": {}, "raps": {}, "uses": {}}
 
 
+class _First(msgspec.Struct):
+    """The serial number of the first event of a trace."""
+
+    n: int
+
+
 class Viewed(msgspec.Struct):
     """A run to view.
 
@@ -69,9 +75,14 @@ class Viewed(msgspec.Struct):
             "sensors": sorted(sensors_of(self.history)),
             **(_NO_SOURCES if self.program is None else sources(self.program)),
             "symptoms": why_end(self.history).lines[1:],
-            "beliefs": _beliefs(self.history),
-            "pictures": self.pictures.changes,
+            "beliefs": _beliefs(self.history, self.first),
+            "pictures": [(n - self.first, o) for n, o in self.pictures.changes],
         }
+
+    @property
+    def first(self) -> int:
+        """The serial number of the first event; the page counts events from 0."""
+        return msgspec.json.decode(self.trace.partition(b"\n")[0], type=_First).n
 
 
 def stream_trace(history: History, stream: Writable) -> None:
@@ -85,7 +96,7 @@ def stream_trace(history: History, stream: Writable) -> None:
 def comparison(before: Viewed, after: Viewed) -> dict[str, Any]:
     """Return the comparison of two runs, as plain data.
 
-    `first` has the serial number of the first different decision in each run.
+    `first` has the position of the first different decision among the events of a run.
     """
     here, there = (this_run(v.history, v.name) for v in (before, after))
     answer = compared(here, there).answer
@@ -97,20 +108,28 @@ def comparison(before: Viewed, after: Viewed) -> dict[str, Any]:
         "columns": () if table is None else table.columns,
         "rows": () if table is None else table.rows,
         "notes": answer.notes,
-        "first": [None if one is None else one.serial for one in pair],
+        "first": [
+            None if one is None else one.serial - view.first
+            for view, one in zip((before, after), pair, strict=False)
+        ],
     }
 
 
-def _beliefs(history: History) -> list[dict[str, Any]]:
-    """Return the wrong beliefs of a run, in the order of their start."""
+def _beliefs(history: History, first: int) -> list[dict[str, Any]]:
+    """Return the wrong beliefs of a run, in the order of their start.
+
+    Args:
+        history: the run.
+        first: the serial number of the first event.
+    """
     if not history.is_run:
         return []
     return [
         {
             "fact": format_list(one.belief.fact),
             "truth": [format_list(fact) for fact in one.belief.truth],
-            "n": one.first_serial,
-            "end": one.end_serial,
+            "n": one.first_serial - first,
+            "end": None if one.end_serial is None else one.end_serial - first,
         }
         for one in history.branch.discrepancies.all
     ]

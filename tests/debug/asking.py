@@ -40,7 +40,7 @@ from rapc.debug.questions import (
     why_not,
 )
 from rapc.errors import Error
-from rapc.events import Event
+from rapc.events import Event, FactAsserted, TaskCreated
 from rapc.ir.nodes import Proposition
 from rapc.ir.printer import format_formula
 from rapc.runtime.task_request import TaskRequest
@@ -104,6 +104,17 @@ def _formulas(session: History) -> Iterator[str]:
         for formula in (rap.succeed, rap.preconditions, *contexts):
             if formula is not None:
                 yield format_formula(formula)
+
+
+def _past(one: Asker) -> None:
+    run = one.session.run
+    events = run.past()
+    assert [event.n for event in events] == [*range(run.serial)][-len(events) :]
+    assert [event.time for event in events] == sorted(event.time for event in events)
+    facts = [event.fact for event in events if isinstance(event, FactAsserted)]
+    assert sorted(map(format_list, facts)) == sorted(map(format_list, run.memory))
+    made = [event.task for event in events if isinstance(event, TaskCreated)]
+    assert sorted(made) == [entry.task for entry in run.agenda()]
 
 
 def _formula(one: Asker) -> None:
@@ -228,6 +239,7 @@ def _write(one: Asker) -> None:
 OF_RUNS: Mapping[str, Callable[[Asker], object]] = {
     "agenda": lambda one: one.session.run.agenda(),
     "goals": lambda one: one.session.run.goals(),
+    "past": _past,
     "waiting": lambda one: one.session.run.waiting(),
     "results": _results,
     "check_fact": lambda one: one.session.run.check_fact(*one.fact()),

@@ -11,11 +11,14 @@ from msgspec.structs import replace
 
 import rapc
 from rapc.debug.history import History
+from rapc.debug.questions.ends import why_end
 from rapc.debug.recorded import write_trace
 from rapc.durable import folder as files
 from rapc.durable import journal
 from rapc.durable.folder import Options
 from rapc.durable.opening import Opened
+from rapc.events import RunStarted
+from rapc.runtime.events.trace import record
 from rapc.runtime.interpreter import Interpreter
 from rapc.spec import RunSpec
 from rapc.world import World
@@ -103,6 +106,16 @@ def test_journal_without_its_first_parts_begins_later(live: Run) -> None:
     assert history.cycle == 33
     history.goto(31)
     assert _state(history.run) == states[31]
+    history.goto(33)
+    told = [one.event() for one in history.scan()]
+    assert isinstance(told[0], RunStarted)
+    written = [json.loads(line) for line in live.trace.read_text().splitlines()]
+    known = [event.n for event in told]
+    assert known == [*range(known[0], history.serial)]
+    begun = next(at for at, event in enumerate(told) if event.cycle)
+    ours = [json.loads(json.dumps(record(event))) for event in told[begun:]]
+    assert ours == written[known[begun] :][: len(ours)]
+    assert why_end(history).lines[0].startswith("the run")
 
 
 def test_simulator_is_run_up_to_the_last_known_cycle(

@@ -12,8 +12,13 @@ from typing import Any
 
 import pytest
 
+from rapc import load, open_world
+from rapc.durable import journal
+from rapc.durable.folder import Options
+from rapc.spec import RunSpec
 from rapc.view.page import page
 from tests.cli.command import rapc
+from tests.durable.helpers import Run
 
 COURIER = "examples/courier"
 SHIFT = ("--world", "courier", "--agenda", "shift", "--until", "3000")
@@ -166,6 +171,65 @@ def test_journal_is_viewed_and_a_report_is_compared_with_it(tmp_path: Path) -> N
     data = viewed(str(folder), "--compare", str(report), output=output)
     assert data["trace-0"].splitlines()[1:] == data["trace-1"].splitlines()[1:]
     assert json.loads(data["comparison"])["first"] == []
+
+
+def check_later_start(data: dict[str, bytes], trace: Path) -> int:
+    """Check the page of a run whose first events are unknown; return their number."""
+    shown = [json.loads(line) for line in data["trace-0"].splitlines()]
+    whole = [json.loads(line) for line in trace.read_bytes().splitlines()]
+    begun = next(at for at, event in enumerate(shown) if event["cycle"])
+    first: int = shown[begun]["n"]
+    assert shown[0]["event"] == "run-started"
+    assert shown[begun:] == whole[first:]
+    assert [one["n"] for one in shown] == [*range(first - begun, len(whole))]
+    facts: dict[str, int] = {}
+    for event in whole[:first]:
+        if event["event"] == "fact-asserted":
+            facts[event["fact"]] = event["time"]
+        elif event["event"] == "fact-erased":
+            del facts[event["fact"]]
+    given = [one for one in shown[:begun] if one["event"] == "fact-asserted"]
+    assert {one["fact"]: one["time"] for one in given} == facts
+    more = more_of(data)
+    cycle = shown[begun]["cycle"]
+    notes = [f"what happened up to cycle {n} is unknown" for n in (cycle - 1, cycle)]
+    assert more["note"] in notes
+    for at, _ in more["pictures"]:
+        assert 0 <= at < len(shown)
+    for one in more["beliefs"]:
+        assert shown[one["n"]]["time"] >= shown[begun]["time"]
+    return first
+
+
+def test_saved_state_is_continued(tmp_path: Path) -> None:
+    state, trace = tmp_path / "half.state", tmp_path / "whole.jsonl"
+    run = ("run", COURIER, "--world", "courier", "--agenda", "shift", "-q")
+    assert rapc(*run, "--trace", str(trace)).returncode == 0
+    assert rapc(*run, "--until", "300", "--save", str(state)).returncode == 1
+    data = viewed(str(state), output=tmp_path / "page.html")
+    assert check_later_start(data, trace) > 100
+    data = viewed(str(state), "--until", "400", output=tmp_path / "page.html")
+    last = json.loads(data["trace-0"].splitlines()[-1])
+    assert 400 <= last["time"] < 450
+    state.write_bytes(state.read_bytes()[:-40])
+    done = rapc("view", str(state))
+    assert (done.returncode, "damaged" in done.stderr) == (2, True)
+
+
+def test_journal_without_its_first_parts_begins_later(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(journal, "CYCLES", 20)
+    monkeypatch.setattr(journal, "PAUSE", 0)
+    program = load(COURIER).program
+    spec = RunSpec(agenda="shift", seed=3, until=1500)
+    run = Run(tmp_path, program, spec, lambda: open_world("courier", seed=3))
+    run.options = Options(sync="off", limit=0)
+    durable = run.begin()
+    durable.go()
+    durable.close()
+    data = viewed(str(run.journal), output=tmp_path / "page.html")
+    assert check_later_start(data, run.trace) > 100
 
 
 @pytest.mark.parametrize(

@@ -8,8 +8,9 @@ function grow(events) {
   const { run, whole, view } = app;
   const atEnd = app.at === run.last;
   const isWhole = view.to - view.from >= whole.to - whole.from;
+  const known = run.events.length;
   run.append(events);
-  app.pictures[0].append(changesOf({ events }, {}));
+  app.pictures[0].append(changesOf(run, {}, known));
   whole.to = Math.max(whole.to, run.timeOf(run.last));
   if (isWhole) Object.assign(view, whole);
   app.timelines[0].grow();

@@ -308,11 +308,12 @@ function comparisonOf(app) {
   ];
 }
 
-/** Return the changes of the picture in a run: those of its trace, or those beside it. */
-function changesOf(run, more) {
-  const recorded = run.events.filter((event) => event.event === "pictured");
-  if (!recorded.length) return asList(more.pictures);
-  return recorded.map((event) => [event.n, event.changed]);
+/** Return the changes of the picture from an event on: those of the trace, or beside it. */
+function changesOf(run, more, from = 0) {
+  const recorded = [];
+  for (let at = from; at < run.events.length; at++)
+    if (run.events[at].event === "pictured") recorded.push([at, run.events[at].changed]);
+  return recorded.length ? recorded : asList(more.pictures);
 }
 
 /** Whether there is something to draw: a picture, or a place in memory. */

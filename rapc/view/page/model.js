@@ -62,12 +62,12 @@ function search(length, after) {
   return low;
 }
 
-/** Return what is wrong with an event at a row, or an empty text. */
-function wrongEvent(event, row, last) {
+/** Return what is wrong with an event after another, or an empty text. */
+function wrongEvent(event, last) {
   if (event === null || typeof event !== "object" || typeof event.event !== "string")
     return "is not an event";
   if (!Number.isFinite(event.time) || !Number.isFinite(event.cycle)) return "has no time";
-  if (event.n !== row || (last && (event.cycle < last.cycle || event.time < last.time)))
+  if (!Number.isInteger(event.n) || (last && event.n !== last.n + 1) || (last && (event.cycle < last.cycle || event.time < last.time)))
     return "is out of order";
   return "";
 }
@@ -94,7 +94,7 @@ function readTrace(text) {
     }
   }
   for (let row = 0; row < events.length; row++) {
-    const wrong = wrongEvent(events[row], row, events[row - 1]);
+    const wrong = wrongEvent(events[row], events[row - 1]);
     if (wrong) {
       note = `line ${row + 1} ${wrong}; the page ends before it`;
       events.length = row;
