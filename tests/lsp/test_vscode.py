@@ -15,6 +15,7 @@ from bench.browser import chromium
 from bench.vscode import COURIER, MISTAKE, VSCode, courier, extension, vscode
 from rapc.analysis.check_files import check_files
 from rapc.language.heads import FORMS, QUERIES
+from tests.lsp.programs import PYTHON
 
 FOLDER = Path(__file__).parents[2] / "editors" / "vscode"
 
@@ -51,6 +52,7 @@ def test_courier_is_mended_and_renamed_in_vs_code(tmp_path: Path) -> None:
     project = courier(tmp_path)
     raps, orders = project / "moving.rap", project / "orders.rap"
     before = raps.read_text()
+    (project / "robot.py").write_text(PYTHON)
     with vscode(extension(tmp_path), project, tmp_path) as page:
         editor = VSCode(page)
         editor.open("moving.rap")
@@ -73,6 +75,10 @@ def test_courier_is_mended_and_renamed_in_vs_code(tmp_path: Path) -> None:
         until(lambda: "(go-to " in orders.read_text())
         editor.save()
         until(lambda: "(go-to " in raps.read_text())
+        editor.open("robot.py")
+        editor.go_to(4, 6)
+        editor.keys.press("F12")
+        page.wait_for_selector(".tab.active:has-text('world.rap')")
     for file in COURIER.glob("*.rap"):
         renamed = file.read_text().replace("travel-to", "go-to")
         assert (project / file.name).read_text() == renamed
