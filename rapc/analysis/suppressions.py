@@ -153,11 +153,13 @@ def _silences(one: Suppression, places: Mapping[tuple[str, str], list[int]]) -> 
 
 def unused(suppression: Suppression, source: SourceFile) -> Diagnostic:
     """Return the finding about a suppression that silences no finding."""
-    comment = suppression.comment
-    start = comment.start
-    while start > 0 and source.text[start - 1] in " \t":
+    text, comment = source.text, suppression.comment
+    start, end = comment.start, comment.end
+    while start > 0 and text[start - 1] in " \t":
         start -= 1
-    edit = Edit(source.span(start, comment.end), "")
+    if (start == 0 or text[start - 1] == "\n") and text.startswith("\n", end):
+        end += 1  # the comment is alone in its line
+    edit = Edit(source.span(start, end), "")
     fix = Fix(Applicability.SAFE, "remove the comment", (edit,))
     return Diagnostic(
         rule=UNUSED.name,

@@ -406,7 +406,7 @@ def test_fix_all_applies_all_safe_fixes(editor: Editor, raps: str) -> None:
     params = types.ExecuteCommandParams("rapc.fixAll", arguments=[raps])
     editor.ask(types.WORKSPACE_EXECUTE_COMMAND, params)
     (edit,) = editor.applied
-    assert apply(editor, raps, edit) == RAPS.replace("; Go", "\n; Go")
+    assert apply(editor, raps, edit) == RAPS
 
 
 def test_steps_become_a_rap_and_are_inlined(editor: Editor, raps: str) -> None:
