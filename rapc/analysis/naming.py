@@ -26,11 +26,21 @@ from rapc.library.loader import Loaded
 from rapc.parser.names import Named, Space, names_in
 from rapc.parser.parse import parse
 from rapc.parser.reader import read
-from rapc.parser.syntax import Datum, Keyword, Symbol, Variable
+from rapc.parser.syntax import Datum, Keyword, List, Symbol, Variable
 from rapc.parser.unit import SourceUnit
 
 LOCAL: Sequence[Space] = ("variable", "tag")
 """The name spaces of names that belong to one form or to one RAP."""
+
+_AT_HEAD: Sequence[Space] = (
+    "RAP",
+    "predicate",
+    "primitive",
+    "datum",
+    "kind",
+    "agenda",
+)
+"""The name spaces of names that the second word of a form defines."""
 
 _OWN: Sequence[Space] = ("method", "tag", "agenda")
 """The name spaces of names that the code of a world does not use.
@@ -92,6 +102,8 @@ class Naming:
 
     def definitions(self, named: Named) -> tuple[Named, ...]:
         """Return where a name is defined; of a variable, the first occurrence."""
+        if named.space in _AT_HEAD:
+            return tuple([one for one in self._at_heads(named) if one.defines])
         found = self.occurrences(named)
         defining = tuple([one for one in found if one.defines])
         return defining if defining or named.space != "variable" else found[:1]
@@ -102,6 +114,14 @@ class Naming:
         The occurrences are in the order of the files of the libraries, and of the text.
         """
         return tuple(self._matching(named, named.name))
+
+    def occurrences_beside(self, named: Named) -> tuple[Named, ...]:
+        """Return the occurrences of a name in the same file."""
+        file = named.span.file
+        if named.space not in LOCAL and named.space != "method":
+            found = self._in_files((file,), named.space, named.name)
+            return tuple(found)
+        return tuple([one for one in self.occurrences(named) if one.span.file == file])
 
     def names(self, file: str) -> Iterator[Named]:
         """Yield the names of a file, in the order of the text."""
@@ -144,12 +164,29 @@ class Naming:
 
     def _shared(self, named: Named, name: str) -> Iterator[Named]:
         """Yield the names in the space of `named`, in the files that share its name."""
-        for file in self._sharing(named):
+        yield from self._in_files(self._sharing(named), named.space, name)
+
+    def _in_files(
+        self, files: Iterable[str], space: Space, name: str
+    ) -> Iterator[Named]:
+        for file in files:
             unit = self._units[file]
             for form in _forms_with(unit, name):
                 for one in self._names(unit, form):
-                    if one.space == named.space and one.name == name:
+                    if one.space == space and one.name == name:
                         yield one
+
+    def _at_heads(self, named: Named) -> Iterator[Named]:
+        """Yield the occurrences of a name in forms with the name at their head."""
+        for file in self._sharing(named):
+            unit = self._units[file]
+            text = unit.file.lowered
+            for form in unit.data:
+                word = _word(_word(form, 1), 0)
+                if text[word.start : word.end] == named.name:
+                    for one in self._names(unit, form):
+                        if one.space == named.space and one.name == named.name:
+                            yield one
 
     def _only_rap_with(self, named: Named) -> str:
         """Return the RAP that alone has a method of a name; if several, no text.
@@ -275,6 +312,12 @@ class Naming:
             if actual != expected or faults > 0:
                 text = f"cannot rename `{named.name}`: `{new}` has a meaning here"
                 raise NamingError(text, f"`{file}` would be read in another way")
+
+
+def _word(datum: Datum, at: int) -> Datum:
+    """Return an item of a list; of a shorter list or a word, the datum itself."""
+    items = datum.items if isinstance(datum, List) else ()
+    return items[at] if at < len(items) else datum
 
 
 _PART = re.compile(r"[^\s()\";']")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -78,8 +79,7 @@ def highlights(view: View, position: types.Position) -> list[types.DocumentHighl
         types.DocumentHighlight(
             view.range(one.span), kinds.Write if one.defines else kinds.Read
         )
-        for one in view.names.naming.occurrences(named)
-        if one.span.file == view.name
+        for one in view.names.naming.occurrences_beside(named)
     ]
 
 
@@ -138,8 +138,10 @@ def prepare_rename(
     return types.PrepareRenamePlaceholder(view.range(named.span), named.name)
 
 
-def rename(view: View, position: types.Position, new: str) -> types.WorkspaceEdit:
+async def rename(view: View, position: types.Position, new: str) -> types.WorkspaceEdit:
     """Return the edits that rename a name in all files.
+
+    A thread looks for the edits: all files with the name are parsed again.
 
     Raises:
         RefusedRequestError: if the name cannot be renamed.
@@ -148,7 +150,8 @@ def rename(view: View, position: types.Position, new: str) -> types.WorkspaceEdi
     if named is None:
         raise RefusedRequestError("no name at this position")
     try:
-        edits = view.names.naming.renamed(named, new, names_in_worlds(view))
+        code, naming = names_in_worlds(view), view.names.naming
+        edits = await asyncio.to_thread(naming.renamed, named, new, code)
     except NamingError as error:
         raise RefusedRequestError(in_a_line(error)) from error
     changes: dict[str, list[types.TextEdit]] = {}

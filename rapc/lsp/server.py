@@ -423,11 +423,11 @@ def _add_names(server: Server) -> None:
         )
 
     @feature(types.TEXT_DOCUMENT_RENAME, types.RenameOptions(prepare_provider=True))
-    def on_rename(params: types.RenameParams) -> types.WorkspaceEdit | None:
+    async def on_rename(params: types.RenameParams) -> types.WorkspaceEdit | None:
         view = server.view(params)
         if view is None:
             return None
-        return navigation.rename(view, params.position, params.new_name)
+        return await navigation.rename(view, params.position, params.new_name)
 
     @feature(types.TEXT_DOCUMENT_PREPARE_CALL_HIERARCHY)
     def on_calls(

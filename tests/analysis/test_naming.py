@@ -14,6 +14,8 @@ from rapc.ir import nodes
 from rapc.library.loader import Units, alike, load, load_tests, load_text, read_tests
 from rapc.worlds.source_names import names_in_code
 
+ROOT = Path(__file__).parents[2]
+
 HOUSE = """
 (declare-kind room (hall den))
 (declare-memory-property robot-at ((?where room)) unknown)
@@ -186,3 +188,17 @@ def test_names_agree_with_the_nodes(folder: Path) -> None:
             if not variable.node.anonymous:
                 one = found[span.file, span.start]
                 assert (one.space, one.name) == ("variable", variable.node.name)
+
+
+def test_definitions_are_the_occurrences_that_define() -> None:
+    loaded = load([ROOT / "examples" / "courier"])
+    naming = Naming([loaded])
+    names = [one for file in loaded.files for one in naming.names(file)]
+    for named in {(one.space, one.name): one for one in names}.values():
+        every = naming.occurrences(named)
+        defining = tuple([one for one in every if one.defines])
+        if named.space == "variable":
+            defining = defining or every[:1]
+        assert naming.definitions(named) == defining
+        beside = tuple([one for one in every if one.span.file == named.span.file])
+        assert naming.occurrences_beside(named) == beside
