@@ -13,7 +13,7 @@ from typing import Any
 import click
 import msgspec
 
-from rapc.base.interrupts import terminations_as_interrupts
+from rapc.base.interrupts import interrupts_held, terminations_as_interrupts
 from rapc.base.outputs import CHROME, MCAP, PAGE
 from rapc.base.visible import visible
 from rapc.cli.common import (
@@ -178,7 +178,9 @@ def _attach(folder: str, world_name: str | None, *, opens: bool) -> None:
     """Serve the page of the run of a journal, which may go on."""
     shell = opened_journal(Path(folder), world_name, follow=True)
     history, note = shell.history, "the run goes on in another process"
-    live = serve(live_page(history.run, folder, note=note))
+    text = live_page(history.run, folder, note="; ".join([note, *_unknown(history)]))
+    with interrupts_held():
+        live = serve(text)
     try:
         with terminations_as_interrupts():
             stream_trace(history, live.feed)
@@ -306,9 +308,7 @@ def _run(
         goes_on: whether the run goes on from its present moment.
         until: the time at which it stops, if the history has no limit of its own.
     """
-    notes, first = [], history.beginning.cycle
-    if history.beginning != Moment(0):
-        notes.append(f"what happened up to cycle {first} is unknown")
+    notes = _unknown(history)
     history.branch.events.keep(_MOST_EVENTS)
     trace = StringIO()
     stream_trace(history, trace)
@@ -326,6 +326,14 @@ def _run(
         notes.append(stop.said)
     text, program = trace.getvalue().encode(), history.run.library
     return Viewed(name, "; ".join(notes), text, history, program, pictures)
+
+
+def _unknown(history: History) -> list[str]:
+    """Return a note if the start of a run is unknown."""
+    first = history.beginning
+    if first == Moment(0):
+        return []
+    return [f"what happened up to cycle {first.cycle} is unknown"]
 
 
 def _recorded(path: Path, world_name: str | None) -> Viewed:

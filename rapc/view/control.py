@@ -43,6 +43,9 @@ _CONTINUE = {
 }
 
 
+_ENDED = failure("the run has ended")
+
+
 class Status(msgspec.Struct, frozen=True):
     """The state of a run for its readers."""
 
@@ -104,7 +107,7 @@ class Control:
         request = _Request(name, text, SimpleQueue())
         with self._lock:
             if self.status.state == "ended":
-                return failure("the run has ended")
+                return _ENDED
             self._requests.put(request)
         return request.reply.get()
 
@@ -148,14 +151,17 @@ class Control:
         return self._until is not None and self.run.now >= self._until
 
     def _carry_out(self, request: _Request) -> None:
-        """Carry out a request, and answer."""
-        shell = self._taken()
-        if request.name in _ACTS:
-            answer = shell.answer(f":{request.name} {request.text}")
-        else:
-            answer = self._move(shell.history, request)
-        self._tell(shell)
-        request.reply.put(answer)
+        """Carry out a request, and answer, also if Ctrl-C ends the run meanwhile."""
+        answer = _ENDED
+        try:
+            shell = self._taken()
+            if request.name in _ACTS:
+                answer = shell.answer(f":{request.name} {request.text}")
+            else:
+                answer = self._move(shell.history, request)
+            self._tell(shell)
+        finally:
+            request.reply.put(answer)
 
     def _move(self, history: History, request: _Request) -> Answer:
         """Pause, step or continue."""
@@ -194,4 +200,4 @@ class Control:
         with self._lock:
             self.status = Status("ended")
             while not self._requests.empty():
-                self._requests.get().reply.put(failure("the run has ended"))
+                self._requests.get().reply.put(_ENDED)

@@ -87,6 +87,17 @@ def test_pauses_and_steps_leave_the_trace_unchanged(world: Any) -> None:
     assert text.getvalue() == untouched()
 
 
+@pytest.mark.parametrize("world", ["truck", machine])
+def test_run_is_paused_in_its_middle(world: Any) -> None:
+    run, text = truck(world() if callable(world) else world)
+    for _ in range(30):
+        run.step()
+    with controlled(Control(run, paused=True)) as ask:
+        assert ask("step").startswith("cycle 31, ")
+        assert ask("assert", "(x)") == "refused: unknown predicate `x`"
+    assert text.getvalue() == untouched()
+
+
 def test_run_without_requests_has_no_history() -> None:
     run, text = truck()
     control = Control(run)
