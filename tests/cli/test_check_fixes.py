@@ -11,7 +11,7 @@ import pytest
 from .command import COMMAND, HOME, PATIENCE, rapc
 
 UNUSED = "; rapc: ignore[unknown-rap] nothing to ignore\n(define-rap (wait))\n"
-FIXED = "\n(define-rap (wait))\n"
+FIXED = "(define-rap (wait))\n"
 
 UNSAFE = """\
 (define-rap (walk ?place)
@@ -38,8 +38,8 @@ def test_a_difference_is_shown_and_nothing_written(tmp_path: Path) -> None:
     done = rapc("check", "--diff", "one.rap", cwd=tmp_path)
     assert (done.returncode, done.stderr) == (1, "1 fix would be applied\n")
     assert done.stdout == (
-        "--- one.rap\n+++ one.rap\n@@ -1,2 +1,2 @@\n"
-        "-; rapc: ignore[unknown-rap] nothing to ignore\n+\n (define-rap (wait))\n"
+        "--- one.rap\n+++ one.rap\n@@ -1,2 +1 @@\n"
+        "-; rapc: ignore[unknown-rap] nothing to ignore\n (define-rap (wait))\n"
     )
     assert file.read_text() == UNUSED
     file.write_text(FIXED)
