@@ -48,7 +48,10 @@ SECONDS = 30.0
 """The longest time between two snapshots, if the run has gone on."""
 
 PAUSE = 50
-"""The shortest time between two snapshots, as a multiple of the time that one takes."""
+"""The shortest time between two snapshots, as a multiple of the time that one takes.
+
+Both are times of the processor.
+"""
 
 _PROGRESS = 0.1
 """The time between two records of the reached cycle."""
@@ -135,9 +138,10 @@ class Journal:
         self._acknowledge: Callable[[int], None] | None = None
         self._acknowledged = 0
         self._next_progress = 0.0
-        #: The cycle and the time of the last snapshot, and the time that it took.
+        #: The cycle and the time of the last snapshot.
         self._last = 0, time.monotonic()
-        self._cost = 0.0
+        #: The processor time before which there is no further snapshot.
+        self._pause = 0.0
 
     def follow(self, run: Interpreter) -> None:
         """Receive the answers of a run from now on."""
@@ -245,7 +249,7 @@ class Journal:
             return
         clock = time.monotonic()
         cycle, since = self._last
-        due = run.cycle - cycle >= CYCLES and clock - since >= PAUSE * self._cost
+        due = run.cycle - cycle >= CYCLES and time.process_time() >= self._pause
         due = due or clock - since >= SECONDS
         due = due and run.cycle > cycle and run.reason is None
         if due or clock >= self._next_progress:
@@ -261,8 +265,8 @@ class Journal:
         """
         run = self.run
         assert run is not None
-        begun = time.monotonic()
-        self._last = run.cycle, begun
+        begun = time.process_time()
+        self._last = run.cycle, time.monotonic()
         try:
             state = run.save()
         except StateError:
@@ -283,7 +287,8 @@ class Journal:
         self.acknowledge()
         if self._before > self._limit:
             self._before = drop(self.folder, number, self._limit)
-        self._cost = time.monotonic() - begun
+        taken = time.process_time() - begun
+        self._pause = begun + PAUSE * taken
 
     def close(self) -> None:
         """Close the files."""
