@@ -12,6 +12,7 @@ from __future__ import annotations
 import re
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from itertools import islice
 from pathlib import Path
 from types import MappingProxyType
 
@@ -108,12 +109,16 @@ class Naming:
         defining = tuple([one for one in found if one.defines])
         return defining if defining or named.space != "variable" else found[:1]
 
-    def occurrences(self, named: Named) -> tuple[Named, ...]:
+    def occurrences(self, named: Named, most: int | None = None) -> tuple[Named, ...]:
         """Return all occurrences of a name, its definitions among them.
 
         The occurrences are in the order of the files of the libraries, and of the text.
+
+        Args:
+            named: an occurrence of the name.
+            most: the number of occurrences to stop after; None for no limit.
         """
-        return tuple(self._matching(named, named.name))
+        return tuple(islice(self._matching(named, named.name), most))
 
     def occurrences_beside(self, named: Named) -> tuple[Named, ...]:
         """Return the occurrences of a name in the same file."""

@@ -175,13 +175,20 @@ def _of_other(view: View, named: Named) -> Iterator[str]:
 
 def _users(view: View, named: Named) -> str:
     """Return the RAPs and other forms that use a name."""
-    found = view.names.naming.occurrences(named)
+    found = view.names.naming.occurrences(named, _COUNTED + 1)
     uses = [one for one in found if not one.defines]
-    owners = dict.fromkeys(_owner(view, one) for one in uses)
     if not uses:
         return "not used"
+    if len(found) > _COUNTED:
+        owners = dict.fromkeys(_owner(view, one) for one in uses[:_MOST])
+        return f"used at least {len(uses)} times: {', '.join(owners)}, ..."
     times = "once" if len(uses) == 1 else f"{len(uses)} times"
+    owners = dict.fromkeys(_owner(view, one) for one in uses)
     return f"used {times}: {_listed(owners)}"
+
+
+_COUNTED = 100
+"""The number of occurrences after which a hover stops to count."""
 
 
 def _owner(view: View, use: Named) -> str:

@@ -55,14 +55,17 @@ def implementation(view: View, position: types.Position) -> list[types.Location]
     return handlers(view.workspace, named.name)
 
 
-def references(
+async def references(
     view: View, position: types.Position, declaration: bool
 ) -> list[types.Location]:
-    """Return all uses of a name, with its declarations if wanted."""
+    """Return all uses of a name, with its declarations if wanted.
+
+    A thread looks for the uses: a name may have thousands.
+    """
     named = view.named(position)
     if named is None:
         return []
-    found = view.names.naming.occurrences(named)
+    found = await asyncio.to_thread(view.names.naming.occurrences, named)
     places = [_place(view, one) for one in found if declaration or not one.defines]
     if named.space in ("primitive", "datum"):
         places += handlers(view.workspace, named.name, worlds=False)

@@ -399,12 +399,12 @@ def _add_names(server: Server) -> None:
         return [] if view is None else navigation.implementation(view, params.position)
 
     @feature(types.TEXT_DOCUMENT_REFERENCES)
-    def on_references(params: types.ReferenceParams) -> list[types.Location]:
+    async def on_references(params: types.ReferenceParams) -> list[types.Location]:
         view = server.view(params)
         wanted = params.context.include_declaration
         if view is None:
             return []
-        return navigation.references(view, params.position, wanted)
+        return await navigation.references(view, params.position, wanted)
 
     @feature(types.TEXT_DOCUMENT_DOCUMENT_HIGHLIGHT)
     def on_highlight(

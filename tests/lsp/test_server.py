@@ -122,6 +122,18 @@ def test_hover_shows_comment_effects_and_callers(editor: Editor, raps: str) -> N
     assert "used 3 times: `tour`, `drives`" in text
 
 
+def test_hover_does_not_count_all_of_many_uses(editor: Editor, raps: str) -> None:
+    steps = "".join(f"(s{n} (go hall))" for n in range(120))
+    editor.edit(
+        raps, "; Go to", f"(define-rap (trip) (method (task-net {steps})))\n; Go to"
+    )
+    editor.findings(raps)
+    params = types.HoverParams(**editor.of(raps, "(go ?place)"))
+    params.position.character += 1
+    found = editor.ask(types.TEXT_DOCUMENT_HOVER, params)
+    assert "used at least 101 times: `trip`, ..." in found.contents.value
+
+
 def test_hover_on_a_finding_shows_its_rule(editor: Editor, raps: str) -> None:
     editor.edit(raps, "(go kitchen)", "(goo kitchen)")
     assert "unknown-rap" in editor.findings(raps)
