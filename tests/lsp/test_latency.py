@@ -156,7 +156,9 @@ SETTLE = 2.0
 def opened(folder: Path, options: Mapping[str, float]) -> tuple[Editor, str]:
     editor = Editor(folder, options=options)
     uri = editor.open(folder / "raps-5.rap")
-    editor.until(uri, None)
+    document = types.DocumentSymbolParams(types.TextDocumentIdentifier(uri))
+    while not editor.ask(types.TEXT_DOCUMENT_DOCUMENT_SYMBOL, document):
+        pass  # the answer waits for the first check, for a while
     return editor, uri
 
 
