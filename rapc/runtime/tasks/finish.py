@@ -283,6 +283,8 @@ def end_method(
         for step in method_run.steps:
             if step.state is not ENDED:
                 remove(run, step, cause)
+    if task.plan.node.plan is not None and not failed:
+        _doubt_steps(run, method_run)
     method_run.steps = ()
     if method_run.plan.gives_back or run.held or run.all_may_recur:
         _give_back(run, method_run)
@@ -306,6 +308,18 @@ def end_method(
         if task.plan.monitor_time is not None:
             run.monitors.arm(task, run.recorder.time)
     run.eligible.add(task)
+
+
+def _doubt_steps(run: Run, method_run: MethodRun) -> None:
+    """Count the steps of a plan as failed if the plan has taken no time.
+
+    If the goal does not hold then, the next plan would have the same steps, without
+    end. If the goal holds, the count has no influence.
+    """
+    if method_run.started == run.recorder.time:
+        history = method_run.task.remember()
+        for step in method_run.steps:
+            history.note_failed_step(step.goal_fact())
 
 
 def _give_back(run: Run, method_run: MethodRun) -> None:
