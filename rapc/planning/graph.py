@@ -33,9 +33,9 @@ def operators(program: Program) -> Graph:
     return Graph("operators", vertices, tuple(edges))
 
 
-def _needs(branch: Conjunction, word: str = "needs") -> Iterator[tuple[str, str]]:
+def _needs(branch: Conjunction, word: str = "needed by") -> Iterator[tuple[str, str]]:
     """Yield the facts of a conjunction, each with its relation to the RAP."""
     for name, _ in branch.present:
         yield f"fact {name if isinstance(name, str) else name[0]}", word
     for part in branch.absent:
-        yield from _needs(part, "needs not" if word == "needs" else "needs")
+        yield from _needs(part, "prevents" if word == "needed by" else "needed by")

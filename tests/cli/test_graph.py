@@ -140,17 +140,17 @@ def test_operators_are_shown_with_their_facts(folder: Path) -> None:
     )
     _, edges = _drawn(folder, "--operators")
     assert edges == [
-        ("fact at", "rap go", "needs"),
-        ("fact door", "rap go", "needs"),
-        ("fact open", "rap go", "needs"),
+        ("fact at", "rap go", "needed by"),
+        ("fact door", "rap go", "needed by"),
+        ("fact open", "rap go", "needed by"),
         ("rap go", "fact at", "asserts"),
-        ("fact open", "rap unlock", "needs not"),
+        ("fact open", "rap unlock", "prevents"),
         ("rap unlock", "fact open", "asserts"),
         ("rap unlock", "fact held", "may change"),
         ("rap unlock", "fact at", "may change"),
         ("rap drop", "fact held", "erases"),
-        ("fact at", "rap go-home", "needs"),
-        ("fact held", "rap go-home", "needs not"),
+        ("fact at", "rap go-home", "needed by"),
+        ("fact held", "rap go-home", "prevents"),
     ]
     _, calls = _drawn(folder)
     raps = ("go", "unlock", "drop")
