@@ -21,6 +21,7 @@ from typing import Any
 
 import msgspec
 
+from rapc.base.names import plural
 from rapc.base.values import Atom, Fact, format_atom, format_list, number, readable
 from rapc.base.visible import visible
 from rapc.spec import RunSpec
@@ -661,7 +662,8 @@ class PlanMade(Event, frozen=True, kw_only=True):
         if self.method is None:
             missing = "".join(f" {one}" for one in self.unreachable)
             return f"    ... no plan for {self.goal}{by}: {self.outcome}{missing}"
-        return f"    ... {self.method} for {self.goal}: {len(self.steps)} steps{by}"
+        steps = plural(len(self.steps), "step")
+        return f"    ... {self.method} for {self.goal}: {steps}{by}"
 
 
 class TaskResult(msgspec.Struct, frozen=True, omit_defaults=True):
