@@ -69,7 +69,11 @@ class EngineError(Exception):
 def find_engine(name: str, timeout: float, *, costs: bool) -> Engine:
     """Return an engine by name; see `rapc.engine`."""
     kind, _, engine = name.partition(":")
-    if kind == "up" and re.fullmatch(r"[\w-]+", engine):
+    if kind == "up":
+        if not engine:
+            raise PlanError("the name of an engine is missing after `up:`")
+        if not re.fullmatch(r"[\w-]+", engine):
+            raise PlanError(f"invalid name of an engine: `{engine}`")
         if find_spec("unified_planning") is None:
             said = f"the engine `{name}` requires unified-planning"
             raise PlanError(said, "pip install 'rapc[engines]'")
@@ -86,6 +90,9 @@ def find_engine(name: str, timeout: float, *, costs: bool) -> Engine:
         raise PlanError(said, f"write `builtin`, `up:NAME` or a command with {places}")
     program = shutil.which(words[0])
     if program is None:
+        if Path(words[0]).is_file():
+            said = f"cannot run the program `{words[0]}` of the engine"
+            raise PlanError(said, f"make it executable: chmod +x {words[0]}")
         raise PlanError(f"cannot find the program `{words[0]}` of the engine")
     command = (os.path.abspath(program), *words[1:])
     return Engine(name, command, timeout, costs)

@@ -11,7 +11,7 @@ from rapc.library.library import usable_in_plans
 from rapc.library.operators import Conjunction, LeftOut, Model, constants_of
 from rapc.planning.ground import Action, Grounding, Problem, Situation, TooLargeError
 from rapc.planning.search import Found, Search
-from rapc.planning.sketch import Sketch, achieved, method, sketch
+from rapc.planning.sketch import Sketch, achieved, goal_atoms, method, sketch
 from rapc.runtime.memory.access import MemoryView
 from rapc.runtime.planner import BUILT_IN, Planned, PlanRequest
 
@@ -82,7 +82,7 @@ def solve(  # all but three have defaults and go by name
     except TooLargeError:
         return Solution("limit", None, 0, 0, left_out, (), None)
     name, refused, found = BUILT_IN, "", None
-    if engine is not None and problem.goal:
+    if engine is not None and problem.goal and goal_atoms(problem, ()) is None:
         answer = engine.ask(problem)
         if isinstance(answer, str):
             refused = answer

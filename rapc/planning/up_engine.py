@@ -12,6 +12,9 @@ from pathlib import Path
 
 def main(name: str, domain: str, problem: str, plan: str) -> None:
     """Write a plan to a file; without a plan the process ends with an error."""
+    from unified_planning.exceptions import (  # noqa: PLC0415  # an extra
+        UPNoRequestedEngineAvailableException,
+    )
     from unified_planning.io import PDDLReader  # noqa: PLC0415  # an extra
     from unified_planning.shortcuts import (  # noqa: PLC0415
         OneshotPlanner,
@@ -19,7 +22,12 @@ def main(name: str, domain: str, problem: str, plan: str) -> None:
     )
 
     get_environment().credits_stream = None
-    with OneshotPlanner(name=name) as planner:
+    try:
+        chosen = OneshotPlanner(name=name)
+    except UPNoRequestedEngineAvailableException:
+        missing = "or the package of the engine is missing"
+        sys.exit(f"unified-planning has no engine `{name}`, {missing}")
+    with chosen as planner:
         found = planner.solve(PDDLReader().parse_problem(domain, problem))
     if found.plan is None:
         sys.exit(f"no plan: {found.status.name}")

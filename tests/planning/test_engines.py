@@ -149,11 +149,13 @@ def test_program_that_has_gone_is_a_failure(tmp_path: Path) -> None:
     ("name", "said"),
     [
         ("nowhere {domain} {problem} {plan}", "cannot find the program `nowhere`"),
+        ("./README.md {domain} {problem} {plan}", "cannot run the program `./README"),
         ("cat {domain} {problem}", "has no {plan}"),
         ("cat", "has no {domain}, {problem}, {plan}"),
         ("", "has no {domain}"),
         ("sh '{domain} {problem} {plan}", "cannot read the engine"),
-        ("up:x y", "has no {domain}"),
+        ("up:x y", "invalid name of an engine: `x y`"),
+        ("up:", "the name of an engine is missing after `up:`"),
     ],
 )
 def test_engine_that_cannot_be_run_is_refused(name: str, said: str) -> None:
@@ -168,6 +170,16 @@ def test_engine_of_a_missing_package_names_the_extra(
     with pytest.raises(rapc.PlanError) as caught:
         rapc.engine("up:aries")
     assert caught.value.help == "pip install 'rapc[engines]'"
+
+
+def test_engine_is_not_asked_for_a_goal_that_holds() -> None:
+    found = rapc.plan(
+        rapc.load(COURIER),
+        "(robot-at base)",
+        facts=["(robot-at base)"],
+        engine=fake("fail"),
+    )
+    assert (found.engine, found.refused, found.steps) == ("builtin", "", ())
 
 
 def told(deed: str) -> tuple[list[events.Event], rapc.Interpreter]:
@@ -335,7 +347,10 @@ def test_pyperplan_solves_three_problems() -> None:
 def test_engine_of_unified_planning_solves_three_problems() -> None:
     assert solved_by("up:pyperplan")[:2] == [8, 7]
     missing = plan(rapc.engine("up:nowhere", LIMIT))
-    assert missing.refused.startswith("engine-failed: no plan, status 1: ")
+    assert missing.refused == (
+        "engine-failed: no plan, status 1: unified-planning has no engine `nowhere`, "
+        "or the package of the engine is missing"
+    )
     assert missing
 
 
