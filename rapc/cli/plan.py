@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
@@ -106,7 +106,7 @@ _MOST_STATES = 10_000_000
     "--strips", is_flag=True, help="With --export, --engine: leave out costs."
 )
 @click.option("--run", "execute", is_flag=True, help="Also run the plan.")
-@click.option("--priority", type=int, default=0, help="Priority of the run's task.")
+@click.option("--priority", type=int, help="With --run: priority of the task.")
 @until_option
 def plan(
     goal: str,
@@ -123,7 +123,7 @@ def plan(
     engine_timeout: float,
     strips: bool,
     execute: bool,
-    priority: int,
+    priority: int | None,
     until: float | None,
     **more: Any,
 ) -> None:
@@ -152,8 +152,14 @@ def plan(
     from rapc.host import plan as find
     from rapc.parser.formatter import formatted
 
-    if (execute or after is not None) and world_name is None:
-        fail("--run and --after require --world")
+    has_world = world_name is not None
+    has_pddl = exported is not None or engine != "builtin"
+    _require(
+        (execute or after is not None, has_world, "--run and --after require --world"),
+        (priority is not None, execute, "--priority requires --run"),
+        (until is not None, execute, "--until requires --run"),
+        (strips, has_pddl, "--strips requires --export or --engine"),
+    )
     if kept is not None:
         refuse_kept(kept)
     library = load_checked(path)
@@ -191,11 +197,25 @@ def plan(
     if exported is not None:
         _export(exported, found.pddl(costs=not strips))
     if not found:
-        raise SystemExit(1)
+        _end_without_plan(found, empty=run is None and not spec.facts)
     if kept is not None:
         keep_plan(kept, text, path)
     if execute and run is not None and not _achieved(run, goal, priority, use, until):
         raise SystemExit(1)
+
+
+def _require(*rules: tuple[bool, bool, str]) -> None:
+    """End the command if an option is used without the option that it requires."""
+    for used, met, said in rules:
+        if used and not met:
+            fail(said)
+
+
+def _end_without_plan(found: Plan, *, empty: bool) -> NoReturn:
+    """End the command; if memory is empty, print a note about its facts."""
+    if empty and found.unreachable and found.operators:
+        click.echo("note: memory has no facts; use --world or --fact", err=True)
+    raise SystemExit(1)
 
 
 def _export(folder: str, texts: tuple[str, str] | None) -> None:
@@ -222,7 +242,7 @@ def _advance(run: Interpreter, after: float | None) -> None:
 def _achieved(
     run: Interpreter,
     goal: str,
-    priority: int,
+    priority: int | None,
     use: Sequence[str],
     until: float | None,
 ) -> bool:
@@ -231,7 +251,7 @@ def _achieved(
 
     if not settings().quiet:
         run.listen(TextTrace(sys.stdout))
-    name = run.achieve(goal, priority, use=use)
+    name = run.achieve(goal, priority or 0, use=use)
     run.run(until=end_time(until))
     outcome = next(one.outcome for one in run.results() if one.goal.name == name)
     click.echo(visible(f"{goal}: {outcome}"))

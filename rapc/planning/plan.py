@@ -88,7 +88,8 @@ class Plan:
             size = f"{steps} of {plural(self.operators, 'operator')}"
             return f"{size}, {plural(states, 'state')}"
         if self.unreachable:
-            return f"no plan: nothing brings about {', '.join(self.unreachable)}"
+            said = f"no plan: nothing brings about {', '.join(self.unreachable)}"
+            return said if self.operators else f"{said}: no RAP is an operator"
         if self.reason == "limit":
             return f"no plan: limit of {plural(self.expanded, 'state')} reached"
         return "no plan: the operators cannot bring about all parts of the goal"

@@ -44,6 +44,24 @@ def test_unreachable_parts_of_the_goal_are_named() -> None:
     assert done.stdout == f"no plan: nothing brings about {wanted}\n"
 
 
+def test_missing_operators_and_facts_are_named(tmp_path: Path) -> None:
+    library = tmp_path / "a.rap"
+    library.write_text("(declare-memory-proposition warm ())\n(define-rap (wait))\n")
+    done = rapc("plan", "(warm)", str(library))
+    said = "no plan: nothing brings about (warm): no RAP is an operator\n"
+    assert (done.returncode, done.stdout, done.stderr) == (1, said, "")
+
+    library.write_text(
+        "(declare-memory-proposition warm ())\n"
+        "(declare-memory-proposition fire ())\n"
+        "(define-rap (wait) (preconditions (fire)) (effects (warm)))\n"
+    )
+    done = rapc("plan", "(warm)", str(library))
+    assert done.stdout == "no plan: nothing brings about (warm)\n"
+    assert done.stderr == "note: memory has no facts; use --world or --fact\n"
+    assert rapc("plan", "(warm)", str(library), "--fact", "(fire)").stderr == ""
+
+
 def test_parts_that_the_planner_leaves_out_are_listed(tmp_path: Path) -> None:
     library = tmp_path / "a.rap"
     library.write_text(
@@ -97,6 +115,9 @@ def test_invalid_input_is_refused() -> None:
         (("(delivred a b)", COURIER), "unknown predicate `delivred`"),
         ((GOAL, COURIER, "--use", "deliver"), "cannot use `deliver`"),
         ((GOAL, COURIER, "--run"), "--run and --after require --world"),
+        ((GOAL, COURIER, "--priority", "3"), "--priority requires --run"),
+        ((GOAL, COURIER, "--until", "3"), "--until requires --run"),
+        ((GOAL, COURIER, "--strips"), "--strips requires --export or --engine"),
     ):
         done = rapc("plan", *options)
         assert done.returncode == 2
