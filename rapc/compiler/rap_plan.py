@@ -222,6 +222,8 @@ class RapPlan:
         #: Whether any input or output has a declared kind.
         self.kinds = bool(node.kinds)
         self.outputs = tuple(v.name for v in node.outputs)
+        #: Whether a task remembers more than the result of a successful method.
+        self.notes_success = bool(node.outputs or node.plan)
         #: The goal key of a task without inputs: see `Task.goal_key`.
         self.goal_key = (node.name,)
         #: The clauses of the RAP, by keyword.

@@ -102,7 +102,15 @@ def past(run: Run, start: RunStarted) -> tuple[Event, ...]:
         within, method = task.within, task.run
         since = now if method is None else method.started
         since = since if within is None else within.started
-        found.append((since, TaskCreated, task.told_created()))
+        given = {
+            "task": task.number,
+            "goal": task.goal(),
+            "parent": None if task.parent is None else task.parent.number,
+            "family": task.family,
+            "priority": task.priority,
+            "step": None if task.step is None else task.step.node.tag,
+        }
+        found.append((since, TaskCreated, given))
         if method is not None:
             keys = {"rap": task.plan.name, "method": method.plan.name}
             bound = as_told(method.env)

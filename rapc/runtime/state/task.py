@@ -353,17 +353,6 @@ class Task:
 
     # --- as shown in events ------------------------------------------------------
 
-    def told_created(self) -> dict[str, Any]:
-        """Return the keys of the event of a new task."""
-        return {
-            "task": self.number,
-            "goal": self.goal(),
-            "parent": None if self.parent is None else self.parent.number,
-            "family": self.family,
-            "priority": self.priority,
-            "step": None if self.step is None else self.step.node.tag,
-        }
-
     def goal(self, outputs: Mapping[str, Value] | None = None) -> Goal:
         """Return the goal with the inputs that are known, and `outputs` if given."""
         if self.told is None or self.plan.outputs:

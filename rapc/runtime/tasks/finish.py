@@ -283,9 +283,6 @@ def end_method(
         for step in method_run.steps:
             if step.state is not ENDED:
                 remove(run, step, cause)
-    if task.plan.node.plan is not None and not failed:
-        _doubt_steps(run, method_run)
-    method_run.steps = ()
     if method_run.plan.gives_back or run.held or run.all_may_recur:
         _give_back(run, method_run)
     if run.recorder.on:
@@ -300,8 +297,9 @@ def end_method(
     if failed or task.history is not None:
         task.note_result(method_run.plan, result)
         task.remember().because = because
-    if task.plan.outputs and not failed:
-        task.remember().success = method_run.env
+    if task.plan.notes_success and not failed:
+        _note_success(run, method_run)
+    method_run.steps = ()
     task.state = ELIGIBLE
     if task.wait is not None:
         task.wait.after_method = True
@@ -310,16 +308,19 @@ def end_method(
     run.eligible.add(task)
 
 
-def _doubt_steps(run: Run, method_run: MethodRun) -> None:
-    """Count the steps of a plan as failed if the plan has taken no time.
+def _note_success(run: Run, method_run: MethodRun) -> None:
+    """Remember the outputs of a successful method, and its steps if they did nothing.
 
-    If the goal does not hold then, the next plan would have the same steps, without
-    end. If the goal holds, the count has no influence.
+    The steps of a plan that has taken no time count as failed: if the goal does not
+    hold then, the next plan would have the same steps, without end. If the goal holds,
+    the count has no influence.
     """
-    if method_run.started == run.recorder.time:
-        history = method_run.task.remember()
+    task = method_run.task
+    if task.plan.outputs:
+        task.remember().success = method_run.env
+    if task.plan.node.plan is not None and method_run.started == run.recorder.time:
         for step in method_run.steps:
-            history.note_failed_step(step.goal_fact())
+            task.remember().note_failed_step(step.goal_fact())
 
 
 def _give_back(run: Run, method_run: MethodRun) -> None:

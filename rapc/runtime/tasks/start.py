@@ -187,7 +187,15 @@ def _listen(run: Run, task: Task, wait: WaitState, step: StepPlan) -> None:
 def tell_created(run: Run, task: Task) -> None:
     """Emit the event of a new task."""
     if run.recorder.on and run.recorder.wants(TaskCreated):
-        run.recorder.emit(TaskCreated, **task.told_created())
+        run.recorder.emit(
+            TaskCreated,
+            task=task.number,
+            goal=task.goal(),
+            parent=task.parent.number if task.parent is not None else None,
+            family=task.family,
+            priority=task.priority,
+            step=task.step.node.tag if task.step is not None else None,
+        )
 
 
 def read_windows(run: Run, task: Task, last: bool = False) -> None:
