@@ -46,3 +46,6 @@ MAX_TIMES = 100_000
 
 MAX_REASON = 200
 """Characters of the reason why a compiled library cannot be decoded."""
+
+MAX_QUOTED = 200
+"""Characters of a fact, formula or task that a message repeats."""

@@ -10,7 +10,7 @@ from typing import Any, cast
 
 import msgspec
 
-from rapc.base.limits import MAX_FINDINGS
+from rapc.base.limits import MAX_FINDINGS, MAX_QUOTED
 from rapc.base.names import nearest
 from rapc.base.source import SourceFile
 from rapc.base.values import Atom, Fact
@@ -132,7 +132,7 @@ def _ground(made: nodes.Pattern, called: str, text: str) -> Fact:
         if not isinstance(arg, nodes.Const):
             what = "a variable" if isinstance(arg, nodes.Var) else "a computed term"
             raise TextError(
-                f"expected only values in {called}, not {what}: {text.strip()}"
+                f"expected only values in {called}, not {what}: {_quoted(text)}"
             )
         values.append(arg.value)
     return (made.name, *values)
@@ -165,7 +165,7 @@ def parse_formula(text: str) -> nodes.Formula:
     made: nodes.Formula = _only(text, formula, "formula")
     if any(isinstance(part, nodes.Otherwise) for part in subformulas(made)):
         raise TextError(
-            f"`otherwise` is valid only in the context of a method: {text.strip()}"
+            f"`otherwise` is valid only in the context of a method: {_quoted(text)}"
         )
     return made
 
@@ -176,7 +176,7 @@ def _only(text: str, read: Read, what: str) -> Any:
     made = read(ctx, data[0])
     _complain(ctx)
     if made is None or len(data) > 1:
-        raise TextError(f"expected one {what}: {text.strip()}")
+        raise TextError(f"expected one {what}: {_quoted(text)}")
     return made
 
 
@@ -208,7 +208,7 @@ def parse_goal_options(text: str) -> tuple[nodes.Goal, Mapping[str, Atom]]:
             raise TextError(f"duplicate option {word.name}")
         options[word.name[1:]] = _option(word.name, rest.pop(0) if rest else None)
     if made is None:
-        raise TextError(f"expected a goal such as (rap args), not {text.strip()}")
+        raise TextError(f"expected a goal such as (rap args), not {_quoted(text)}")
     return made, options
 
 
@@ -224,12 +224,18 @@ def _option(name: str, value: Datum | None) -> Atom:
     return value.value
 
 
+def _quoted(text: str) -> str:
+    """Return a text for a message, with `...` for the characters over a limit."""
+    text = text.strip()
+    return text if len(text) <= MAX_QUOTED else f"{text[:MAX_QUOTED]}..."
+
+
 def _small(text: str) -> tuple[Context, tuple[Datum, ...]]:
     """Return the data of a small text, at least one; raise TextError otherwise."""
     source = SourceFile("", text)
     reading = reader.read(source)
     for found in reading.diagnostics:
-        raise TextError(f"{found.message}: {text.strip()}")
+        raise TextError(f"{found.message}: {_quoted(text)}")
     if not reading.forms:
         raise TextError("the text is empty")
     return Context(source, 1, readers()), tuple(top.datum for top in reading.forms)
@@ -237,4 +243,4 @@ def _small(text: str) -> tuple[Context, tuple[Datum, ...]]:
 
 def _complain(ctx: Context) -> None:
     for found in ctx.diagnostics:
-        raise TextError(f"{found.message}: {ctx.source.text.strip()}")
+        raise TextError(f"{found.message}: {_quoted(ctx.source.text)}")

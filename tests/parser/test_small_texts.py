@@ -51,6 +51,10 @@ BAD_FACTS = [
     ("(p) (q)", "expected one proposition: (p) (q)"),
     ("(p", "the list of `p` is not closed: (p"),
     ("(p 'x)", "unexpected `'`: (p 'x)"),
+    (
+        "(" * 3000,
+        f"lists are nested more than 100 levels deep: {'(' * 200}...",
+    ),
 ]
 
 
