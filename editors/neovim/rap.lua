@@ -37,6 +37,13 @@ local function attached(client, buffer)
   })
 end
 
+-- The server ends with 2 if it cannot start, for example without its packages.
+local function ended(status)
+  if status == 2 then
+    vim.notify("rapc lsp cannot start: pip install 'rapc[lsp]'", vim.log.levels.ERROR)
+  end
+end
+
 local clients = {}
 vim.api.nvim_create_autocmd("FileType", {
   pattern = "rap",
@@ -58,6 +65,7 @@ vim.api.nvim_create_autocmd("FileType", {
       cmd = { command, "lsp" },
       root_dir = root,
       on_attach = attached,
+      on_exit = vim.schedule_wrap(ended),
     }
     if vim.lsp.start then
       clients[root] = vim.lsp.start(config)

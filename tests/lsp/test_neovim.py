@@ -50,6 +50,27 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Any:
     return found
 
 
+def test_server_without_its_packages_names_the_extra(tmp_path: Path) -> None:
+    program = tmp_path / "rapc"
+    program.write_text("#!/bin/sh\nexit 2\n")
+    program.chmod(0o700)
+    shown = "string.find(vim.fn.execute('messages'), 'rapc%[lsp')"
+    done = subprocess.run(
+        [
+            *(str(NVIM), "--headless", "--clean", "-i", "NONE", "-n"),
+            *("-c", f"luafile {CONFIG}", "-c", "edit go.rap"),
+            *("-c", f"lua vim.wait(9000, function() return {shown} end)", "-c", "qa!"),
+        ],
+        check=False,
+        cwd=tmp_path,
+        env={**os.environ, "PATH": f"{tmp_path}{os.pathsep}{os.environ['PATH']}"},
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert "rapc lsp cannot start: pip install 'rapc[lsp]'" in done.stderr
+
+
 class TestNeovim(Features):
     """Colours require Neovim 0.9, hints 0.10, folds 0.11: see `neovim.lua`."""
 
