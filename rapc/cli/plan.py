@@ -23,6 +23,7 @@ from rapc.cli.run_options import (
 from rapc.errors import FactError, PlanError, TextError, reason
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.settings import read_settings
+from rapc.world import Time
 
 if TYPE_CHECKING:
     from rapc.planning.plan import Plan
@@ -160,6 +161,7 @@ def plan(
         (until is not None, execute, "--until requires --run"),
         (strips, has_pddl, "--strips requires --export or --engine"),
     )
+    end = end_time(until)
     if kept is not None:
         refuse_kept(kept)
     library = load_checked(path)
@@ -200,7 +202,7 @@ def plan(
         _end_without_plan(found, empty=run is None and not spec.facts)
     if kept is not None:
         keep_plan(kept, text, path)
-    if execute and run is not None and not _achieved(run, goal, priority, use, until):
+    if execute and run is not None and not _achieved(run, goal, priority, use, end):
         raise SystemExit(1)
 
 
@@ -227,7 +229,7 @@ def _export(folder: str, texts: tuple[str, str] | None) -> None:
     except OSError as error:
         fail(f"--export: cannot create `{folder}`: {reason(error)}")
     for name, text in zip(("domain", "problem"), texts, strict=True):
-        write_output(f"{folder}/{name}.pddl", text.encode())
+        write_output(str(Path(folder, f"{name}.pddl")), text.encode())
 
 
 def _advance(run: Interpreter, after: float | None) -> None:
@@ -244,7 +246,7 @@ def _achieved(
     goal: str,
     priority: int | None,
     use: Sequence[str],
-    until: float | None,
+    end: Time | None,
 ) -> bool:
     """Run a task for the goal, print the trace, and return whether it succeeded."""
     from rapc.runtime.events.trace import TextTrace
@@ -252,7 +254,7 @@ def _achieved(
     if not settings().quiet:
         run.listen(TextTrace(sys.stdout))
     name = run.achieve(goal, priority or 0, use=use)
-    run.run(until=end_time(until))
+    run.run(until=end)
     outcome = next(one.outcome for one in run.results() if one.goal.name == name)
     click.echo(visible(f"{goal}: {outcome}"))
     return outcome == "succeeded"

@@ -110,6 +110,22 @@ def test_problem_is_exported_as_pddl(tmp_path: Path) -> None:
     assert done.stderr.startswith("error: --export: cannot create")
 
 
+def test_problem_is_exported_to_the_working_directory(tmp_path: Path) -> None:
+    library = tmp_path / "a.rap"
+    library.write_text("(declare-memory-proposition warm ())\n")
+    done = rapc("plan", "(warm)", "a.rap", "--export", "", cwd=tmp_path)
+    assert done.returncode == 1
+    names = ["a.rap", "domain.pddl", "problem.pddl"]
+    assert sorted(one.name for one in tmp_path.iterdir()) == names
+
+
+def test_invalid_time_limit_is_refused_before_the_plan() -> None:
+    options = ("--world", "courier", "--run", "--until", "-1")
+    done = rapc("plan", GOAL, COURIER, *options)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == "error: --until must not be negative\n"
+
+
 def test_invalid_input_is_refused() -> None:
     for options, said in (
         (("(delivred a b)", COURIER), "unknown predicate `delivred`"),
