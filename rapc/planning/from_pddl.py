@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
+from graphlib import CycleError, TopologicalSorter
 from typing import NamedTuple, NoReturn
 
 from rapc.base.names import plural
@@ -178,6 +179,12 @@ class _Domain:
                 self._above[kind] = above
             if above is not None:
                 self._above.setdefault(above, None)
+        parents = {kind: (above,) for kind, above in self._above.items() if above}
+        try:
+            TopologicalSorter(parents).prepare()
+        except CycleError as error:
+            names = ", ".join([f"`{one}`" for one in error.args[1][1:]])
+            self._fail(section, f"a type is its own parent: {names}")
 
     def _take_objects(self, section: List) -> None:
         for name, kind, datum in self._typed(section.items[1:], Symbol):

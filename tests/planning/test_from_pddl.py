@@ -136,6 +136,11 @@ HEAD = "(define (domain d) (:types ball) (:predicates (p ?x) (q ?x - ball)) "
         ("(define (domain d) (:derived))", "1:21: unsupported section `:derived`"),
         ("(define (domain d)) ()", "1:21: expected the end of the file"),
         ("(define (domain d) (:types a - ))", "expected the name of a type after `-`"),
+        (
+            "(define (domain d) (:types a - b b - c c - b))",
+            "d.pddl:1:20: a type is its own parent: `c`, `b`",
+        ),
+        ("(define (domain d) (:types a - a))", "a type is its own parent: `a`"),
         (f"{HEAD}(:action))", "1:69: expected the name of an action"),
         (f"{HEAD}(:action a :effect))", "expected one list after `:effect`"),
         (f"{HEAD}(:action a :effect (s)))", "unknown predicate `s`"),
