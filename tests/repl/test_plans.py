@@ -58,6 +58,16 @@ def test_goal_without_a_plan_is_not_submitted() -> None:
     assert shell.history.run.created == 0
 
 
+def test_plan_with_invalid_options_changes_nothing() -> None:
+    shell = courier_shell()
+    for options, reason in (
+        (":deadline x", "expected a number after :deadline"),
+        ("do", "expected an option that begins with a colon, not do"),
+    ):
+        assert said(shell, f":plan (docked) do {options}") == f"{reason}\n"
+    assert said(shell, ":plan (docked) do").endswith("[1] (achieve-1)\n")
+
+
 def test_why_names_the_purpose_of_a_step_of_a_plan() -> None:
     shell = courier_shell()
     shell.answer(f":plan {GOAL} do")

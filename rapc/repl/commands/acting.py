@@ -25,6 +25,7 @@ from rapc.host import plan
 from rapc.ir.printer import format_node
 from rapc.repl.shell import Shell
 from rapc.runtime.achieve import achieving
+from rapc.runtime.task_request import read_task_request
 
 
 def _do(shell: Shell, args: Arguments, act: Act) -> Answer:
@@ -83,8 +84,10 @@ def _plan(shell: Shell, args: Arguments) -> Answer:
     if not submits:
         return answer
     rap = achieving(library.program, goal)
+    task = " ".join([f"({rap.name})", *options])
+    read_task_request(task)  # invalid options are refused before the library changes
     added = shell.define(format_node(rap))
-    submitted = shell.submit(" ".join([f"({rap.name})", *options]))
+    submitted = shell.submit(task)
     lines = (*answer.notes, *added.lines, *submitted.lines)
     return replace(answer, notes=lines)
 
