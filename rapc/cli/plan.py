@@ -191,6 +191,9 @@ def plan(
     if found.refused:
         said = f"note: {found.refused}; the built-in planner was asked"
         click.echo(visible(said), err=True)
+    for part in found.unseen:
+        said = f"note: the planner takes this part of the goal to hold: {part}"
+        click.echo(visible(said), err=True)
     text = formatted(SourceFile("plan", found.text)).text
     _print(found, text, output_format)
     if explain:

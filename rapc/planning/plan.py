@@ -55,6 +55,14 @@ class Plan:
                 for one in found.left_out
             ]
         )
+        #: The parts of the goal that the planner did not see, and took to hold.
+        self.unseen = tuple(
+            [
+                f"{format_node(one.part)}: {one.reason}"
+                for one in found.left_out
+                if one.rap == rap.name
+            ]
+        )
         self._sketch, self._rap, self._problem = found.sketch, rap, found.problem
 
     def __bool__(self) -> bool:

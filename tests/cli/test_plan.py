@@ -76,6 +76,20 @@ def test_parts_that_the_planner_leaves_out_are_listed(tmp_path: Path) -> None:
     assert f"left out: {library}:4:37: {said}\n" in done.stdout
 
 
+def test_parts_of_the_goal_that_the_planner_leaves_out_are_named(
+    tmp_path: Path,
+) -> None:
+    library = tmp_path / "a.rap"
+    library.write_text("(declare-memory-property heat (?level) 0)\n")
+    goal = "(and (heat ?level) (> ?level 3))"
+    done = rapc("plan", goal, str(library), "--format", "steps")
+    assert done.stderr == (
+        "note: the planner takes this part of the goal to hold: (> ?level 3): "
+        "a comparison of numbers\n"
+    )
+    assert done.stdout == "0 steps of 0 operators, 0 states\n"
+
+
 def test_kept_plan_is_a_library(tmp_path: Path) -> None:
     kept = tmp_path / "kept.rap"
     done = rapc("plan", GOAL, COURIER, "--world", "courier", "--keep", str(kept))
