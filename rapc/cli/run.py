@@ -335,6 +335,8 @@ def _course(  # the options of `run`
         other = "--save" if save else f"--trace-format {trace_format}"
         raise click.UsageError(f"--journal cannot be used with {other}")
     if given["resume"] is not None:
+        if given["journal"] is not None:
+            raise click.UsageError("--journal cannot be used with --resume")
         if any((path, world_name, *more.values(), until, trace, save, pictures)):
             fail("cannot change the start of a resumed run")
         return Resumed(given)
