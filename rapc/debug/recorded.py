@@ -13,7 +13,7 @@ from rapc import events
 from rapc.debug.history import History, Moment
 from rapc.debug.log import ToldEvent
 from rapc.debug.recording import UNREADABLE, Recording
-from rapc.errors import LoadError, TextError
+from rapc.errors import LoadError, TextError, reason
 from rapc.host import methods
 from rapc.runtime.events.trace import JsonTrace
 from rapc.runtime.planner import BUILT_IN, PLAN, Planned
@@ -40,7 +40,7 @@ def write_trace(history: History, path: Path) -> int:
                 trace.raw(*one)
                 count += 1
     except OSError as error:
-        raise LoadError(f"cannot write `{path}`: {error.strerror}") from error
+        raise LoadError(f"cannot write `{path}`: {reason(error)}") from error
     return count
 
 

@@ -179,6 +179,12 @@ def test_convert_writes_the_trace(ended: Path) -> None:
     assert (ended / "u.jsonl").read_bytes() == (ended / "t.jsonl").read_bytes()
 
 
+def test_convert_reports_a_missing_folder(ended: Path) -> None:
+    done = command("journal", "convert", "j", "--trace", "no/t.jsonl", cwd=ended)
+    said = "error: cannot write `no/t.jsonl`: no such file or directory\n"
+    assert (done.returncode, done.stderr) == (2, said)
+
+
 def test_cut_goes_back_to_a_snapshot(live: Run) -> None:
     _states(live, 30)
     done = command("journal", "cut", str(live.journal), "--cycle", "19")
