@@ -150,7 +150,7 @@ def _beside_a_recording(
     begun = recorded.spec
     if begun.world_class and world_name is None:
         fail(
-            f"the module of the world `{begun.world_class}` is imported only with "
+            f"the code of the world `{begun.world_class}` is run only with "
             f"`--world {begun.world_class}`"
         )
     if begun.until is None:

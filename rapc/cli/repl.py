@@ -266,7 +266,7 @@ def _missing_world(begun: RunSpec, world_name: str | None, path: Path) -> str:
         fail(f"`{path}` was recorded in the world `{named}`, not in `{world_name}`")
     if world_name is None and begun.world_class:
         return (
-            f"the module of the world `{begun.world_class}` is imported only with "
+            f"the code of the world `{begun.world_class}` is run only with "
             f"`--world {begun.world_class}`"
         )
     try:

@@ -271,9 +271,7 @@ def _other(path: str, world_name: str | None, first: Viewed) -> Viewed:
         return _viewed(path, world_name, {"until": None})
     spec = first.history.spec
     if spec.world_class and world_name is None:
-        fail(
-            f"missing `--world {spec.world_class}`, whose module is imported only then"
-        )
+        fail(f"missing `--world {spec.world_class}`, whose code is run only then")
     if spec.until is None:
         until = first.history.now * MOST_DURATIONS
         spec = msgspec.structs.replace(spec, until=until)

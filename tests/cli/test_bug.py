@@ -81,8 +81,8 @@ def test_a_report_imports_no_module(report: bytes, tmp_path: Path) -> None:
     done = rapc("repl", "x.bug", "-c", ":agenda", cwd=tmp_path)
     assert done.returncode == 2
     assert done.stderr == (
-        "error: cannot repeat `x.bug`: the module of the world `evil:World` is "
-        "imported only with `--world evil:World`\n"
+        "error: cannot repeat `x.bug`: the code of the world `evil:World` is run "
+        "only with `--world evil:World`\n"
     )
 
 
