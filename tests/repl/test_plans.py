@@ -58,6 +58,15 @@ def test_goal_without_a_plan_is_not_submitted() -> None:
     assert shell.history.run.created == 0
 
 
+def test_plan_without_steps_names_the_assumed_parts_of_the_goal() -> None:
+    assert said(courier_shell(), ":plan (> 3 4)") == (
+        "no step is needed\n"
+        "the planner takes this part of the goal to hold: (> 3 4): "
+        "a comparison of numbers\n"
+        "0 steps of 5 operators, 0 states\n"
+    )
+
+
 def test_plan_with_invalid_options_changes_nothing() -> None:
     shell = courier_shell()
     for options, reason in (

@@ -80,7 +80,12 @@ def _plan(shell: Shell, args: Arguments) -> Answer:
         return failure(found.summary) if submits else say(found.summary)
     rows = [(step.tag, step.goal, step.purpose) for step in found.steps]
     columns = "step", "goal", "purpose"
-    answer = table(columns, rows, none="the goal holds", notes=[found.summary])
+    assumed = [
+        f"the planner takes this part of the goal to hold: {part}"
+        for part in found.unseen
+    ]
+    notes = [*assumed, found.summary]
+    answer = table(columns, rows, none="no step is needed", notes=notes)
     if not submits:
         return answer
     rap = achieving(library.program, goal)
