@@ -560,7 +560,6 @@ def test_page_pauses_steps_and_continues_a_run(opened: Browser) -> None:
     assert shown.do("continue", "100").startswith("cycle 2, time 0")
     shown.wait('#control[data-state="paused"]:has(#status:text("time 1"))')
     shown.page.keyboard.press("Escape")
-    shown.page.evaluate("document.activeElement.blur()")
     shown.page.keyboard.press("p")
     shown.wait('#control[data-state="ended"]')
     for name in ("pause", "step", "command", "argument", "perform"):

@@ -424,6 +424,7 @@ const KEYS = {
 function pressed(event) {
   if (!app || event.ctrlKey || event.metaKey || event.altKey) return;
   const { target } = event;
+  if (event.key === "Escape" && target.matches("input, select")) target.blur();
   if (target.closest("input, select, dialog[open]") && target.type !== "checkbox") return;
   if (event.shiftKey && event.key.startsWith("Arrow")) {
     const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
