@@ -37,7 +37,7 @@ _KINDS: Mapping[str, types.CompletionItemKind] = {
 _REQUIRE = re.compile(r'\(require\s+"([^"\n]*)$')
 
 
-MOST = 300
+MOST = 100
 """The number of completions in an answer; the editor asks again for a longer word."""
 
 

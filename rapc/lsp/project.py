@@ -42,6 +42,7 @@ from rapc.base.files import (
     path_of,
     read_text,
 )
+from rapc.base.gc_paused import gc_paused
 from rapc.base.source import SourceFile
 from rapc.errors import Error, LoadError, in_a_line
 from rapc.language.complete import fits
@@ -389,7 +390,8 @@ class Worker:
             runs[id(run.library)] = run
 
         paths = work.folders or spec.paths
-        report = check_libraries(loads, selection, paths, note, state.cache)
+        with gc_paused():
+            report = check_libraries(loads, selection, paths, note, state.cache)
         report = _without_known(configured, report, unreadable)
         for run in runs.values():  # the facts of all checks take much memory
             run.keep(INDEX, INFERRED, EFFECTS)

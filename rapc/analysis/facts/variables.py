@@ -20,10 +20,11 @@ that a formula binds; the checks of `unbound-variable`, `anonymous-variable` and
 from __future__ import annotations
 
 from collections.abc import Container, Iterable, Iterator, Mapping
+from typing import NamedTuple
 
 import msgspec
 
-from rapc.analysis.check import Fact, Pass
+from rapc.analysis.check import Fact, Pass, RapFact
 from rapc.analysis.facts.bindings import (
     BindingWalker,
     Bound,
@@ -62,45 +63,67 @@ class Bindings(msgspec.Struct, frozen=True):
 
 
 def _run(run: Pass) -> Bindings:
-    nets = run.result(TASK_NETS)
-    missing = {}
-    library = run.library
-    walker = BindingWalker(library.functions, library.queries, Findings())
-    walk = _Walk(walker, nets, NeverDone(library.raps))
+    walk = run.result(_WALK)
+    missing: dict[int, tuple[Missing, ...]] = {}
+    anonymous: list[nodes.Var] = []
+    ages: list[nodes.Believe] = []
     for form in run.library.forms:
         if type(form) is nodes.DefineRap:
-            _rap(walk, form)
-        elif isinstance(form, nodes.MemoryRule | nodes.EventRule):
-            for rules, names in rules_over_memory(form):
-                _rules(walk, rules, Bound(None, names))
-        elif type(form) is nodes.DefineQuery:
-            walk.walker.formula(form.formula, Bound(None, query_arguments(form)))
-            walk.note("query")
-        elif isinstance(form, nodes.DeclarePrimitive | nodes.DeclareSkill):
-            own = Bound(None, (arg.variable.name for arg in form.args))
-            walk.values(_arguments(form.uses), own, ":uses")
+            found = run.of(_OF_RAP, form)
         else:
-            continue
-        if walk.missing:
-            missing[id(form)] = tuple(walk.missing)
-            walk.missing.clear()
+            _form(walk, form)
+            found = walk.taken()
+        if found.missing:
+            missing[id(form)] = found.missing
+        anonymous.extend(found.anonymous)
+        ages.extend(found.ages)
     for test in run.library.tests:
         _test(walk, test)
-        if walk.missing:
-            missing[id(test)] = tuple(walk.missing)
-            walk.missing.clear()
-    anonymous = walk.walker.findings.anonymous
-    return Bindings(missing, tuple(anonymous), tuple(walk.ages))
+        found = walk.taken()
+        if found.missing:
+            missing[id(test)] = found.missing
+        anonymous.extend(found.anonymous)
+    return Bindings(missing, tuple(anonymous), tuple(ages))
 
 
 BINDINGS = Fact(_run)
 """The variables without a value, for any order that a task-net allows."""
 
 
-class _Walk:
-    """The walk through the RAPs and rules, with the results so far.
+class _Found(NamedTuple):
+    """The faults of a form; see `Bindings`."""
 
-    `missing` holds the faults of the current form, `ages` the ages that monitors bind.
+    missing: tuple[Missing, ...]
+    anonymous: tuple[nodes.Var, ...]
+    ages: tuple[nodes.Believe, ...]
+
+
+def _of_rap(run: Pass, rap: nodes.DefineRap) -> _Found:
+    walk = run.result(_WALK)
+    _rap(walk, rap)
+    return walk.taken()
+
+
+_OF_RAP = RapFact(_of_rap)
+
+
+def _form(walk: _Walk, form: nodes.TopForm) -> None:
+    """Walk a form that is no RAP."""
+    if isinstance(form, nodes.MemoryRule | nodes.EventRule):
+        for rules, names in rules_over_memory(form):
+            _rules(walk, rules, Bound(None, names))
+    elif type(form) is nodes.DefineQuery:
+        walk.walker.formula(form.formula, Bound(None, query_arguments(form)))
+        walk.note("query")
+    elif isinstance(form, nodes.DeclarePrimitive | nodes.DeclareSkill):
+        own = Bound(None, (arg.variable.name for arg in form.args))
+        walk.values(_arguments(form.uses), own, ":uses")
+
+
+class _Walk:
+    """The walk through the RAPs and rules, with the faults of the current form.
+
+    `missing` has the variables without a value, `ages` the ages that monitors bind.
     """
 
     def __init__(
@@ -111,6 +134,14 @@ class _Walk:
         self.never_done = never_done
         self.missing: list[Missing] = []
         self.ages: list[nodes.Believe] = []
+
+    def taken(self) -> _Found:
+        """Return the faults of the current form, and forget them."""
+        anonymous = self.walker.findings.anonymous
+        found = _Found(tuple(self.missing), tuple(anonymous), tuple(self.ages))
+        for faults in (self.missing, anonymous, self.ages):
+            faults.clear()
+        return found
 
     def note(
         self, clause: str, method: nodes.Method | None = None, step: int | None = None
@@ -132,6 +163,15 @@ class _Walk:
         """Walk the terms of a clause that need values."""
         self.walker.values(terms, bound)
         self.note(clause, method)
+
+
+def _walk(run: Pass) -> _Walk:
+    library = run.library
+    walker = BindingWalker(library.functions, library.queries, Findings())
+    return _Walk(walker, run.result(TASK_NETS), NeverDone(library.raps))
+
+
+_WALK = Fact(_walk)
 
 
 # --- a RAP -------------------------------------------------------------------------
