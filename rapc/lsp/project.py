@@ -363,6 +363,7 @@ class Worker:
         state.errors_at = now
         self._publish(snapshot)
 
+    @gc_paused()
     def _snapshot(
         self,
         spec: LibrarySpec,
@@ -390,8 +391,7 @@ class Worker:
             runs[id(run.library)] = run
 
         paths = work.folders or spec.paths
-        with gc_paused():
-            report = check_libraries(loads, selection, paths, note, state.cache)
+        report = check_libraries(loads, selection, paths, note, state.cache)
         report = _without_known(configured, report, unreadable)
         for run in runs.values():  # the facts of all checks take much memory
             run.keep(INDEX, INFERRED, EFFECTS)
