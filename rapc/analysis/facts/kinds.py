@@ -21,7 +21,7 @@ from typing import Literal
 
 import msgspec
 
-from rapc.analysis.check import Fact, Pass
+from rapc.analysis.check import Fact, Pass, RapFact
 from rapc.analysis.facts.logic import literals
 from rapc.analysis.facts.statistics import LIMITS
 from rapc.base.source import Span
@@ -84,7 +84,7 @@ def _run(run: Pass) -> InferredKinds:
         return InferredKinds({}, ())
     learning = _Learning(run.signatures)
     raps = [form for form in run.library.forms if isinstance(form, nodes.DefineRap)]
-    scopes = [(rap, [learning.uses(one) for one in _scopes(rap)]) for rap in raps]
+    scopes = [(rap, run.of(_SCOPES, rap)) for rap in raps]
     for _ in range(LIMITS.kind_rounds):
         if not learning.learn(scopes):
             break
@@ -98,6 +98,15 @@ def _run(run: Pass) -> InferredKinds:
 
 INFERRED = Fact(_run)
 """The kinds of variables and inputs without a declared kind."""
+
+
+def _scopes_of(run: Pass, rap: nodes.DefineRap) -> list[_Scope]:
+    uses = _Learning(run.signatures).uses
+    return [uses(one) for one in _scopes(rap)]
+
+
+_SCOPES = RapFact(_scopes_of)
+"""The uses of variables in the clauses and methods of a RAP."""
 
 
 # --- formulas that hold together ------------------------------------------------------
