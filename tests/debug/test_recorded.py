@@ -236,9 +236,8 @@ def test_world_of_a_module_is_imported_only_if_the_user_names_it(lamps: Path) ->
     assert '"world-class":"lamps:LampWorld"' in (lamps / "l.jsonl").read_text()
     done = rapc("repl", "l.jsonl", "-c", ":step", "-c", "(room ?x)", cwd=lamps)
     assert done.stderr == (
-        "opened read-only: the module of the world `lamps:LampWorld` is imported "
-        "only "
-        "with `--world lamps:LampWorld`\n"
+        "opened read-only: the code of the world `lamps:LampWorld` is run only with "
+        "`--world lamps:LampWorld`\n"
     )
     assert (done.returncode, "cycle 1, time 0" in done.stdout) == (1, True)
     again = ("repl", "l.jsonl", "--world", "lamps:LampWorld")
