@@ -8,7 +8,7 @@ from __future__ import annotations
 import asyncio
 import sys
 import threading
-from collections.abc import Coroutine, Mapping
+from collections.abc import Coroutine, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -211,6 +211,20 @@ class Editor:
         with self._published:
             if not self._published.wait_for(ready, PATIENCE):
                 raise TimeoutError(f"the findings are {self.rules(uri)}")
+
+    def expect(self, uri: str, expected: Sequence[tuple[str, str]]) -> None:
+        """Wait for published findings of a file: sorted rules with messages.
+
+        Edits of other files may change the findings of a file whose text is the same.
+        """
+
+        def found() -> list[tuple[str, str]]:
+            there = self.client.diagnostics.get(uri, ())
+            return sorted((str(o.code), o.message.partition("\n")[0]) for o in there)
+
+        with self._published:
+            if not self._published.wait_for(lambda: found() == expected, PATIENCE):
+                raise TimeoutError(f"the findings are {found()}, not {expected}")
 
     def messages(self, uri: str) -> list[str]:
         """Return the messages about a file that is not open, once there are some."""
