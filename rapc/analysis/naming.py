@@ -31,7 +31,7 @@ from rapc.parser.syntax import Datum, Keyword, List, Symbol, Variable
 from rapc.parser.unit import SourceUnit
 
 LOCAL: Sequence[Space] = ("variable", "tag")
-"""The name spaces of names that belong to one form or to one RAP."""
+"""The name spaces whose names are local to a form or to a RAP."""
 
 _AT_HEAD: Sequence[Space] = (
     "RAP",

@@ -65,7 +65,7 @@ class RapCache:
 
 
 _BESIDE = nodes.DefineRap | nodes.Require
-"""The forms whose changes leave values about other RAPs as they are."""
+"""The forms on which the values about other RAPs do not depend."""
 
 
 def _keys(

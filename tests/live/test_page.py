@@ -59,8 +59,7 @@ def test_served_rover_drives_with_a_journal(folder: Path) -> None:
 
 
 def test_killed_run_resumes_with_the_served_rover(folder: Path) -> None:
-    commands = _commands()[1].replace("/tmp/rover", f"{folder}/rover.socket")  # noqa: S108
-    serve, run, resume = commands.replace("\\\n", "").splitlines()
+    serve, run, resume = _commands()[1].replace("\\\n", "").splitlines()
     await_request = "until grep -q drive day-1/journal*; do sleep 0.1; done"
     kill = f"{await_request}; sleep 0.5; kill -{signal.SIGKILL.value} $!; wait $!"
     told = _typed(f"{serve}\nawait\n{run} &\n{kill}\n{resume}\n")
