@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import msgspec
 
+from rapc.base.values import readable
 from rapc.debug.answer import Answer, Command, failure, say
 from rapc.debug.arguments import Arguments
 from rapc.debug.history import History
@@ -169,6 +170,8 @@ class Control:
         try:
             if request.name == "continue" and args:
                 until = args.time("time")
+                if until < history.now:
+                    raise TextError(f"time {readable(until)} is in the past")
             args.end()
         except TextError as error:
             return failure(error.message)

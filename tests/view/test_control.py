@@ -151,6 +151,8 @@ def test_acts_are_events_of_the_user() -> None:
         ("assert", "(truck-status ready) 3", "unexpected argument `3`"),
         ("force", "(arm-grasp ? ?) no", "`no` is not a result of `arm-grasp`"),
         ("step", "4", "unexpected argument `4`"),
+        ("continue", "-4", "time -4 is in the past"),
+        ("continue", "nan", "time must be a number, not `nan`"),
         ("continue", "soon", "time must be a number, not `soon`"),
         ("reload", "", "unknown request `reload`"),
         ("export", "run.jsonl", "unknown request `export`"),
