@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import webbrowser
 from collections.abc import Mapping, Sequence
@@ -13,8 +14,10 @@ from typing import Any
 import click
 import msgspec
 
+from rapc.base.files import path_of
 from rapc.base.interrupts import interrupts_held, terminations_as_interrupts
 from rapc.base.outputs import CHROME, MCAP, PAGE
+from rapc.base.values import readable
 from rapc.base.visible import visible
 from rapc.cli.common import (
     load_checked,
@@ -164,7 +167,7 @@ def view(
     if other is not None:
         views.append(_other(other, world_name, views[0]))
         views[0].name, views[1].name = "before", "after"
-    file = output or f"{Path(path).stem}.html"
+    file = output or f"{Path(os.path.abspath(path_of(path))).stem}.html"
     files = [one for v in views if v.program for one in v.program.library.files]
     told = "is an input of the command"
     refuse_output("-o", file, PAGE, ([path, other, *files], told))
@@ -200,9 +203,9 @@ def _attach(folder: str, world_name: str | None, *, opens: bool) -> None:
 
 def _draw(viewed: Viewed, file: str, at: int | None) -> None:
     """Write the picture of a moment; default: the end."""
-    last = viewed.history.cycle
-    if at is not None and at > last:
-        fail(f"--at: the last cycle of the run is {last}")
+    first, last = viewed.history.beginning.cycle, viewed.history.cycle
+    if at is not None and not first <= at <= last:
+        fail(f"--at: expected a cycle from {first} to {last}, not {at}")
     scene = viewed.scene_at(at)
     if scene is None:
         fail("cannot draw the run: its world has no picture, and memory has no place")
@@ -291,6 +294,8 @@ def _continued(path: Path, world_name: str | None, more: Mapping[str, Any]) -> V
     found = find_world(world_name or state.world)
     world = build_world(found, state.seed, state.options_of(found))
     run, log = state.continued(state.library(), world, {}), EventLog()
+    if until is not None and until < run.now:
+        fail(f"--until: the saved state is at time {readable(run.now)}")
     run.listen(log)
     return _run(path.name, History(run, log), goes_on=True, until=until)
 

@@ -211,6 +211,12 @@ def test_saved_state_is_continued(tmp_path: Path) -> None:
     data = viewed(str(state), "--until", "400", output=tmp_path / "page.html")
     last = json.loads(data["trace-0"].splitlines()[-1])
     assert 400 <= last["time"] < 450
+    for more, said in (
+        (("--until", "299"), "--until: the saved state is at time 3"),
+        (("--picture", "x.svg", "--at", "3"), "--at: expected a cycle from "),
+    ):
+        done = rapc("view", str(state), *more)
+        assert (done.returncode, said in done.stderr) == (2, True)
     state.write_bytes(state.read_bytes()[:-40])
     done = rapc("view", str(state))
     assert (done.returncode, "damaged" in done.stderr) == (2, True)
@@ -233,6 +239,19 @@ def test_journal_without_its_first_parts_begins_later(
 
 
 @pytest.mark.parametrize(
+    ("path", "file"), [("rapc:truck", "truck.html"), (".", "stock.html")]
+)
+def test_page_has_the_name_of_its_library(
+    path: str, file: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "stock").mkdir()
+    (tmp_path / "stock" / "all.rap").write_text('(require "truck")')
+    monkeypatch.chdir(tmp_path / "stock")
+    given = ("--world", "truck", "--agenda", "nine-orders", "--until", "5")
+    assert rapc("view", path, *given).stdout == f"wrote {file}\n"
+
+
+@pytest.mark.parametrize(
     ("args", "said"),
     [
         (("{trace}", "--seed", "2"), "cannot change the start of a recorded run"),
@@ -241,7 +260,7 @@ def test_journal_without_its_first_parts_begins_later(
         (("{trace}", "-o", "{trace}"), "is an input of the command"),
         (("{trace}", "-o", "x.rap"), "is the suffix of a RAP file"),
         (("{trace}", "--picture", "x.png"), "expected FILE.svg, not `x.png`"),
-        (("{trace}", "--picture", "x.svg", "--at", "9999"), "the last cycle"),
+        (("{trace}", "--picture", "x.svg", "--at", "9999"), "from 0 to "),
     ],
 )
 def test_wrong_use_ends_with_an_error(
