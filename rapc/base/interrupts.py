@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from types import FrameType
 
 INTERRUPTED = 130
 """The exit status of a command after Ctrl-C."""
@@ -29,16 +30,31 @@ def interrupts_held() -> Iterator[None]:
 
 
 @contextmanager
-def terminations_as_interrupts() -> Iterator[None]:
+def terminations_as_interrupts(
+    delay: Callable[[], bool] = lambda: False,
+) -> Iterator[None]:
     """Let SIGTERM raise `KeyboardInterrupt` in the block, as Ctrl-C does.
 
     A thread other than the main thread cannot handle signals: there, nothing changes.
+    A process that ignores Ctrl-C still ignores it.
+
+    Args:
+        delay: called for each signal; if it returns True, nothing is raised now.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        if not delay():
+            signal.default_int_handler(number, frame)
+
+    signals = [signal.SIGTERM]
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signals.append(signal.SIGINT)
+    before = {one: signal.signal(one, interrupt) for one in signals}
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for one, handler in before.items():
+            signal.signal(one, handler)

@@ -513,6 +513,8 @@ class Interpreter(Run):
                 reason = run_loop(self, most, wait=True) or why_over(self)
             except BaseException as error:
                 self._break(error)
+            if reason is None and self.state.stops:
+                self._raise_interrupt()
             self.end(reason or "cycles")
         return self.state.reason or "done"
 
@@ -572,7 +574,30 @@ class Interpreter(Run):
                 self._break(error)
             if reason is not None:
                 self.end(reason)
+            elif state.stops:
+                self._raise_interrupt()
         return recorder.cycle - before
+
+    def interrupt(self) -> bool:
+        """Let the run raise `KeyboardInterrupt` after its present cycle.
+
+        A signal handler in the thread of the run may call this method instead of
+        raising `KeyboardInterrupt` in the middle of a cycle, where the tasks are not
+        consistent: the run could not be ended in order.
+
+        Returns:
+            whether a cycle is under way; if not, the handler may raise at once.
+        """
+        if not self.in_loop or self.in_wait:
+            return False
+        self.state.stops = True
+        return True
+
+    def _raise_interrupt(self) -> None:
+        """Raise `KeyboardInterrupt` if the run has not ended meanwhile."""
+        if self.state.reason is None:
+            self.state.stops = False
+            raise KeyboardInterrupt
 
     def _break(self, error: BaseException) -> NoReturn:
         """Raise the error that aborted the run; end the run if an author caused it.
@@ -580,7 +605,7 @@ class Interpreter(Run):
         Raises:
             PortError: see `HeldWorld.blame`.
         """
-        self.broken = True
+        self.broken, self.in_wait = True, False
         if self.answers is not None:
             self.answers.store = None  # a resumed run goes on before the error
         try:
@@ -754,7 +779,7 @@ class Interpreter(Run):
         state = self.state
         if state.reason is not None:
             return
-        state.reason, state.over = reason, True
+        state.reason, state.stops = reason, True
         for action in self.at_end:
             action()
         results = self.results()

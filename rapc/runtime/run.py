@@ -93,6 +93,9 @@ class Run:
         self.when_waiting: list[Callable[[], None]] = []
         #: Whether the loop is running, and whether an error has aborted it.
         self.in_loop = self.broken = False
+        #: Whether the loop waits for the world's clock or for a planner: an exception
+        #: raised there leaves the tasks consistent.
+        self.in_wait = False
         #: Whether time has passed or messages have arrived between two cycles; reset
         #: only by `come_to_arrival`.
         self.arrived = False

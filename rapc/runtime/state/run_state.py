@@ -46,7 +46,7 @@ class RunState:
         "past_until": bool,
         "picture": str,
         "started": bool,
-        "over": LEFT_OUT,
+        "stops": LEFT_OUT,
         "reason": str | None,
     }
     __slots__ = tuple(FIELDS)
@@ -96,10 +96,12 @@ class RunState:
         self.past_until = False
         #: The last picture in the trace, as JSON; empty before the first.
         self.picture = ""
-        #: Whether the run has begun, whether it is over, and the reason.
+        #: Whether the run has begun, and the reason why it is over.
         self.started = False
-        self.over = False
         self.reason: str | None = None
+        #: Whether the loop stops before its next cycle: at the end of the run, or when
+        #: the host interrupts it.
+        self.stops = False
 
     def settle(self) -> None:
         """Compute the fields that follow from the fields that have been set."""
@@ -107,7 +109,7 @@ class RunState:
         self.foreground = sum(not g.background for g in self.live_top.values())
         heapq.heapify(self.scheduled)
         self.expected = sum(not entry[2].background for entry in self.scheduled)
-        self.over = self.reason is not None
+        self.stops = self.reason is not None
         for task in self.live_tasks():
             self.resources += task.resources
             if task.step is not None and task.wait is not None and not task.waiting:

@@ -192,11 +192,13 @@ def _ask_planner(run: Run, task: Task) -> bool:
     )
     ask = partial(planner, request)
     answers = run.answers
+    run.in_wait = True
     if answers is None:
         planned = ask()
     else:
         goal = (PLAN, rap.name, *request.values.values())
         planned = answers.solve(run.recorder.cycle, goal, ask)
+    run.in_wait = False
     if planned.method is not None:
         _add_method(run, rap, planned.method, planner)
     run.planned = task, planned

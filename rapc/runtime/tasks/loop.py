@@ -71,7 +71,7 @@ def run_loop(  # noqa: PLR0912, PLR0915  # calls in each pass cost time
     received = state.received
     run.in_loop = True
     try:
-        while cycle != last and not state.over:
+        while cycle != last and not state.stops:
             if received:
                 received = state.received = False
             else:
@@ -194,8 +194,8 @@ def _wait(run: Run) -> str | None:
     A wait in which the clock does not move counts like a cycle for
     `Settings.idle_cycles`.
     """
-    until = run.state.until
-    now = run.recorder.time
+    state, port = run.state, run.port
+    until, now = state.until, run.recorder.time
     known = _coming_times(run)
     if not known or run.waited_in_vain():
         return "stuck"
@@ -207,13 +207,15 @@ def _wait(run: Run) -> str | None:
         if now == until:
             return "until"
         target = until
+    run.in_wait = True
     for action in run.when_waiting:
         action()
-    run.state.idle_waits += 1
-    run.port.advance(target)
-    moved = run.port.now() != now
+    state.idle_waits += 1
+    port.advance(target)
+    run.in_wait = False
+    moved = port.now() != now
     if not moved:
-        run.state.moved_at -= 1  # the wait counts as one more idle cycle
+        state.moved_at -= 1  # the wait counts as one more idle cycle
     if target == end:
         return _wait_is_over(run, end)
     if not moved:

@@ -94,7 +94,7 @@ def unregister(run: Run, task: Task) -> None:
     if task.step is None:
         given = run.state.live_top.pop(task.number)
         run.state.foreground -= not given.background
-        if not run.state.over:
+        if run.state.reason is None:
             given.ended = run.recorder.time
     if task.wait is not None:
         if task.step is not None:
