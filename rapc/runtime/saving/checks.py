@@ -49,10 +49,8 @@ def check(restored: RestoredRun) -> None:
 
 def _check_counts(restored: RestoredRun) -> None:
     state, on = restored.state, restored.state.activations.on
-    need(
-        not (state.reason is not None and restored.live),
-        "a run that is over has live tasks",
-    )
+    over = state.reason is not None
+    need(not (over and restored.live), "a run that is over has live tasks")
     moved = state.moved_at <= restored.record.cycle
     need(moved, "the clock moved in a cycle that has not come")
     numbers = [task.number for task in restored.tasks]
