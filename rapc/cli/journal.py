@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 import click
@@ -54,9 +55,10 @@ def journal(
 ) -> None:
     """Describe, verify, cut or convert the journal in FOLDER.
 
-    `info` lists what the journal is of, its size, and the requests under way. `verify`
-    reads all files. `cut` removes what follows the last snapshot at or before a cycle:
-    the run then resumes from there. `convert` writes the trace of the run.
+    `info` lists what the journal is of, its size, its damage, and the requests under
+    way. `verify` reads all files. `cut` removes what follows the last snapshot at or
+    before a cycle: the run then resumes from there. `convert` writes the trace of the
+    run.
 
     Exit status: 0; 1 if `verify` finds damaged files; 2 if the journal cannot be read.
     """
@@ -107,6 +109,11 @@ def _described(folder: Path) -> Iterator[str]:
         f"{plural(len(past.acts), 'act')} of the host"
     )
     yield f"state     {_state(folder, past)}"
+    damage = [one.message for one in files.damaged_snapshots(folder)]
+    if stored.damage is not None:
+        damage = [stored.damage.message, *damage]
+    for message in dict.fromkeys(damage):
+        yield f"damage    {message}"
     for ticket, request in sorted(_under_way(stored).items()):
         yield f"under way [{ticket}] {request}"
 
@@ -147,26 +154,24 @@ def _verify(folder: Path) -> None:
     files.read_meta(folder)
     parts, snapshots = files.numbers(folder)
     last = max((*parts, *snapshots), default=1)
-    damaged = records = 0
-    for number in sorted({*parts, *snapshots}):
+    damage, records = list(files.damaged_snapshots(folder)), 0
+    for number in range(min((*parts, *snapshots), default=1), last + 1):
         try:
-            if number in snapshots:
-                files.read_snapshot(folder, number)
-            if number in parts or number != last:
-                part = files.read_part(folder, number, is_last=number == last)
-                records += len(part.records)
-                if part.end < part.size:
-                    cut = part.size - part.end
-                    name = files.part_file(folder, number)
-                    click.echo(f"note: `{name}` ends with {cut} incomplete bytes")
+            part = files.read_part(folder, number, is_last=number == last)
         except LoadError as error:
-            damaged += 1
-            say_error(error.message)
+            damage.append(error)
+            continue
+        records += len(part.records)
+        if part.end < part.size:
+            cut, name = part.size - part.end, files.part_file(folder, number)
+            click.echo(f"note: `{name}` ends with {cut} incomplete bytes")
+    for one in damage:
+        say_error(one.message)
     click.echo(
         f"{plural(len(parts), 'part')} with {plural(records, 'record')}, "
-        f"{plural(len(snapshots), 'snapshot')}, {damaged} damaged"
+        f"{plural(len(snapshots), 'snapshot')}, {len(damage)} damaged"
     )
-    if damaged:
+    if damage:
         raise SystemExit(1)
 
 
@@ -176,9 +181,10 @@ def _cut(folder: Path, cycle: int) -> None:
     parts, snapshots = files.numbers(folder)
     found = []
     for number in snapshots:
-        snapshot = files.read_snapshot(folder, number)
-        if snapshot.cycle <= cycle:
-            found.append((number, snapshot.cycle))
+        with suppress(LoadError):  # one of the other snapshots may do
+            snapshot = files.read_snapshot(folder, number)
+            if snapshot.cycle <= cycle:
+                found.append((number, snapshot.cycle))
     if not found and 1 not in parts:
         fail(f"cannot cut: the journal has no snapshot up to cycle {cycle}")
     number, at = max(found, default=(1, 0))

@@ -10,6 +10,7 @@ from typing import Any
 import click
 import msgspec
 
+from rapc.base.visible import visible
 from rapc.cli.common import load_checked, width_of
 from rapc.cli.options import command, fail, settings
 from rapc.cli.run_options import (
@@ -26,7 +27,7 @@ from rapc.debug.log import EventLog
 from rapc.debug.recorded import Replay
 from rapc.debug.recording import Playback, Recording
 from rapc.debug.reload import TYPED
-from rapc.durable.records import is_journal
+from rapc.durable.folder import is_journal
 from rapc.errors import Error
 from rapc.host import load, loads
 from rapc.library.library import Library, digest
@@ -174,7 +175,10 @@ def opened_journal(
     from rapc.durable.opening import Opened
 
     opened = Opened(path, follow=follow)
-    spec = opened.spec
+    spec, damage = opened.spec, opened.stored.damage
+    if damage is not None:
+        told = f"{damage.message}; the history begins at cycle {opened.first_cycle}"
+        click.echo(visible(f"note: {told}"), err=True)
     missing = _missing_world(spec, world_name, path)
     if missing:
         fail(f"cannot open `{path}`: {missing}")

@@ -43,8 +43,7 @@ from rapc.debug.questions.differences import MOST_DURATIONS, library_of
 from rapc.debug.recorded import Replay
 from rapc.debug.recording import Playback, Recording
 from rapc.debug.saved_state import SavedState, is_saved_state
-from rapc.durable.folder import is_running
-from rapc.durable.records import is_journal
+from rapc.durable.folder import is_journal, is_running
 from rapc.experiments.draws import drawn
 from rapc.experiments.points import Point
 from rapc.experiments.run import resolved

@@ -25,7 +25,7 @@ import msgspec
 
 from rapc.base.writing import write_whole
 from rapc.debug.act_lines import Library
-from rapc.durable.records import META, Record, bodies, decoded, is_journal, size_of
+from rapc.durable.records import Record, bodies, decoded, size_of, whole_record_after
 from rapc.errors import LoadError, StateError, WriteError, reason
 from rapc.runtime.fields import Natural
 from rapc.spec import RunSpec
@@ -34,11 +34,11 @@ from rapc.world import Time
 FORMAT = 1
 """The version of the format of journals."""
 
+META = "meta"
 LOCK = "lock"
 _NAME = re.compile(r"(journal|snapshot)-(\d{6,9})")
 _PART_HEAD = b"rapc-journal 1\n"
 _HEAD = re.compile(rb"rapc-(meta|snapshot) (\d{1,9}) ([0-9a-f]{64})\n")
-
 
 _LOOK = 0.02
 """The time in seconds after which the lock is tried again."""
@@ -106,6 +106,8 @@ class Stored(msgspec.Struct, frozen=True):
     meta: Meta
     snapshot: Snapshot | None
     parts: tuple[Part, ...]
+    #: The first damage, for which the contents have another beginning; or None.
+    damage: LoadError | None
 
     @property
     def records(self) -> Iterator[Record]:
@@ -117,6 +119,15 @@ class Stored(msgspec.Struct, frozen=True):
     def last(self) -> Part:
         """Return the last part."""
         return self.parts[-1]
+
+
+def is_journal(path: Path) -> bool:
+    """Return whether a path is the folder of a journal, with or without its meta."""
+    try:
+        names = os.listdir(path)
+    except OSError:
+        return False
+    return META in names or any(map(_NAME.fullmatch, names))
 
 
 def part_file(folder: Path, number: int) -> Path:
@@ -195,6 +206,8 @@ def read_meta(folder: Path) -> Meta:
     """Return the contents of the file `meta`. Raises LoadError."""
     if not is_journal(folder):
         raise LoadError(f"`{folder}` is not a journal")
+    if not (folder / META).exists():
+        raise LoadError(f"the journal `{folder}` has no file `{META}`")
     meta: Meta = _unsealed("meta", Meta, folder / META)
     return meta
 
@@ -227,23 +240,20 @@ def read(folder: Path, *, whole: bool = False) -> Stored:
     meta = read_meta(folder)
     parts, snapshots = numbers(folder)
     last = max((*parts, *snapshots), default=1)
-    candidates = [*reversed(snapshots), 1] if not whole else [1, *snapshots]
-    wrong = None
-    for number in dict.fromkeys(candidates):
+    beginnings = [*snapshots] if snapshots and 1 not in parts else [1, *snapshots]
+    damage = None
+    for number in beginnings if whole else reversed(beginnings):
         try:
-            snapshot = None
-            if number in snapshots:
-                snapshot = read_snapshot(folder, number)
-            elif number != 1:
-                continue
+            snapshot = None if number == 1 else read_snapshot(folder, number)
             found = tuple(
                 read_part(folder, one, is_last=one == last)
                 for one in range(number, last + 1)
             )
-            return Stored(folder, meta, snapshot, found)
+            return Stored(folder, meta, snapshot, found, damage)
         except LoadError as error:
-            wrong = wrong or error
-    raise wrong or LoadError(f"`{folder}` is not a journal")
+            damage = damage or error
+    assert damage is not None
+    raise damage
 
 
 def read_snapshot(folder: Path, number: int) -> Snapshot:
@@ -253,6 +263,15 @@ def read_snapshot(folder: Path, number: int) -> Snapshot:
     if snapshot.number != number:
         raise LoadError(f"`{path}` is damaged")
     return snapshot
+
+
+def damaged_snapshots(folder: Path) -> Iterator[LoadError]:
+    """Yield the error of each snapshot that cannot be read."""
+    for number in numbers(folder)[1]:
+        try:
+            read_snapshot(folder, number)
+        except LoadError as error:
+            yield error
 
 
 def read_part(folder: Path, number: int, *, is_last: bool, start: int = 0) -> Part:
@@ -281,8 +300,11 @@ def read_part(folder: Path, number: int, *, is_last: bool, start: int = 0) -> Pa
             return Part(number, (), 0, len(data))
         raise LoadError(f"`{path}` is not a part of a journal of this version of rapc")
     found, end = bodies(data, start or len(_PART_HEAD))
-    if end < len(data) and not is_last:
-        raise LoadError(f"`{path}` is damaged at byte {end}")
+    if end < len(data) and (not is_last or whole_record_after(data, end)):
+        raise LoadError(
+            f"`{path}` is damaged at byte {end}",
+            "go back to a snapshot with `rapc journal cut`",
+        )
     records: list[Record] = []
     for body in found:
         try:

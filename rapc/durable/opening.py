@@ -53,7 +53,9 @@ class Opened:
         self._folder, self._follow = folder, follow
         self._part, self._offset = self.stored.last.number, self.stored.last.end
         snapshot = self.stored.snapshot
-        self._past = past_of(self.stored.records, snapshot.cycle if snapshot else 0)
+        #: The first cycle of the history.
+        self.first_cycle = snapshot.cycle if snapshot else 0
+        self._past = past_of(self.stored.records, self.first_cycle)
         #: The last cycle that the run is known to have reached.
         self.cycle, self.reason = self._past.cycle, self._past.reason
         self._answers = Answers()

@@ -9,7 +9,6 @@ from __future__ import annotations
 import struct
 import zlib
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any, NamedTuple, Union
 
 import msgspec
@@ -26,13 +25,8 @@ _HEAD = struct.Struct("<II")
 MOST = 1 << 30
 """The highest length of a record, in bytes."""
 
-META = "meta"
-"""The file in the folder of a journal that states the run."""
-
-
-def is_journal(path: Path) -> bool:
-    """Return whether a path is the folder of a journal."""
-    return (path / META).is_file()
+_BEGINNING = b'["'
+"""The first bytes of each body."""
 
 
 class Record(
@@ -201,6 +195,15 @@ def bodies(data: bytes, at: int) -> Bodies:
         found.append(body)
         at = end
     return Bodies(found, at)
+
+
+def whole_record_after(data: bytes, at: int) -> bool:
+    """Return whether any whole record follows the damaged one at an offset."""
+    start = at + _HEAD.size
+    while (start := data.find(_BEGINNING, start + 1)) >= 0:
+        if bodies(data, start - _HEAD.size).found:
+            return True
+    return False
 
 
 def size_of(body: bytes) -> int:

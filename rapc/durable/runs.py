@@ -27,10 +27,9 @@ from rapc.debug.acts import (
 from rapc.debug.history import Done
 from rapc.debug.reload import TakeUp, changed
 from rapc.durable import folder as files
-from rapc.durable.folder import Lock, Meta, Options, Stored, Writer
+from rapc.durable.folder import META, Lock, Meta, Options, Stored, Writer
 from rapc.durable.journal import Journal, Report, Trace
 from rapc.durable.records import (
-    META,
     Acted,
     Asking,
     Ended,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 from random import Random
+from typing import Any
 
 import pytest
 from msgspec.structs import replace
@@ -17,6 +18,7 @@ from rapc.durable import folder as files
 from rapc.durable import journal
 from rapc.durable.folder import Options
 from rapc.durable.opening import Opened
+from rapc.errors import LoadError
 from rapc.events import RunStarted
 from rapc.runtime.events.trace import record
 from rapc.runtime.interpreter import Interpreter
@@ -171,6 +173,72 @@ def test_verify_finds_damaged_files(ended: Path) -> None:
     done = command("journal", "verify", "j", cwd=ended)
     assert done.returncode == 1
     assert "is not a part of a journal" in done.stderr
+
+
+def _damage(file: Path) -> None:
+    data = bytearray(file.read_bytes())
+    data[40] ^= 1
+    file.write_bytes(data)
+
+
+def test_damage_before_the_last_snapshot_is_reported(live: Run) -> None:
+    _states(live, 30)
+    folder = live.journal
+    part, snapshot = files.part_file(folder, 2), files.snapshot_file(folder, 4)
+    whole = command("journal", "info", str(folder)).stdout
+    assert "cycles    0 to 30" in whole
+    assert "\ndamage" not in whole
+    _damage(part)
+    _damage(snapshot)
+    told = f"`{part}` is damaged at byte 15"
+    info = command("journal", "info", str(folder)).stdout
+    assert "cycles    10 to 30" in info
+    assert f"damage    {told}\ndamage    `{snapshot}` is damaged\n" in info
+    done = command("journal", "verify", str(folder))
+    assert done.returncode == 1
+    assert done.stderr.splitlines() == [
+        f"error: `{snapshot}` is damaged",
+        f"error: {told}",
+    ]
+    assert done.stdout.endswith("2 damaged\n")
+    done = command("repl", str(folder), "--world", "tests.durable.peer:ResumablePeer")
+    assert done.stderr == f"note: {told}; the history begins at cycle 10\n"
+    # a damaged snapshot is no obstacle to the other ones
+    done = command("journal", "cut", str(folder), "--cycle", "19")
+    assert done.stdout == "the run resumes from cycle 10\n"
+
+
+def test_damage_amid_the_last_part_is_refused(live: Run) -> None:
+    live.options = Options(sync="off", limit=1)
+    durable = live.begin()
+    durable.reach(3)
+    durable.close()
+    part = files.part_file(live.journal, 1)
+    _damage(part)
+    with pytest.raises(LoadError, match="is damaged at byte 15"):
+        live.resume()
+    assert command("journal", "verify", str(live.journal)).returncode == 1
+
+
+@pytest.mark.parametrize(
+    "args",
+    [
+        ("journal", "info", "j"),
+        ("journal", "verify", "j"),
+        ("journal", "cut", "j", "--cycle", "3"),
+        ("journal", "convert", "j", "--trace", "u.jsonl"),
+        ("run", "--resume", "j"),
+        ("repl", "j"),
+        ("repl", "--attach", "j"),
+        ("view", "j"),
+    ],
+)
+def test_missing_meta_is_reported_in_one_line(tmp_path: Path, args: Any) -> None:
+    (tmp_path / "j").mkdir()
+    (tmp_path / "j" / "journal-000001").write_bytes(b"rapc-journal 1\n")
+    done = command(*args, cwd=tmp_path)
+    said = "error: the journal `j` has no file `meta`\n"
+    assert (done.returncode, done.stdout, done.stderr) == (2, "", said)
 
 
 def test_convert_writes_the_trace(ended: Path) -> None:
