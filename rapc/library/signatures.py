@@ -84,10 +84,11 @@ class Fault(msgspec.Struct, frozen=True):
         return f"{self.message}; {self.help}" if question else self.message
 
 
-OF_INTERPRETER: Mapping[str, int] = {":resumed": 1}
+OF_INTERPRETER: Mapping[str, int] = {":resumed": 1, ":long-cycle": 1}
 """The signals of the interpreter itself, with their numbers of arguments.
 
 `(:resumed SECONDS)` reports that a run was resumed after the end of its process.
+`(:long-cycle MILLISECONDS)` reports a cycle that made a driver of `rapc.live` wait.
 """
 
 

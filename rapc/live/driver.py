@@ -30,12 +30,13 @@ from rapc.world import (
     Message,
     Refused,
     Reply,
+    Signal,
     Time,
     World,
 )
 
 LONG_CYCLE = 0.05
-"""The seconds between two calls of the driver above which it logs a warning."""
+"""The seconds between two calls of the driver above which it reports a long cycle."""
 
 STOPPING = 1.0
 """The seconds that a cancelled action may take to end."""
@@ -333,11 +334,12 @@ class Driver(World, ABC):
         return bool(self._inbox or self._error)
 
     def _beat(self) -> None:
-        """Note a sign of life of the interpreter; log a long cycle."""
+        """Note a sign of life of the interpreter; report a long cycle."""
         gap = self._watchdog.beat()
         if gap > LONG_CYCLE and self._connected and self.clock.real:
             milliseconds = round(gap * 1000)
             _LOG.warning("cycle of %d ms at time %g", milliseconds, self._time)
+            self.send(Signal((":long-cycle", milliseconds)))
 
     def _begin(self, connect: Callable[[], None] | None = None) -> None:
         """Start the clock, and connect to the machine, once.

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import rapc
-from rapc.events import TaskSucceeded
+from rapc.events import Event, SignalReceived, TaskSucceeded
 from tests.live.rover import LIBRARY, SimulatedRover
 
 
@@ -58,3 +58,20 @@ def test_driver_may_be_closed_twice() -> None:
     rapc.run(library, rover, "(see hall)")
     rover.close()
     rover.close()
+
+
+def test_long_cycle_is_a_signal_in_the_trace(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The clock counts as real, and the time between two calls is a given one."""
+    rover = SimulatedRover()
+    run = rapc.loads(LIBRARY).start(rover, tasks=["(go-to hall)"])
+    while not rover._connected:
+        run.step()
+    gaps = iter([0.05, 0.0504])
+    monkeypatch.setattr(rover.clock, "real", True)
+    monkeypatch.setattr(rover._watchdog, "beat", lambda: next(gaps, 0))
+    heard: list[Event] = []
+    run.listen(heard.append, SignalReceived)
+    assert run.run() == "done"
+    rover.close()
+    found = [event.what for event in heard if isinstance(event, SignalReceived)]
+    assert found == [(":long-cycle", 50)]
