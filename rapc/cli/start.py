@@ -1,12 +1,12 @@
 """The start and the end of the `rapc` command, and its handling of Ctrl-C.
 
 Separate from `rapc.cli.main`, which takes time to import. Before Ctrl-C is handled,
-this module imports no slow module, not even `typing` or `contextlib`.
+this module imports no slow module, not even `signal`, `typing` or `contextlib`.
 """
 
 from __future__ import annotations
 
-import signal
+import _signal as signal  # type: ignore[import-not-found]  # without its enumerations
 import sys
 
 

@@ -248,7 +248,7 @@ def _begun(
     )
 
 
-@pytest.mark.parametrize("met", ["typing", "contextlib", "click"])
+@pytest.mark.parametrize("met", ["enum", "typing", "contextlib", "click"])
 def test_interrupt_while_the_command_starts_ends_without_a_word(
     met: str, tmp_path: Path
 ) -> None:
