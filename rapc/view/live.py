@@ -74,7 +74,9 @@ class Feed:
             if skipped:
                 blocks[0] = "".join(blocks[0].splitlines(keepends=True)[skipped:])
             return (block + len(blocks)) * _BLOCK, "".join(blocks)
-        lines = self._lines[skipped:]
+        # The last line of a block comes with the block: until then, a reader that had
+        # the line would get the same lines again, as those of the next block.
+        lines = self._lines[skipped : _BLOCK - 1]
         if len(self._blocks) > block:  # the lines may be those of a later block
             return self.after(at)
         return at + len(lines), "".join(lines)

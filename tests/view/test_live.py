@@ -16,7 +16,7 @@ import pytest
 from rapc import load, open_world
 from rapc.spec import RunSpec
 from rapc.view.control import Control
-from rapc.view.live import HOST, Live
+from rapc.view.live import HOST, Feed, Live
 from tests.durable.helpers import Run
 
 LINES = [f'{{"n":{n}}}\n' for n in range(12_000)]
@@ -111,6 +111,17 @@ def test_reader_that_comes_back_gets_the_rest(live: Live) -> None:
     live.feed.end()
     _, body = get(live, "/TOKEN/events", **{"Last-Event-ID": "11990"})
     assert data(body) == "".join(LINES[11_990:])
+
+
+def test_reader_gets_a_line_once_while_it_is_written() -> None:
+    """The last line of a block is there before the block is."""
+    feed = Feed()
+    for line in LINES[:63]:
+        feed.write(line)
+    feed._lines.append(LINES[63])
+    at, before = feed.after(0)
+    _, after = feed.after(at)
+    assert "".join(LINES[:64]).startswith(before + after)
 
 
 def test_requests_need_the_token_and_a_control(live: Live) -> None:
