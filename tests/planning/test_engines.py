@@ -14,7 +14,8 @@ from collections.abc import Iterator
 from importlib.util import find_spec
 from itertools import islice
 from pathlib import Path
-from typing import NoReturn
+from socket import socket
+from typing import Any, NoReturn
 
 import pytest
 
@@ -65,6 +66,27 @@ def pids(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     for one in left:
         os.kill(one, signal.SIGKILL)
     assert not left
+
+
+@pytest.fixture
+def begun_limit(pids: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the time limit of an engine begin when its processes have started."""
+    watched = engines._watched
+
+    def wait(mine: socket, process: Any, ends: float) -> tuple[bytes | None, bytes]:
+        limit = ends - time.monotonic()
+        wait_for_begin(pids)
+        return watched(mine, process, time.monotonic() + limit)
+
+    monkeypatch.setattr(engines, "_watched", wait)
+
+
+def wait_for_begin(file: Path) -> None:
+    """Wait until the processes of an engine have written their numbers to a file."""
+    ends = time.monotonic() + LIMIT
+    while not file.exists() and time.monotonic() < ends:
+        time.sleep(0.005)
+    assert file.exists()
 
 
 def numbers(file: Path) -> list[int]:
@@ -234,6 +256,7 @@ def test_command_refuses_an_engine_that_cannot_be_run() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("begun_limit")
 def test_engine_that_hangs_is_ended_with_its_group(pids: Path) -> None:
     found = plan(fake("hang", timeout=0.5))
     wait_for_end(pids)
@@ -251,9 +274,7 @@ def begun(pids: Path) -> subprocess.Popen[str]:
         stderr=subprocess.PIPE,
         text=True,
     )
-    ends = time.monotonic() + LIMIT
-    while not pids.exists() and time.monotonic() < ends:
-        time.sleep(0.01)
+    wait_for_begin(pids)
     return process
 
 
@@ -282,8 +303,7 @@ def kill_at(moments: int, seed: int, pids: Path) -> None:
         chosen = rng.randrange(2)
 
         def kill(late: float = late, chosen: int = chosen) -> None:
-            while not pids.exists():
-                time.sleep(0.005)
+            wait_for_begin(pids)
             time.sleep(late)
             os.kill(numbers(pids)[chosen], signal.SIGKILL)
 
@@ -300,12 +320,14 @@ def kill_at(moments: int, seed: int, pids: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("begun_limit")
 def test_killed_engine_does_not_end_the_plan(pids: Path) -> None:
     kill_at(2, 1, pids)
 
 
 @pytest.mark.nightly
 @pytest.mark.timeout(3600)
+@pytest.mark.usefixtures("begun_limit")
 def test_killed_engines_do_not_end_the_plan(pids: Path) -> None:
     kill_at(20, 2, pids)
 
