@@ -1,4 +1,7 @@
-"""A porter in real time that outlives the interpreter, and logs each request."""
+"""A porter in real time that outlives the interpreter, and logs each request.
+
+The porter waits before it ends more requests than the file `PORTER_LIMIT` permits.
+"""
 
 import os
 import threading
@@ -48,6 +51,8 @@ class Porter(World):
         timer.start()
 
     def end(self, ticket: int) -> None:
+        while len(self.sent) >= int(Path(os.environ["PORTER_LIMIT"]).read_text()):
+            time.sleep(0.005)
         with self.news:
             self.sent.append(Finished(ticket, Reply("okay")))
             self.news.notify_all()

@@ -146,20 +146,22 @@ def listening(
 ) -> Iterator[str]:
     """The address of a served world."""
     monkeypatch.setenv("RAPC_TOKEN", "a secret")
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
-    address = (
-        f"tcp:127.0.0.1:{port}" if request.param == "tcp" else f"unix:{tmp_path}/s"
-    )
-    command = [sys.executable, "-m", "rapc.worlds.remote", "truck", address]
-    server = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
-    assert server.stderr is not None
-    assert server.stderr.readline() == f"serving truck at {address}\n"
-    yield address
-    server.kill()
-    server.wait()
-    server.stderr.close()
+    with socket.socket() as held:
+        # The server may use the port, too; other processes do not get the port.
+        held.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        held.bind(("127.0.0.1", 0))
+        port = held.getsockname()[1]
+        address = (
+            f"tcp:127.0.0.1:{port}" if request.param == "tcp" else f"unix:{tmp_path}/s"
+        )
+        command = [sys.executable, "-m", "rapc.worlds.remote", "truck", address]
+        server = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+        assert server.stderr is not None
+        assert server.stderr.readline() == f"serving truck at {address}\n"
+        yield address
+        server.kill()
+        server.wait()
+        server.stderr.close()
 
 
 def test_trace_is_equal_through_a_socket(listening: str) -> None:

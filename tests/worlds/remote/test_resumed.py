@@ -36,12 +36,19 @@ def test_each_request_is_done_once_through_10_kills(seed: int, tmp_path: Path) -
     carry(tmp_path, parcels=150, kills=10, seed=seed)
 
 
+def permit(requests: int, limit: Path) -> None:
+    """Write the number of requests that the porter may end."""
+    limit.with_suffix(".new").write_text(str(requests))
+    limit.with_suffix(".new").replace(limit)
+
+
 def carry(tmp_path: Path, *, parcels: int, kills: int, seed: int) -> None:
     """Kill a run at random moments, resume it, and check the requests of the peer."""
-    library, log = tmp_path / "go.rap", tmp_path / "log"
+    library, log, limit = (tmp_path / name for name in ("go.rap", "log", "limit"))
     library.write_text(LIBRARY)
     log.touch()
-    environment = {**os.environ, "PORTER_LOG": str(log)}
+    permit(parcels, limit)
+    environment = {**os.environ, "PORTER_LOG": str(log), "PORTER_LIMIT": str(limit)}
     address = f"unix:{tmp_path}/porter"
     served = [sys.executable, "-m", "rapc.worlds.remote"]
     served += ["tests.worlds.remote.porter:Porter", address]
@@ -61,6 +68,8 @@ def carry(tmp_path: Path, *, parcels: int, kills: int, seed: int) -> None:
         while True:
             lines = len(log.read_text().splitlines())
             few = rng.randint(1, parcels // (kills + 2))
+            # the run is not over before the last kill, however late that is
+            permit(parcels if done == kills else lines + few, limit)
             run = subprocess.Popen(command, stdout=subprocess.PIPE)
             while (
                 run.poll() is None and len(log.read_text().splitlines()) < lines + few
