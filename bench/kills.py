@@ -245,6 +245,8 @@ def killed_live(robot: Robot, kills: int, rng: random.Random, folder: Path) -> i
             if not process:
                 try:
                     robot.run(socket, folder)
+                    if done < kills:
+                        signal.pause()  # the kill comes late on a slow machine
                     os._exit(0)
                 except BaseException:
                     traceback.print_exc()
