@@ -6,9 +6,12 @@
 (require 'cl-lib)
 (require 'imenu)
 
-(setq eglot-sync-connect 30 eglot-autoshutdown t make-backup-files nil
+(setq eglot-sync-connect 60 eglot-autoshutdown t make-backup-files nil
       create-lockfiles nil eglot-confirm-server-initiated-edits nil
       eglot-send-changes-idle-time 0 last-nonmenu-event ?x)
+
+(require 'jsonrpc)
+(setq jsonrpc-default-request-timeout 60)
 
 (cl-defmethod eglot-initialization-options (_server)
   '(:errorDelay 0 :delay 0))
@@ -20,7 +23,7 @@
 
 (defun settle (ready)
   "Wait until READY returns a value, and return the value."
-  (let ((end (+ (float-time) 20)) found)
+  (let ((end (+ (float-time) 60)) found)
     (while (and (not (setq found (funcall ready))) (< (float-time) end))
       (accept-process-output nil 0.01))
     (or found (error "No answer: %S %S %S" shown (findings) (buffer-string)))))

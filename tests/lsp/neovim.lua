@@ -43,7 +43,7 @@ end
 
 -- Wait until a function returns a value, and return the value.
 local function settle(ready)
-  for _ = 1, 1000 do
+  for _ = 1, 6000 do -- at least a minute
     local found = ready()
     if found then return found end
     pause(10)

@@ -49,7 +49,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Any:
         env={**os.environ, **more},
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=300,
     )
     result = folder / "result.json"
     assert result.exists(), done.stdout + done.stderr

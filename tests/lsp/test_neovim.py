@@ -41,7 +41,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Any:
         env={**os.environ, "PATH": path, "FEATURES": " ".join(FEATURES)},
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=300,
     )
     result = folder / "result.json"
     assert result.exists(), done.stderr
@@ -59,14 +59,14 @@ def test_server_without_its_packages_names_the_extra(tmp_path: Path) -> None:
         [
             *(str(NVIM), "--headless", "--clean", "-i", "NONE", "-n"),
             *("-c", f"luafile {CONFIG}", "-c", "edit go.rap"),
-            *("-c", f"lua vim.wait(9000, function() return {shown} end)", "-c", "qa!"),
+            *("-c", f"lua vim.wait(60000, function() return {shown} end)", "-c", "qa!"),
         ],
         check=False,
         cwd=tmp_path,
         env={**os.environ, "PATH": f"{tmp_path}{os.pathsep}{os.environ['PATH']}"},
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=120,
     )
     assert "rapc lsp cannot start: pip install 'rapc[lsp]'" in done.stderr
 
