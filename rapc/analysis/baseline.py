@@ -23,6 +23,7 @@ from pathlib import Path
 import msgspec
 
 from rapc.analysis.driver import CheckReport
+from rapc.base.decoding import UNREADABLE
 from rapc.base.files import read_text, seen_from
 from rapc.errors import Error
 
@@ -80,7 +81,7 @@ def read_baseline(file: Path) -> tuple[KnownFinding, ...]:
     content = read_text(file)
     try:
         found = msgspec.json.decode(content, type=_File)
-    except (msgspec.DecodeError, RecursionError) as error:
+    except UNREADABLE as error:
         message = f"`{file}` is not a baseline; `--write-baseline` writes a baseline"
         raise BaselineError(message) from error
     if found.rapc_baseline != FORMAT:

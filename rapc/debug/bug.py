@@ -17,6 +17,7 @@ from typing import Any, NoReturn, Union
 import msgspec
 
 from rapc.base.code_digest import digest_of_code
+from rapc.base.decoding import UNREADABLE, flaw
 from rapc.base.values import number, readable
 from rapc.base.version import VERSION
 from rapc.base.writing import write_whole
@@ -24,7 +25,6 @@ from rapc.compiler.program import Program
 from rapc.debug import act_lines
 from rapc.debug.history import Done, History, Moment
 from rapc.debug.recorded_lines import Count, Number
-from rapc.debug.recording import UNREADABLE
 from rapc.errors import Error, LoadError, StateError, reason
 from rapc.host import CheckError
 from rapc.runtime.answers import RecordedWorld
@@ -213,8 +213,7 @@ def _decoded(path: Path, row: int, text: bytes) -> Any:
             act = msgspec.convert(line.act, act_lines.line_types())
             line = msgspec.structs.replace(line, act=act)
     except UNREADABLE as error:
-        deep = isinstance(error, RecursionError)
-        _refuse(path, f"line {row}: {'nested too deep' if deep else error}")
+        _refuse(path, f"line {row}: {flaw(error)}")
     return line
 
 

@@ -10,9 +10,10 @@ from typing import Any
 import msgspec
 
 from rapc import events
+from rapc.base.decoding import UNREADABLE
 from rapc.debug.history import History, Moment
 from rapc.debug.log import ToldEvent
-from rapc.debug.recording import UNREADABLE, Recording
+from rapc.debug.recording import Recording
 from rapc.errors import LoadError, TextError, reason
 from rapc.host import methods
 from rapc.runtime.events.trace import JsonTrace

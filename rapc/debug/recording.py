@@ -19,6 +19,7 @@ import msgspec
 from msgspec.json import Decoder
 
 from rapc import events
+from rapc.base.decoding import UNREADABLE, flaw
 from rapc.base.names import plural
 from rapc.base.values import number
 from rapc.debug.log import MOST, ToldEvent, Want
@@ -40,9 +41,6 @@ _TAIL = 65_536
 
 _WHOLE = 3
 """The number of parts needed to find the last whole line; the first may be cut."""
-
-UNREADABLE = (msgspec.DecodeError, UnicodeDecodeError, RecursionError)
-"""The exceptions of a decoder for a damaged line."""
 
 _LEAVING = ("primitive-cancelled", "skill-disabled")
 """Further events when a task is removed with an ancestor."""
@@ -344,7 +342,7 @@ class Recording:
             return decoder.decode(line)
         except UNREADABLE as error:
             where = "the last line" if row is None else f"line {row + 1}"
-            said = f"`{self.path}` is not a trace: {where}: {_said(error)}"
+            said = f"`{self.path}` is not a trace: {where}: {flaw(error)}"
             raise LoadError(said) from error
 
 
@@ -431,12 +429,6 @@ class Playback:
 def _next_lines(file: BinaryIO) -> list[bytes]:
     """Return the next lines of a file, at most a block."""
     return list(islice(file, _ROWS))
-
-
-def _said(error: BaseException) -> str:
-    """Return a short text for the error in a line."""
-    text = "lists nested too deep" if isinstance(error, RecursionError) else str(error)
-    return text if text[1:2].isupper() else text[:1].lower() + text[1:]
 
 
 def _is_cut(line: bytes) -> bool:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import msgspec
 
+from rapc.base.decoding import UNREADABLE, flaw
 from rapc.base.source import SourceFile
 from rapc.base.values import Atom
 from rapc.compiler.program import Program
@@ -88,8 +89,8 @@ class SavedState:
             raise StateError("another version of rapc wrote the saved state")
         try:
             self._contents = msgspec.json.decode(data[len(_MARK) :], type=_Contents)
-        except (msgspec.MsgspecError, UnicodeError, RecursionError) as error:
-            raise StateError(f"the saved state is damaged: {error}") from error
+        except UNREADABLE as error:
+            raise StateError(f"the saved state is damaged: {flaw(error)}") from error
         self._record: RunRecord = decode_run(self._contents.run)
 
     def options_of(self, world: type[World]) -> dict[str, Atom | bool]:

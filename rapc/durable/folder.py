@@ -23,6 +23,7 @@ from typing import Any
 
 import msgspec
 
+from rapc.base.decoding import UNREADABLE, flaw
 from rapc.base.writing import write_whole
 from rapc.debug.act_lines import Library
 from rapc.durable.records import Record, bodies, decoded, size_of, whole_record_after
@@ -198,8 +199,8 @@ def _unsealed(kind: str, type_: Any, path: Path) -> Any:
         raise LoadError(f"`{path}` is damaged")
     try:
         return msgspec.json.decode(body, type=type_)
-    except (msgspec.MsgspecError, RecursionError) as error:
-        raise LoadError(f"`{path}` is damaged: {error}") from error
+    except UNREADABLE as error:
+        raise LoadError(f"`{path}` is damaged: {flaw(error)}") from error
 
 
 def read_meta(folder: Path) -> Meta:
@@ -309,11 +310,11 @@ def read_part(folder: Path, number: int, *, is_last: bool, start: int = 0) -> Pa
     for body in found:
         try:
             records.append(decoded(body))
-        except (msgspec.MsgspecError, ValueError) as error:
+        except UNREADABLE as error:
             if is_last and len(records) + 1 == len(found):
                 end -= size_of(body)  # an invalid answer, which has ended the run
                 break
-            raise LoadError(f"`{path}` is damaged: {error}") from error
+            raise LoadError(f"`{path}` is damaged: {flaw(error)}") from error
     return Part(number, tuple(records), end, len(data))
 
 

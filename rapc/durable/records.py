@@ -144,21 +144,18 @@ def decoded(body: bytes) -> Record:
     """Return the record of a body.
 
     Raises:
-        ValueError: if `body` is not a record.
+        UNREADABLE: if `body` is not a record.
     """
-    try:
-        record: Record = _decode(body)
-        if isinstance(record, Asking | Told):
-            call = CALLS.get(record.call)
-            if call is None:
-                raise ValueError(f"unknown method `{record.call:.60}`")
-            asked = msgspec.convert(record.asked, call.asked)
-            record = msgspec.structs.replace(record, asked=asked)
-        if isinstance(record, Told):
-            told = _answer(record.call, record.told)
-            record = msgspec.structs.replace(record, told=told)
-    except RecursionError as error:
-        raise ValueError("nested too deep") from error
+    record: Record = _decode(body)
+    if isinstance(record, Asking | Told):
+        call = CALLS.get(record.call)
+        if call is None:
+            raise msgspec.DecodeError(f"unknown method `{record.call:.60}`")
+        asked = msgspec.convert(record.asked, call.asked)
+        record = msgspec.structs.replace(record, asked=asked)
+    if isinstance(record, Told):
+        told = _answer(record.call, record.told)
+        record = msgspec.structs.replace(record, told=told)
     return record
 
 

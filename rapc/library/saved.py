@@ -22,6 +22,7 @@ from typing import Any, NamedTuple
 
 import msgspec
 
+from rapc.base.decoding import UNREADABLE, flaw
 from rapc.base.files import COMPILED
 from rapc.base.limits import MAX_REASON
 from rapc.base.source import SourceFile
@@ -310,8 +311,8 @@ def _payload(data: bytes) -> memoryview:
 def _decode(data: memoryview | msgspec.Raw, kind: Any) -> Any:
     try:
         return _decoder(kind).decode(data)
-    except (msgspec.DecodeError, UnicodeDecodeError) as error:
-        reason = ascii(str(error))[1:-1][:MAX_REASON]
+    except UNREADABLE as error:
+        reason = ascii(flaw(error))[1:-1][:MAX_REASON]
         raise _WrongError(f"is invalid: {reason}") from None
 
 

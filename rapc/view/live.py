@@ -15,6 +15,7 @@ from typing import Any
 
 import msgspec
 
+from rapc.base.decoding import UNREADABLE
 from rapc.runtime.events.trace import Writable
 from rapc.view.control import Control
 
@@ -160,7 +161,7 @@ class _Handler(BaseHTTPRequestHandler):
             return
         try:
             asked = msgspec.json.decode(data, type=Request)
-        except (msgspec.MsgspecError, ValueError, RecursionError):
+        except UNREADABLE:
             self.send_error(HTTPStatus.BAD_REQUEST)
             return
         answer = control.ask(asked.name, asked.text)

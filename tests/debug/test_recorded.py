@@ -165,7 +165,7 @@ def test_first_different_decision_is_reported(tmp_path: Path) -> None:
         ("[" * 100_000, "line 1: "),
         (
             '{"event":"run-started","x":' + "[" * 100_000,
-            "line 1: lists nested too deep",
+            "line 1: nested too deeply",
         ),
     ],
 )

@@ -157,7 +157,7 @@ HEAD, PAYLOAD = GOOD.split(b"\n", 1)
         (seal(PAYLOAD, version="9.9"), "was compiled by rapc 9.9, format "),
         (seal(PAYLOAD, form=99), f"was compiled by rapc {VERSION}, format 99; this is"),
         (seal(b""), "is invalid: "),
-        (seal(b"[]"), "is invalid: Expected `array` of "),
+        (seal(b"[]"), "is invalid: expected `array` of "),
         (seal(b"[" * 100_000), "is invalid: "),
         (
             seal(PAYLOAD.replace(b'"push-all"', b'"push all"')),

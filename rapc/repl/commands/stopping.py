@@ -6,12 +6,12 @@ from pathlib import Path
 
 import msgspec
 
+from rapc.base.decoding import UNREADABLE, flaw
 from rapc.base.names import plural
 from rapc.base.outputs import BREAKPOINTS
 from rapc.debug.answer import Answer, command, say, table
 from rapc.debug.arguments import Arguments
 from rapc.debug.breakpoints import KINDS, Breakpoint
-from rapc.debug.recording import UNREADABLE
 from rapc.errors import ArgumentError, TextError
 from rapc.repl.shell import Shell
 
@@ -113,7 +113,7 @@ def _load(shell: Shell, path: Path) -> Answer:
         raise ArgumentError(f"cannot read `{path}`: {error.strerror}") from error
     except UNREADABLE as error:
         raise ArgumentError(
-            f"`{path}` is not a list of breakpoints: {error}"
+            f"`{path}` is not a list of breakpoints: {flaw(error)}"
         ) from error
     for point in points:
         shell.breakpoints.add(point)

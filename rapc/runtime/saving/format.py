@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import msgspec
 
 from rapc.base.chance import Stream
+from rapc.base.decoding import UNREADABLE
 from rapc.base.values import Atom, Number
 from rapc.errors import StateError
 from rapc.ir.nodes import Method
@@ -120,7 +121,7 @@ def decode_run(saved: bytes) -> RunRecord:
         raise StateError("the saved run is damaged")
     try:
         return _decoder().decode(body)
-    except (msgspec.MsgspecError, RecursionError) as error:
+    except UNREADABLE as error:
         raise not_a_run(error) from error
 
 

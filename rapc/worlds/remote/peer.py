@@ -18,6 +18,7 @@ from typing import Any, NoReturn
 
 import msgspec
 
+from rapc.base.decoding import UNREADABLE, flaw
 from rapc.base.visible import visible
 from rapc.errors import PortError, reason
 from rapc.worlds.remote.protocol import LINE_LIMIT, METHODS, TOKEN, Call, Response
@@ -192,8 +193,8 @@ class Peer:
         """Return decoded JSON; else fail, as `invalid` says."""
         try:
             return decoder.decode(text)
-        except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
-            self._fail(f"{invalid}: {_short(str(error))}")
+        except UNREADABLE as error:
+            self._fail(f"{invalid}: {_short(flaw(error))}")
 
     def _write(self, line: bytes, method: str, limit: float) -> None:
         """Write a line; read meanwhile, so that the peer can write, too."""

@@ -29,6 +29,7 @@ import msgspec
 
 from rapc.base.chance import stream_in
 from rapc.base.code_places import place_of_error, said_by
+from rapc.base.decoding import UNREADABLE, flaw
 from rapc.base.values import Text
 from rapc.base.watchdog import PERIOD, TICK, Watchdog
 from rapc.world import (
@@ -309,8 +310,8 @@ class Connection:
             return msgspec.json.encode(
                 {"jsonrpc": "2.0", "id": number, "result": result}
             )
-        except (msgspec.DecodeError, UnicodeDecodeError) as invalid:
-            error = {"code": -32600, "message": f"invalid call: {invalid}"}
+        except UNREADABLE as invalid:
+            error = {"code": -32600, "message": f"invalid call: {flaw(invalid)}"}
         except (_Refusal, ValueError) as refused:
             said = str(refused) or type(refused).__name__
             error = {"code": -32000, "message": said + _place(refused)}

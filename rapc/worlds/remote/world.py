@@ -20,6 +20,7 @@ from typing import Any, ClassVar
 import msgspec
 
 from rapc.base.chance import stream_state
+from rapc.base.decoding import UNREADABLE, flaw
 from rapc.base.values import Atom, Fact, Text, format_atom, number
 from rapc.errors import PortError, WorldError
 from rapc.world import (
@@ -290,8 +291,10 @@ class _Optional(RemoteWorld):
         """
         try:
             saved = msgspec.json.decode(state, type=_State)
-        except (msgspec.DecodeError, UnicodeDecodeError) as error:
-            raise ValueError(f"no state of the world `{self.name}`: {error}") from error
+        except UNREADABLE as error:
+            raise ValueError(
+                f"no state of the world `{self.name}`: {flaw(error)}"
+            ) from error
         options = dict(self._opening.options)
         if (saved.world, saved.options) != (self.name, options):
             said = f"a world `{saved.world}` with other options saved the state"

@@ -8,6 +8,7 @@ from collections.abc import Collection, Iterator, Mapping
 
 import msgspec
 
+from rapc.base.decoding import UNREADABLE, flaw
 from rapc.base.names import hint
 from rapc.worlds.maps import MapError
 from rapc.worlds.truck.kinds import COLORED, ENEMY, KINDS, Kind, TruckMachine
@@ -26,8 +27,8 @@ def read_map(text: str) -> Map:
     """
     try:
         made = msgspec.json.decode(text.encode(), type=Map)
-    except (msgspec.DecodeError, UnicodeEncodeError, RecursionError) as error:
-        raise MapError(f"cannot be read: {str(error).lower()}") from error
+    except UNREADABLE as error:
+        raise MapError(f"cannot be read: {flaw(error)}") from error
     for problem in _problems(made):
         raise MapError(problem)
     return made

@@ -7,6 +7,7 @@ from typing import cast
 
 import msgspec
 
+from rapc.base.decoding import UNREADABLE, flaw
 from rapc.base.values import Number, number
 from rapc.worlds.truck.kinds import Color
 from rapc.worlds.truck.map import Map
@@ -26,8 +27,8 @@ def read_orders(text: str, ground: Map) -> Iterator[Order]:
         rows = msgspec.json.decode(
             text.encode(), type=list[tuple[Number, Color, int, str]]
         )
-    except (msgspec.DecodeError, UnicodeEncodeError) as error:
-        raise ValueError(f"`orders`: {str(error).lower()}") from error
+    except UNREADABLE as error:
+        raise ValueError(f"`orders`: {flaw(error)}") from error
     for time, color, rocks, factory in rows:
         place = ground.place(factory)
         if place is None or place.kind != "factory":

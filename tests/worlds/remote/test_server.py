@@ -109,7 +109,7 @@ def test_description_asks_for_heartbeats_if_the_world_can_halt() -> None:
         (("dance", {}), "unknown method `dance`"),
         (("advance", {"to": 1}), "`open` must come first"),
         (("resume", {"tickets": [], "received": 0}), "no run goes on"),
-        (("open", {"seed": "x"}), "invalid call: Expected `int`, got `str`"),
+        (("open", {"seed": "x"}), "invalid call: expected `int`, got `str`"),
     ],
 )
 def test_server_refuses_invalid_calls(call: tuple[str, Any], wanted: str) -> None:
