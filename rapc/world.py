@@ -275,7 +275,7 @@ class SimpleWorld(World):
 
     def perform(self, ticket: int, request: Fact) -> Reply | Refused | None:
         """Carry out a request; defined by a subclass or passed to the constructor."""
-        raise NotImplementedError
+        raise NotImplementedError  # the constructor requires either of them
 
     def send(self, message: Message, after: Time = 0) -> None:
         """Send a datum, a signal or the end of a request, after the time `after`."""

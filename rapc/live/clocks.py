@@ -1,8 +1,9 @@
 """The clocks of drivers: the time of the computer, or simulated time.
 
-A driver tells its clock which actions run: `begun`, `ended`, `sleep` and `interrupt`.
-Simulated time moves only while every action sleeps, and then to the end of the first
-sleep. So one action runs at a time, and a run is the same each time.
+A driver tells its clock when each action begins, ends, sleeps and is interrupted. The
+time of the computer does not depend on that. Simulated time moves only while every
+action sleeps, and then to the end of the first sleep. So one action runs at a time, and
+a run is the same each time.
 """
 
 from __future__ import annotations
@@ -36,20 +37,20 @@ class Clock(ABC):
     def now(self) -> Time:
         """Return the time."""
 
-    def begun(self) -> None:  # noqa: B027  # only simulated time depends on actions
+    @abstractmethod
+    def begun(self) -> None:
         """Note that an action begins to run."""
 
-    def ended(self) -> None:  # noqa: B027
+    @abstractmethod
+    def ended(self) -> None:
         """Note that an action has ended."""
 
-    def settle(self) -> None:  # noqa: B027
+    @abstractmethod
+    def settle(self) -> None:
         """Wait until every action sleeps, if the time is simulated."""
 
-    def sleep(self, key: object, seconds: float, wake: Callable[[], Any]) -> None:
-        """Note that an action sleeps; call `wake` after some time."""
-        raise NotImplementedError
-
-    def interrupt(self, key: object) -> None:  # noqa: B027
+    @abstractmethod
+    def interrupt(self, key: object) -> None:
         """End the sleep of an action, if it sleeps in simulated time."""
 
     @abstractmethod
@@ -96,6 +97,18 @@ class WallClock(Clock):
         if self._started is None:
             return 0
         return round((time.monotonic() - self._started) * self.scale, 3)
+
+    def begun(self) -> None:
+        """Do nothing: this time does not depend on actions."""
+
+    def ended(self) -> None:
+        """Do nothing."""
+
+    def settle(self) -> None:
+        """Do nothing."""
+
+    def interrupt(self, key: object) -> None:
+        """Do nothing: an action ends its sleep by itself."""
 
     def wait(
         self,

@@ -19,7 +19,7 @@ from types import MappingProxyType
 from typing import Any, ClassVar
 
 from rapc.base.watchdog import PERIOD, Watchdog
-from rapc.live.clocks import Clock, WallClock
+from rapc.live.clocks import Clock, SimulatedClock, WallClock
 from rapc.world import (
     NOT_KNOWN,
     OKAY,
@@ -70,12 +70,12 @@ class Action:
         """Sleep for time units of the clock. Raises Cancelled if cancelled."""
         clock = self._driver.clock
         if not self.cancelled:
-            if clock.real:
-                self._stopped.wait(seconds / clock.scale)
-            else:
+            if isinstance(clock, SimulatedClock):
                 woken = threading.Event()
                 clock.sleep(self, seconds, woken.set)
                 woken.wait()
+            else:
+                self._stopped.wait(seconds / clock.scale)
         if self.cancelled:
             raise Cancelled
 
@@ -106,7 +106,7 @@ class AsyncAction(Action):
     async def sleep(self, seconds: float) -> None:
         """Sleep for time units of the clock; asyncio cancels the coroutine."""
         clock = self._driver.clock
-        if clock.real:
+        if not isinstance(clock, SimulatedClock):
             await asyncio.sleep(seconds / clock.scale)
             return
         loop = asyncio.get_running_loop()

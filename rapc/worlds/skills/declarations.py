@@ -17,6 +17,7 @@ both are active. Not here: wiring (`network`) and checks of a whole set (`catalo
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from types import UnionType
 from typing import Any, ClassVar, Generic, TypeVar, Union, get_args, get_origin
@@ -256,8 +257,7 @@ class NetworkNode:
 
         Args:
             arguments: the values of the parameters by name; an event has the arguments
-            of
-                its skill.
+                of its skill.
         """
         self.arguments = arguments
         #: The state that the skill keeps from tick to tick.
@@ -288,7 +288,7 @@ class Event(NetworkNode):
             now: the time in seconds.
             ports: the channels; the channels of the event's own skill come first.
         """
-        raise NotImplementedError
+        raise NotImplementedError  # `Catalogue` refuses a class without this method
 
 
 class Skill(NetworkNode):
@@ -314,7 +314,7 @@ class Skill(NetworkNode):
             now: the time in seconds.
             ports: the channels of `inputs` and `outputs`.
         """
-        raise NotImplementedError
+        raise NotImplementedError  # `Catalogue` refuses a class without this method
 
 
 class Compound(msgspec.Struct, frozen=True):
@@ -329,7 +329,7 @@ class Compound(msgspec.Struct, frozen=True):
     doc: str = ""
 
 
-class Arbiter:
+class Arbiter(ABC):
     """The decision between several active skills that write one channel.
 
     Without a declared arbiter two writers are a conflict.
@@ -337,15 +337,14 @@ class Arbiter:
 
     channel: ClassVar[Channel[Any]]
 
+    @abstractmethod
     def decide(self, values: list[Any]) -> Any:
         """Return the value for the readers.
 
         Args:
             values: the values written in this tick, in the order in which the skills
-            were
-                switched on; never empty.
+                were switched on; never empty.
         """
-        raise NotImplementedError
 
 
 def as_input(reads: Reads) -> Input:

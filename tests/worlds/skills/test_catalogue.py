@@ -110,6 +110,21 @@ def test_a_parameter_is_of_a_known_kind() -> None:
         Catalogue([Odd])
 
 
+class Nowhere(Arbiter):
+    """An arbiter without a channel."""
+
+    def decide(self, values: list[Any]) -> Any:
+        return values[0]
+
+
+def test_an_arbiter_decides() -> None:
+    class Undecided(Arbiter):
+        channel = LEVEL
+
+    with pytest.raises(TypeError, match="decide"):
+        Undecided()  # type: ignore[abstract]
+
+
 @pytest.mark.parametrize(
     ("given", "said"),
     [
@@ -121,7 +136,7 @@ def test_a_parameter_is_of_a_known_kind() -> None:
         (([Smooth], [LEVEL], [], 3), "`arbiters` of a catalogue is a list of arbiters"),
         (([Smooth], [LEVEL], [], [Smooth]), "has arbiters, not <class '.*Smooth'>"),
         (([Smooth], [LEVEL], [], [LowestLimit]), "has arbiters, not <class '.*Limit'>"),
-        (([Smooth], [LEVEL], [], [Arbiter()]), "the class Arbiter has no `channel`"),
+        (([Smooth], [LEVEL], [], [Nowhere()]), "the class Nowhere has no `channel`"),
     ],
 )
 def test_a_catalogue_is_made_of_lists(given: Any, said: str) -> None:
