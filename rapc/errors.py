@@ -9,7 +9,8 @@ Not here: `CheckError`, which has a report (`rapc.host`).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import errno
+from collections.abc import Mapping, Sequence
 
 
 class Error(Exception):
@@ -95,4 +96,14 @@ def in_a_line(error: Error) -> str:
 
 def reason(error: OSError) -> str:
     """Return the reason of a failed system call, in lower case."""
-    return (error.strerror or str(error)).lower()
+    said = _REASONS.get(error.errno or 0) or error.strerror or str(error)
+    return said.lower()
+
+
+_REASONS: Mapping[int, str] = {
+    errno.EEXIST: "the file exists",
+    errno.EISDIR: "it is a folder",
+    errno.ENOENT: "missing file or folder",
+    errno.ENOTDIR: "a part of the path is a file",
+}
+"""The reasons in which the system speaks of directories."""

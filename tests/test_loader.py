@@ -157,6 +157,13 @@ def test_a_require_with_an_ending_is_told_to_leave_it_out(tmp_path: Path) -> Non
     assert _unresolved(["main.rap"]).help == "omit the suffix: `base`"
 
 
+def test_line_break_in_a_required_name_is_visible(tmp_path: Path) -> None:
+    _write(tmp_path, main=_rap("main", "a\nb"))
+    assert (
+        _unresolved(["main.rap"]).message == "cannot find `a\N{REPLACEMENT CHARACTER}b`"
+    )
+
+
 def test_folders_met_again_through_links_are_walked_once(tmp_path: Path) -> None:
     levels = 30  # two ways on each level: 2 to the 29 ways in all
     for level in range(levels):
@@ -242,7 +249,7 @@ def test_required_file_that_cannot_be_read_is_an_error(tmp_path: Path) -> None:
 
 def test_link_that_leads_nowhere_is_an_error(tmp_path: Path) -> None:
     (tmp_path / "a.rap").symlink_to("b.rap")
-    with pytest.raises(LoadError, match=r"cannot read `a.rap`: no such file"):
+    with pytest.raises(LoadError, match=r"cannot read `a.rap`: missing file"):
         load(["."])
 
 

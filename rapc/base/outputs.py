@@ -84,7 +84,7 @@ def check_output(
 
     Raises:
         WriteError: for an input file, a name with the suffix of a source or of a
-            configuration, and a file of a different kind that is not empty.
+            configuration, a folder, and a file of a different kind that is not empty.
     """
     for read, told in inputs:
         paths = [path_of(str(each)) for each in read if each is not None]
@@ -98,6 +98,8 @@ def check_output(
                 f"{_SUFFIXES[suffix]}",
                 "choose another file",
             )
+    if os.path.isdir(file):
+        raise WriteError(f"cannot write `{file}`: it is a folder")
     head = _head(file)
     if head and not output.begins.match(head):
         raise WriteError(

@@ -10,7 +10,7 @@ import click
 
 from rapc.base.outputs import BUG
 from rapc.cli.common import refuse_output
-from rapc.cli.options import command, fail, say
+from rapc.cli.options import TypedPath, command, fail, say
 from rapc.cli.repl import shell_of
 from rapc.cli.run_options import run_options, until_option
 from rapc.debug.bug import SUFFIX, write_bug
@@ -24,7 +24,7 @@ Examples:
 
 
 @command(EXAMPLES)
-@click.argument("path", type=click.Path())
+@click.argument("path", type=TypedPath())
 @click.option("--world", "world_name", help="World to run against.")
 @run_options
 @until_option

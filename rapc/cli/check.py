@@ -35,7 +35,7 @@ from rapc.cli.common import (
     rewrite,
     write_output,
 )
-from rapc.cli.options import USAGE, command, fail, options_of, say, settings
+from rapc.cli.options import USAGE, TypedPath, command, fail, options_of, say, settings
 from rapc.errors import in_a_line
 from rapc.library.loader import STANDARD_INPUT, Units
 
@@ -55,7 +55,7 @@ _SETTLED = "configures the report"
 
 
 @command(EXAMPLES)
-@click.argument("paths", metavar="[PATH...]", type=click.Path(), nargs=-1)
+@click.argument("paths", metavar="[PATH...]", type=TypedPath(), nargs=-1)
 @options_of(Options)
 def check(**given: Any) -> None:
     """Check RAP libraries: files, folders with RAP files, or - for standard input.

@@ -15,10 +15,10 @@ from rapc.analysis.config import Configured
 from rapc.analysis.selection import PerFile, Selection, chosen_rules
 from rapc.base.diagnostics import Severity
 from rapc.cli.common import FORMATS
-from rapc.cli.options import Opt, fail, say
+from rapc.cli.options import Opt, TypedPath, fail, say
 
 _RULES: Mapping[str, Any] = {"metavar": "RULES"}
-_FILE: Mapping[str, Any] = {"metavar": "FILE", "type": click.Path(dir_okay=False)}
+_FILE: Mapping[str, Any] = {"metavar": "FILE", "type": TypedPath(dir_okay=False)}
 _LEVELS = click.Choice(["error", "warning", "info"])
 _Words = tuple[str, ...]
 

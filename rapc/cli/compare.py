@@ -11,7 +11,7 @@ import click
 import msgspec
 
 from rapc.cli.common import load_checked, width_of
-from rapc.cli.options import Amount, WholeNumber, command, fail, settings
+from rapc.cli.options import Amount, TypedPath, WholeNumber, command, fail, settings
 from rapc.cli.repl import RECORDED, shell_of
 from rapc.cli.run_options import (
     end_time,
@@ -52,8 +52,8 @@ _THRESHOLD = 5
 
 
 @command(EXAMPLES)
-@click.argument("before", type=click.Path())
-@click.argument("after", type=click.Path())
+@click.argument("before", type=TypedPath())
+@click.argument("after", type=TypedPath())
 @click.option("--world", "world_name", help="World to run libraries against.")
 @run_options
 @until_option

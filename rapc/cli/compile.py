@@ -17,7 +17,7 @@ from rapc.cli.common import (
     refuse_output,
     write_output,
 )
-from rapc.cli.options import command, fail, say
+from rapc.cli.options import TypedPath, command, fail, say
 from rapc.compiler.explain import describe, explain
 from rapc.compiler.program import Program
 from rapc.errors import SavedError
@@ -33,7 +33,7 @@ Examples:
 
 
 @command(EXAMPLES)
-@click.argument("path", type=click.Path())
+@click.argument("path", type=TypedPath())
 @click.option(
     "-o", "--output", metavar="FILE", help="Write the compiled library to FILE."
 )

@@ -14,7 +14,7 @@ from rapc.base.outputs import TRACE
 from rapc.base.values import Fact, format_list
 from rapc.base.visible import visible
 from rapc.cli.common import load_checked, refuse_output
-from rapc.cli.options import Opt, WholeNumber, fail, say_error
+from rapc.cli.options import Opt, TypedPath, WholeNumber, fail, say_error
 from rapc.cli.run_options import prepared
 from rapc.runtime.interpreter import Interpreter
 
@@ -36,7 +36,7 @@ class JournalOptions:
     journal: Annotated[
         str | None,
         Opt(
-            type=click.Path(file_okay=False),
+            type=TypedPath(file_okay=False),
             metavar="FOLDER",
             help="Write a journal, with which the run can be resumed.",
         ),
@@ -44,7 +44,7 @@ class JournalOptions:
     resume: Annotated[
         str | None,
         Opt(
-            type=click.Path(file_okay=False),
+            type=TypedPath(file_okay=False),
             metavar="FOLDER",
             help="Resume the run of a journal; without PATH and --world.",
         ),

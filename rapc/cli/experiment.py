@@ -29,7 +29,7 @@ from rapc.cli.common import (
     width_of,
     write_output,
 )
-from rapc.cli.options import WholeNumber, command, fail, say, settings
+from rapc.cli.options import TypedPath, WholeNumber, command, fail, say, settings
 from rapc.cli.run_options import processes_option
 from rapc.cli.test import print_coverage
 from rapc.console.experiments import output
@@ -68,7 +68,7 @@ _MOST_FAULTS = 10
 
 
 @command(EXAMPLES)
-@click.argument("name", metavar="NAME|FILE.toml", type=click.Path())
+@click.argument("name", metavar="NAME|FILE.toml", type=TypedPath())
 @click.option(
     "--part",
     "parts",
@@ -85,13 +85,13 @@ _MOST_FAULTS = 10
 @processes_option
 @click.option(
     "--out",
-    type=click.Path(file_okay=False),
+    type=TypedPath(file_okay=False),
     metavar="DIR",
     help="Folder for the results [default: NAME-results].",
 )
 @click.option(
     "--against",
-    type=click.Path(),
+    type=TypedPath(),
     metavar="LIBRARY",
     help="Also run LIBRARY, and print what has changed since.",
 )

@@ -14,7 +14,7 @@ from rapc.base.source import SourceFile
 from rapc.base.visible import visible
 from rapc.base.writing import remove_parts
 from rapc.cli.common import diff, print_findings, rewrite
-from rapc.cli.options import USAGE, command, say, settings
+from rapc.cli.options import USAGE, TypedPath, command, say, settings
 from rapc.library.loader import STANDARD_INPUT
 from rapc.parser.formatter import Formatted, formatted
 
@@ -28,7 +28,7 @@ Examples:
 
 
 @command(EXAMPLES)
-@click.argument("paths", metavar="PATH...", type=click.Path(), nargs=-1, required=True)
+@click.argument("paths", metavar="PATH...", type=TypedPath(), nargs=-1, required=True)
 @click.option(
     "--check", is_flag=True, help="Write no file; exit with 1 if one would change."
 )

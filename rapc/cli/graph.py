@@ -15,7 +15,7 @@ from rapc.base.graph import Graph
 from rapc.base.names import did_you_mean
 from rapc.base.values import number, readable
 from rapc.cli.common import load_checked, print_findings, read_paths
-from rapc.cli.options import USAGE, Amount, command, fail
+from rapc.cli.options import USAGE, Amount, TypedPath, command, fail
 from rapc.cli.run_options import prepared, read_spec, run_options
 from rapc.compiler.program import Program
 from rapc.ir import nodes
@@ -37,7 +37,7 @@ Examples:
 
 
 @command(EXAMPLES)
-@click.argument("path", metavar="PATH", type=click.Path())
+@click.argument("path", metavar="PATH", type=TypedPath())
 @click.option("--rap", metavar="RAP", help="Show the task-nets of RAP.")
 @click.option("--effects", metavar="RAP", help="Show all possible effects of RAP.")
 @click.option(

@@ -13,7 +13,7 @@ from rapc.base.outputs import TRACE
 from rapc.base.values import format_list, readable
 from rapc.base.visible import visible
 from rapc.cli.common import refuse_output
-from rapc.cli.options import command, fail, say_error
+from rapc.cli.options import TypedPath, command, fail, say_error
 from rapc.cli.repl import opened_journal
 from rapc.debug.recorded import write_trace
 from rapc.durable import folder as files
@@ -35,13 +35,13 @@ Examples:
 
 @command(EXAMPLES)
 @click.argument("action", type=click.Choice(["info", "verify", "cut", "convert"]))
-@click.argument("folder", type=click.Path())
+@click.argument("folder", type=TypedPath())
 @click.option(
     "--cycle", type=click.IntRange(min=0), metavar="N", help="With cut: the last cycle."
 )
 @click.option(
     "--trace",
-    type=click.Path(dir_okay=False),
+    type=TypedPath(dir_okay=False),
     metavar="FILE",
     help="With convert: the file of the trace.",
 )

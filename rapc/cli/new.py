@@ -13,7 +13,7 @@ from pathlib import Path
 
 import click
 
-from rapc.cli.options import command, fail
+from rapc.cli.options import TypedPath, command, fail
 
 EXAMPLES = """\b
 Examples:
@@ -39,13 +39,13 @@ _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_.-]*")
 @click.option(
     "--pddl",
     "domain",
-    type=click.Path(),
+    type=TypedPath(),
     metavar="DOMAIN",
     help="Convert this PDDL domain to the RAP file NAME.",
 )
 @click.option(
     "--problem",
-    type=click.Path(),
+    type=TypedPath(),
     metavar="PROBLEM",
     help="With --pddl: also convert the objects of a problem.",
 )

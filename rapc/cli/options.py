@@ -54,6 +54,19 @@ class Amount(click.FloatRange):
         return given
 
 
+class TypedPath(click.Path):
+    """A path as typed; the command itself reports a path that it cannot use."""
+
+    def convert(
+        self,
+        value: Any,
+        param: click.Parameter | None,
+        ctx: click.Context | None,
+    ) -> Any:
+        """Return the path."""
+        return value
+
+
 class CliSettings:
     """The values of the options of all commands; stored in click's root context."""
 

@@ -12,7 +12,7 @@ import click
 from rapc.base.source import SourceFile
 from rapc.base.visible import visible
 from rapc.cli.common import load_checked, write_output
-from rapc.cli.options import Amount, WholeNumber, command, fail, settings
+from rapc.cli.options import Amount, TypedPath, WholeNumber, command, fail, settings
 from rapc.cli.run_options import (
     end_time,
     prepared,
@@ -42,7 +42,7 @@ _MOST_STATES = 10_000_000
 
 @command(EXAMPLES)
 @click.argument("goal")
-@click.argument("path", type=click.Path())
+@click.argument("path", type=TypedPath())
 @click.option("--world", "world_name", help="World whose facts hold.")
 @run_options
 @click.option(
@@ -77,14 +77,14 @@ _MOST_STATES = 10_000_000
 @click.option(
     "--keep",
     "kept",
-    type=click.Path(dir_okay=False),
+    type=TypedPath(dir_okay=False),
     metavar="FILE",
     help="Write the RAP with its plan to a new RAP file.",
 )
 @click.option(
     "--export",
     "exported",
-    type=click.Path(file_okay=False),
+    type=TypedPath(file_okay=False),
     metavar="DIR",
     help="Write DIR/domain.pddl and DIR/problem.pddl.",
 )

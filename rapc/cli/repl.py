@@ -12,7 +12,7 @@ import msgspec
 
 from rapc.base.visible import visible
 from rapc.cli.common import load_checked, width_of
-from rapc.cli.options import command, fail, settings
+from rapc.cli.options import TypedPath, command, fail, settings
 from rapc.cli.run_options import (
     end_time,
     prepared,
@@ -59,7 +59,7 @@ Examples:
 
 
 @command(EXAMPLES)
-@click.argument("path", required=False, type=click.Path())
+@click.argument("path", required=False, type=TypedPath())
 @click.option("--world", "world_name", help="World to run against.")
 @run_options
 @until_option
@@ -73,7 +73,7 @@ Examples:
 )
 @click.option(
     "--attach",
-    type=click.Path(file_okay=False),
+    type=TypedPath(file_okay=False),
     metavar="FOLDER",
     help="Follow the run of a journal that goes on.",
 )

@@ -36,7 +36,7 @@ from rapc.cli.durable import (
     Resumed,
     refuse_trace,
 )
-from rapc.cli.options import WholeNumber, command, fail, options_of, settings
+from rapc.cli.options import TypedPath, WholeNumber, command, fail, options_of, settings
 from rapc.cli.run_options import (
     end_time,
     prepared,
@@ -83,12 +83,12 @@ _MOST_TOLD = 60_000
 
 
 @command(EXAMPLES)
-@click.argument("path", required=False, type=click.Path())
+@click.argument("path", required=False, type=TypedPath())
 @click.option("--world", "world_name", help="World to run against.")
 @run_options
 @until_option
 @click.option(
-    "--trace", type=click.Path(dir_okay=False), help="Write the trace to FILE."
+    "--trace", type=TypedPath(dir_okay=False), help="Write the trace to FILE."
 )
 @click.option(
     "--trace-format",
@@ -104,14 +104,14 @@ _MOST_TOLD = 60_000
 )
 @click.option(
     "--save",
-    type=click.Path(dir_okay=False),
+    type=TypedPath(dir_okay=False),
     metavar="FILE",
     help="Write the state at the time of --until to FILE.",
 )
 @click.option(
     "--keep",
     "kept",
-    type=click.Path(dir_okay=False),
+    type=TypedPath(dir_okay=False),
     metavar="FILE",
     help="Write the methods that solvers found to a new RAP file.",
 )

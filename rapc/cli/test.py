@@ -20,7 +20,7 @@ from rapc.cli.common import (
     refuse_output,
     write_output,
 )
-from rapc.cli.options import Amount, WholeNumber, command, fail, settings
+from rapc.cli.options import Amount, TypedPath, WholeNumber, command, fail, settings
 from rapc.cli.run_options import read_option
 from rapc.console.lines import wrapped
 from rapc.console.testing import explain
@@ -47,7 +47,7 @@ _MOST_JOBS = 1000
 
 
 @command(EXAMPLES)
-@click.argument("paths", nargs=-1, metavar="PATH...", type=click.Path())
+@click.argument("paths", nargs=-1, metavar="PATH...", type=TypedPath())
 @click.option(
     "--only",
     multiple=True,
@@ -86,7 +86,7 @@ _MOST_JOBS = 1000
 )
 @click.option(
     "--junit",
-    type=click.Path(dir_okay=False),
+    type=TypedPath(dir_okay=False),
     metavar="FILE",
     help="Write the results to FILE as JUnit XML.",
 )

@@ -27,7 +27,7 @@ from rapc.cli.common import (
     write_output,
     write_picture,
 )
-from rapc.cli.options import command, fail
+from rapc.cli.options import TypedPath, command, fail
 from rapc.cli.repl import (
     RECORDED,
     begun_again,
@@ -72,7 +72,7 @@ _MOST_EVENTS = 2_000_000
 
 
 @command(EXAMPLES)
-@click.argument("path", required=False, type=click.Path())
+@click.argument("path", required=False, type=TypedPath())
 @click.option("--world", "world_name", help="World to run against.")
 @run_options
 @until_option
@@ -105,7 +105,7 @@ _MOST_EVENTS = 2_000_000
 )
 @click.option(
     "--attach",
-    type=click.Path(file_okay=False),
+    type=TypedPath(file_okay=False),
     metavar="FOLDER",
     help="Serve the page of the run of a journal that goes on.",
 )

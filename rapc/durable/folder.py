@@ -380,12 +380,11 @@ class Lock:
     """
 
     def __init__(self, folder: Path) -> None:
-        path = folder / LOCK
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            self._file = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+            self._file = os.open(folder / LOCK, os.O_RDWR | os.O_CREAT, 0o666)
         except OSError as error:
-            raise WriteError(f"cannot write `{path}`: {reason(error)}") from error
+            raise WriteError(f"cannot write `{folder}`: {reason(error)}") from error
         for wait in (_LOOK, 0):
             try:
                 fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)

@@ -37,6 +37,7 @@ from rapc.base.files import (
 from rapc.base.gc_paused import gc_paused
 from rapc.base.names import nearest
 from rapc.base.source import SourceFile
+from rapc.base.visible import visible
 from rapc.errors import LoadError
 from rapc.ir import nodes
 from rapc.ir.nodes import DefineTest
@@ -489,7 +490,8 @@ def unresolved(form: nodes.Require, requiring: Path) -> Diagnostic:
     known = [*names, *standard_libraries()]
     without = form.name.removesuffix(SUFFIX)
     close = without if without in known else nearest(form.name, known)
-    name = form.name if len(form.name) <= _LONG else f"{form.name[:_LONG]}..."
+    name = visible(form.name)
+    name = name if len(name) <= _LONG else f"{name[:_LONG]}..."
     return UNRESOLVED.at(
         form.span,
         f"cannot find `{name}`",

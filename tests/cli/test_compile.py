@@ -133,9 +133,9 @@ def test_errors_in_its_tests_stop_it_too(tmp_path: Path) -> None:
         ),
         (
             ("compile", "go.test.rap", "-o", "no/x"),
-            "cannot write `no/x`: no such file or directory",
+            "cannot write `no/x`: missing file or folder",
         ),
-        (("compile", "go.test.rap", "-o", "."), "cannot write `.`: is a directory"),
+        (("compile", "go.test.rap", "-o", "."), "-o: cannot write `.`: it is a folder"),
         (
             ("compile", "go.test.rap", "--explain", "goo"),
             "unknown RAP `goo`; did you mean `go`?",

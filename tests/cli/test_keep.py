@@ -129,7 +129,7 @@ def test_kept_file_of_a_saved_library_requires_nothing(beds: Path) -> None:
     ("file", "said"),
     [
         ("lib/doze.rap", "cannot write `lib/doze.rap`: the file exists"),
-        ("no/kept.rap", "cannot write `no/kept.rap`: no such file or directory"),
+        ("no/kept.rap", "cannot write `no/kept.rap`: missing file or folder"),
         ("kept.txt", "expected the name of a RAP file, not `kept.txt`"),
         ("kept.test.rap", "expected the name of a RAP file, not `kept.test.rap`"),
     ],

@@ -103,7 +103,8 @@ def _run(
             "--trace: `no/../doze.rap` is a source file of the",
         ),
         (("--trace", "bed.py"), "--trace: `bed.py` is the source file of the world"),
-        (("--trace", "no/x"), "cannot write `no/x`: no such file or directory"),
+        (("--trace", "."), "--trace: cannot write `.`: it is a folder"),
+        (("--trace", "no/x"), "cannot write `no/x`: missing file or folder"),
         (("--set", "rapc.cycle-cost=-1"), "`rapc.cycle-cost` takes 0 or more, not"),
         (
             ("--set", "rapc.futile-limit=0.5"),

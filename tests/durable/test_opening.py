@@ -249,7 +249,7 @@ def test_convert_writes_the_trace(ended: Path) -> None:
 
 def test_convert_reports_a_missing_folder(ended: Path) -> None:
     done = command("journal", "convert", "j", "--trace", "no/t.jsonl", cwd=ended)
-    said = "error: cannot write `no/t.jsonl`: no such file or directory\n"
+    said = "error: cannot write `no/t.jsonl`: missing file or folder\n"
     assert (done.returncode, done.stderr) == (2, said)
 
 

@@ -216,6 +216,11 @@ def test_command_refuses_a_changed_library_without_take_up(tmp_path: Path) -> No
         ((ROCKS, "--journal", "j", "--trace-format", "text"), "--trace-format text"),
         (("--resume", "j", "--seed", "3"), "cannot change the start of a resumed run"),
         (("--resume", "missing"), "`missing` is not a journal"),
+        (("--resume", ROCKS), f"`{ROCKS}` is not a journal"),
+        (
+            (ROCKS, *ORDER, "--journal", ROCKS),
+            f"cannot write `{ROCKS}`: the file exists",
+        ),
         (("--resume", "j", "--journal", "k"), "--journal cannot be used with --resume"),
         ((), "missing argument 'PATH'"),
         ((ROCKS,), "missing option '--world'"),

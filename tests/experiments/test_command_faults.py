@@ -178,7 +178,7 @@ def test_unwritable_or_unreadable_results(copied: Path) -> None:
             ["chapter"],
             "error: unknown experiment `chapter`\n  did you mean `chapter6`?\n",
         ),
-        (["none.toml"], "error: cannot read `none.toml`: no such file or directory\n"),
+        (["none.toml"], "error: cannot read `none.toml`: missing file or folder\n"),
         (
             ["truck.toml", "--part", "drop"],
             "error: the experiment `truck` has no part `drop`\n"
@@ -186,8 +186,12 @@ def test_unwritable_or_unreadable_results(copied: Path) -> None:
         ),
         (["truck.toml", "--seeds", "0"], "error: invalid value for '--seeds': "),
         (
+            ["truck.toml", "--out", "truck.toml"],
+            "error: cannot create `truck.toml`: the file exists\n",
+        ),
+        (
             ["truck.toml", "--out", "truck.toml/x"],
-            "error: cannot create `truck.toml/x`",
+            "error: cannot create `truck.toml/x`: a part of the path is a file\n",
         ),
         (["bad.toml"], "error: bad.toml: unknown key `worlds`\n  did you mean"),
         (
@@ -226,9 +230,9 @@ def test_a_library_with_errors_is_not_run(truck: Path) -> None:
 @pytest.mark.slow
 def test_unwritable_tables_are_printed(copied: Path) -> None:
     (copied / "out" / "tables.md").unlink()
-    (copied / "out" / "tables.md").mkdir()
+    (copied / "out" / "tables.md").symlink_to("/dev/full")
     done = rapc("experiment", "truck.toml", "--out", "out", cwd=copied)
     assert done.returncode == 2
-    assert done.stderr == "error: cannot write in `out`: is a directory\n"
+    assert done.stderr == "error: cannot write in `out`: no space left on device\n"
     printed = (copied / "printed").read_text()
     assert done.stdout == printed.removesuffix("results, tables and plots: `out`\n")

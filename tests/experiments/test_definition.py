@@ -241,7 +241,7 @@ def test_files_are_found_by_name(tmp_path: Path) -> None:
     assert definition.experiment_file(str(file)) == file
     with pytest.raises(ExperimentError) as caught:
         definition.read_experiment(file)
-    assert caught.value.message == f"cannot read `{file}`: no such file or directory"
+    assert caught.value.message == f"cannot read `{file}`: missing file or folder"
     file.write_bytes(b"\xff")
     with pytest.raises(ExperimentError) as caught:
         definition.read_experiment(file)

@@ -389,7 +389,7 @@ def test_state_file_in_the_way_leaves_no_test(tmp_path: Path) -> None:
     (tmp_path / "it.state").write_text("kept", encoding="utf-8")
     said(shell, ":to 30", ":retry 3", ":to 60")
     told = said(shell, f":export-test {path} 3 succeeds", width=400)
-    assert "it.state`: file exists" in told
+    assert "it.state`: the file exists" in told
     assert not path.exists()
 
 

@@ -276,7 +276,7 @@ def test_saved_state_of_another_kind_is_refused(tmp_path: Path) -> None:
         assert message in happened(outcome)[0]
     (tmp_path / "it.state").unlink()
     missing = happened(outcome_of(tmp_path, clauses))[0]
-    assert missing.endswith("it.state`: no such file or directory")
+    assert missing.endswith("it.state`: missing file or folder")
 
 
 def places(value: object, *above: object) -> Iterator[tuple[Any, ...]]:

@@ -134,7 +134,7 @@ def test_values_take_the_kind_of_their_option() -> None:
         ("count", "1.5", "`toy.count` takes one integer, not `1.5`"),
         ("loud", "yes", "`toy.loud` takes `true` or `false`, not `yes`"),
         ("shape", "two words", "`toy.shape` takes one symbol, not `two words`"),
-        ("note", "@/no/such/file", "cannot read `/no/such/file`: no such file"),
+        ("note", "@/no/such/file", "cannot read `/no/such/file`: missing file"),
         ("spede", "1", "the world `toy` has no option `spede`"),
     ],
 )
