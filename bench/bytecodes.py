@@ -16,6 +16,7 @@ from typing import Any
 import rapc
 from bench.common import Figure
 from bench.profiles import adapter, firings
+from rapc.base.gc_paused import gc_paused
 
 MONITORS = 1000
 BRANCHES, DEPTH = 3, 8
@@ -35,11 +36,12 @@ def count(work: Callable[[], object]) -> int:
         return trace
 
     before = sys.gettrace()
-    sys.settrace(trace)
-    try:
-        work()
-    finally:
-        sys.settrace(before)
+    with gc_paused():  # its callbacks may be Python
+        sys.settrace(trace)
+        try:
+            work()
+        finally:
+            sys.settrace(before)
     return found
 
 

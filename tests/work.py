@@ -7,6 +7,8 @@ from collections.abc import Callable
 from types import FrameType
 from typing import Any
 
+from rapc.base.gc_paused import gc_paused
+
 
 def lines(run: Callable[[], object]) -> int:
     """How many lines of Python something executes."""
@@ -18,9 +20,10 @@ def lines(run: Callable[[], object]) -> int:
         return step
 
     before = sys.gettrace()
-    sys.settrace(step)
-    try:
-        run()
-    finally:
-        sys.settrace(before)
+    with gc_paused():  # its callbacks may be Python
+        sys.settrace(step)
+        try:
+            run()
+        finally:
+            sys.settrace(before)
     return count
