@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+import signal
 import sys
 from collections.abc import Generator
 from contextlib import suppress
@@ -548,7 +549,13 @@ def _add_files(server: Server) -> None:
 
 
 def serve() -> None:
-    """Serve the editor on standard input and output until it ends the session."""
+    """Serve the editor on standard input and output until it ends the session.
+
+    Ctrl-C ends the process at once by the system's default: otherwise pygls would wait
+    for the thread that reads standard input, until the editor closes the stream.
+    """
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
     sys.setswitchinterval(0.001)  # requests do not wait long for the worker
     with os.fdopen(os.dup(1), "wb") as output:
         os.dup2(2, 1)  # what is printed by mistake must not reach the editor

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import json
 import random
 import shutil
+import signal
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from tests.lsp.client import Editor  # before lsprotocol: it skips without it
+from tests.lsp.client import PATIENCE, Editor  # before lsprotocol: it skips without it
 
 from lsprotocol import types  # isort: skip
 
@@ -157,6 +161,23 @@ def test_positions_in_utf_32_if_the_client_accepts_them(tmp_path: Path) -> None:
         editor.edit(uri, "(wait)", "(go)")
         editor.findings(uri)
         assert editor.close() == 0
+
+
+def test_ctrl_c_ends_the_server() -> None:
+    """Although the editor keeps the standard input of the server open."""
+    params: dict[str, object] = {"processId": None, "rootUri": None, "capabilities": {}}
+    request = {"jsonrpc": "2.0", "id": 1, "method": "initialize", "params": params}
+    text = json.dumps(request)
+    command = [sys.executable, "-m", "rapc", "lsp"]
+    pipe = subprocess.PIPE
+    with subprocess.Popen(command, stdin=pipe, stdout=pipe, text=True) as server:
+        assert server.stdin is not None
+        assert server.stdout is not None
+        server.stdin.write(f"Content-Length: {len(text)}\r\n\r\n{text}")
+        server.stdin.flush()
+        assert server.stdout.readline().startswith("Content-Length: ")
+        server.send_signal(signal.SIGINT)
+        assert server.wait(PATIENCE) == -signal.SIGINT
 
 
 # --- edits at random ------------------------------------------------------------------
