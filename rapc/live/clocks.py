@@ -53,6 +53,9 @@ class Clock(ABC):
     def interrupt(self, key: object) -> None:
         """End the sleep of an action, if it sleeps in simulated time."""
 
+    def shorten(self, key: object) -> None:  # noqa: B027
+        """End the sleep of an action when all others sleep, in simulated time."""
+
     @abstractmethod
     def wait(
         self,
@@ -183,6 +186,15 @@ class SimulatedClock(Clock):
             if sleep is not None:
                 self._running += 1
                 sleep[1]()
+
+    def shorten(self, key: object) -> None:
+        """End the sleep of an action when all others sleep."""
+        with self._changed:
+            sleep = self._asleep.get(key)
+            if sleep is not None:
+                self._sleeps += 1
+                heapq.heappush(self._coming, (self._time, self._sleeps, key))
+                self._asleep[key] = self._sleeps, sleep[1]
 
     def wait(
         self,

@@ -10,6 +10,7 @@ import asyncio
 import atexit
 import inspect
 import logging
+import math
 import threading
 import weakref
 from abc import ABC
@@ -60,6 +61,10 @@ class Action:
         self.ticket = ticket
         self._driver, self._limit = driver, limit
         self._stopped, self._over = threading.Event(), threading.Event()
+        self._finished = False
+        self._outcome: Reply | str | None = None
+        #: Ends the `wait` of the action in real time.
+        self._wake: Callable[[], Any] = lambda: None
 
     @property
     def cancelled(self) -> bool:
@@ -79,6 +84,38 @@ class Action:
         if self.cancelled:
             raise Cancelled
 
+    def finish(self, outcome: Reply | str | None = None) -> None:
+        """End the `wait` of the action, which returns the outcome.
+
+        A callback of the machine may call this method, in any thread. Later calls, and
+        calls after the end of the action, have no effect.
+        """
+        if not self._finished:
+            self._outcome, self._finished = outcome, True
+            self._end_wait()
+
+    def wait(self) -> Any:
+        """Wait for `finish`; return its outcome. Raises Cancelled if cancelled."""
+        woken = threading.Event()
+        self._begin_wait(woken.set)
+        woken.wait()
+        if self.cancelled:
+            raise Cancelled
+        return self._outcome
+
+    def _begin_wait(self, wake: Callable[[], Any]) -> None:
+        """Call `wake` when the wait is over, which may be at once."""
+        if self._driver.clock.real:
+            self._wake = wake
+        else:
+            self._driver.clock.sleep(self, math.inf, wake)
+        if self._finished or self.cancelled:
+            self._end_wait()
+
+    def _end_wait(self) -> None:
+        self._wake()
+        self._driver.clock.shorten(self)
+
     def _start(self, function: Callable[..., Any], arguments: Sequence[Any]) -> None:
         """Start the action."""
         run = [function, arguments]
@@ -95,6 +132,7 @@ class Action:
     def _cancel(self) -> None:
         """Cancel the action; it ends later."""
         self._stopped.set()
+        self._wake()
         self._driver.clock.interrupt(self)
 
 
@@ -109,15 +147,16 @@ class AsyncAction(Action):
         if not isinstance(clock, SimulatedClock):
             await asyncio.sleep(seconds / clock.scale)
             return
-        loop = asyncio.get_running_loop()
-        woken: asyncio.Future[None] = loop.create_future()
-
-        def wake() -> None:
-            if not woken.done():
-                woken.set_result(None)
-
-        clock.sleep(self, seconds, lambda: loop.call_soon_threadsafe(wake))
+        woken, wake = _waking()
+        clock.sleep(self, seconds, wake)
         await woken
+
+    async def wait(self) -> Any:
+        """Wait for `finish`; return its outcome; asyncio cancels the coroutine."""
+        woken, wake = _waking()
+        self._begin_wait(wake)
+        await woken
+        return self._outcome
 
     def _start(
         self,
@@ -384,6 +423,7 @@ class Driver(World, ABC):
         self, action: Action, result: object, error: BaseException | None
     ) -> None:
         """Take in the end of an action; called in its thread."""
+        action._finished = True
         with self._changed:
             ticket = action.ticket
             known = ticket is not None and self._actions.get(ticket) is action
@@ -443,6 +483,18 @@ class Driver(World, ABC):
             run = [self._loop]
             threading.Thread(target=_run_loop, args=run, daemon=True).start()
         return self._loop
+
+
+def _waking() -> tuple[asyncio.Future[None], Callable[[], Any]]:
+    """Return a future, and a function that ends it and that any thread may call."""
+    loop = asyncio.get_running_loop()
+    woken: asyncio.Future[None] = loop.create_future()
+
+    def wake() -> None:
+        if not woken.done():
+            woken.set_result(None)
+
+    return woken, lambda: loop.call_soon_threadsafe(wake)
 
 
 def _close(driver: weakref.ref[Driver]) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from io import StringIO
 from types import MappingProxyType
 from typing import Any
@@ -9,8 +10,8 @@ from typing import Any
 import pytest
 
 import rapc
-from rapc.live import Action, Driver, SimulatedClock
-from rapc.world import Fact, Kit, Offer
+from rapc.live import Action, AsyncAction, Driver, SimulatedClock
+from rapc.world import Atom, Fact, Kit, Offer
 from tests.live.rover import LIBRARY, Polled, Rover, SimulatedRover
 
 
@@ -63,6 +64,97 @@ def test_cancelled_action_cleans_up_before_the_cancel_returns(goal: str) -> None
     assert [one[0] for one in rover.log] == [0, 1]
     assert rover.log[1][1] in ("stop", "looked")
     rover.close()
+
+
+class Called(SimulatedRover):
+    """A rover whose machine calls back, from a thread of its own."""
+
+    def __init__(self, *args: Any) -> None:
+        super().__init__(*args)
+        self.waiting: dict[Atom, Action] = {}
+
+    def connect(self) -> None:
+        self.start(self.machine)
+
+    def machine(self, action: Action) -> None:
+        """Come to each room after 1 s, and say so twice."""
+        while True:
+            action.sleep(1)
+            for room in list(self.waiting):
+                waiting = self.waiting.pop(room)
+                waiting.finish("blocked" if room == "cellar" else None)
+                waiting.finish("timeout")
+
+    def do_drive(self, action: Action, room: Atom) -> Any:
+        self.waiting[room] = action
+        try:
+            return action.wait()
+        finally:
+            self.note("end", room)
+
+    async def do_look(self, action: AsyncAction, room: Atom) -> Any:
+        self.waiting[room] = action
+        try:
+            return await action.wait()
+        finally:
+            self.note("end", room)
+
+
+def test_callback_ends_an_action() -> None:
+    texts = set()
+    for _ in range(20):
+        rover = Called()
+        result, text = _run(rover, "(visit hall kitchen)", "(see attic)", until=9)
+        assert result.succeeded
+        assert [one[1:] for one in rover.log] == [
+            ("end", "hall"),
+            ("end", "attic"),
+            ("end", "kitchen"),
+        ]
+        texts.add(text)
+    assert len(texts) == 1
+    assert "(drive cellar) - blocked" in _run(Called(), "(go-to cellar)", until=4)[1]
+
+
+@pytest.mark.parametrize("goal", ["(go-to hall)", "(see hall)"])
+def test_action_that_waits_can_be_cancelled(goal: str) -> None:
+    rover = Called()
+    run = rapc.loads(LIBRARY).start(rover, tasks=[goal])
+    run.call_at(0.5, lambda: run.end("cancelled"))
+    while run.step():
+        pass
+    assert rover.log == [(0.5, "end", "hall")]
+    rover.close()
+
+
+def test_callback_that_comes_before_the_wait_ends_it() -> None:
+    class Fast(SimulatedRover):
+        def do_drive(self, action: Action, room: Atom) -> Any:
+            action.finish("okay")
+            return action.wait()
+
+        async def do_look(self, action: AsyncAction, room: Atom) -> Any:
+            action.finish()
+            return await action.wait()
+
+    result, _ = _run(Fast(), "(go-to hall)", "(see hall)")
+    assert (result.succeeded, result.time) == (True, 0)
+
+
+def test_callback_in_a_thread_of_the_machine_ends_an_action_in_real_time() -> None:
+    class Real(Rover):
+        def do_drive(self, action: Action, room: Atom) -> Any:
+            threading.Thread(target=action.finish).start()
+            return action.wait()
+
+        async def do_look(self, action: AsyncAction, room: Atom) -> Any:
+            self.looking = action
+            threading.Thread(target=action.finish).start()
+            return await action.wait()
+
+    rover = Real()
+    assert _run(rover, "(go-to hall)", "(see hall)")[0].succeeded
+    rover.looking.finish()  # of an ended action, whose loop is closed
 
 
 def test_timeout_ends_the_request_and_cancels_the_action() -> None:
