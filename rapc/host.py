@@ -362,6 +362,11 @@ def planner_of(asked: str | Engine | None) -> Planner:
     return partial(_planning("solver").plan_for_task, engine=found)
 
 
+def engine_of(planner: Planner | None) -> Engine | None:
+    """Return the engine that a planner from `planner_of` asks first, if any."""
+    return planner.keywords["engine"] if isinstance(planner, partial) else None
+
+
 def _engine(asked: str | Engine | None) -> Engine | None:
     if asked is None or isinstance(asked, str):
         return engine(asked or BUILT_IN)

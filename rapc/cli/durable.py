@@ -229,7 +229,7 @@ class Resumed(Begun):
 
     def __init__(self, given: Mapping[str, Any]) -> None:
         from rapc.durable.folder import read_meta
-        from rapc.durable.runs import Resumption, enclosed
+        from rapc.durable.runs import Resumption, enclosed, planner_for
 
         folder = Path(given["resume"])
         self._meta = read_meta(folder)
@@ -237,7 +237,13 @@ class Resumed(Begun):
         loaded = load_checked(spec.library)
         self._resumption = Resumption(folder, loaded, take_up=given["take_up"])
         world = spec.world_class or spec.world
-        made = prepared(self._resumption.program, spec, world, enclosed(self._meta))
+        made = prepared(
+            self._resumption.program,
+            spec,
+            world,
+            enclosed(self._meta),
+            planner=planner_for(self._meta),
+        )
         super().__init__(made, given, spec.until, self._meta.trace or None)
 
     def begin(self) -> None:

@@ -90,6 +90,8 @@ def _described(folder: Path) -> Iterator[str]:
     past = past_of(stored.records, snapshot.cycle if snapshot else 0)
     yield f"library   {spec.library}"
     yield f"world     {spec.world_class or spec.world}"
+    if meta.engine is not None:
+        yield f"engine    {meta.engine.name}"
     yield f"seed      {spec.seed}"
     for task in spec.tasks:
         yield f"task      {task}"

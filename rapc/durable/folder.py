@@ -56,6 +56,15 @@ class Options(msgspec.Struct, frozen=True):
     after_crash: dict[str, str] = {}
 
 
+class KeptEngine(msgspec.Struct, frozen=True):
+    """The planner of a run that is not part of rapc: the arguments of `rapc.engine`."""
+
+    name: str
+    #: None for an engine of the host's own, which `rapc.engine` does not make.
+    timeout: float | None = None
+    costs: bool = True
+
+
 class Meta(msgspec.Struct, frozen=True):
     """All that is known of a run before its first record."""
 
@@ -68,6 +77,8 @@ class Meta(msgspec.Struct, frozen=True):
     #: The file of the trace, or an empty text.
     trace: str
     options: Options
+    #: None for the planner of rapc.
+    engine: KeptEngine | None = None
 
 
 class Snapshot(msgspec.Struct, frozen=True):

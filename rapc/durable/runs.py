@@ -9,7 +9,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import msgspec
 
@@ -27,7 +27,7 @@ from rapc.debug.acts import (
 from rapc.debug.history import Done
 from rapc.debug.reload import TakeUp, changed
 from rapc.durable import folder as files
-from rapc.durable.folder import META, Lock, Meta, Options, Stored, Writer
+from rapc.durable.folder import META, KeptEngine, Lock, Meta, Options, Stored, Writer
 from rapc.durable.journal import Journal, Report, Trace
 from rapc.durable.records import (
     Acted,
@@ -40,12 +40,17 @@ from rapc.durable.records import (
 )
 from rapc.durable.resuming import Decide, ResumedWorld, Sent, go_on
 from rapc.errors import Error, LoadError, StateError
-from rapc.host import find_plan
+from rapc.host import engine as find_engine
+from rapc.host import engine_of, planner_of
 from rapc.runtime.answers import Answer, Answers, Position
 from rapc.runtime.events.trace import JsonTrace
 from rapc.runtime.interpreter import Interpreter
+from rapc.runtime.planner import Planner
 from rapc.runtime.task_request import TaskRequest, read_task_request
 from rapc.world import Atom, Fact, Savable, Time, World
+
+if TYPE_CHECKING:
+    from rapc.planning.engines import Engine
 
 
 class Past(NamedTuple):
@@ -288,7 +293,8 @@ def begin(
     spec = msgspec.structs.replace(run.spec, until=until)
     library = act_lines.library_in_text(run.library)
     named = "" if trace is None else str(trace)
-    files.create(folder, Meta(VERSION, spec, library, run.now, named, options))
+    meta = Meta(VERSION, spec, library, run.now, named, options, _kept(run.planner))
+    files.create(folder, meta)
     journal = Journal(folder, Writer(folder, 1), options, reports)
     run.keep_answers().position = Position()
     journal.follow(run)
@@ -307,6 +313,7 @@ def resume(
     decide: Decide = lambda request: "fail",
     trace: Path | None = None,
     take_up: bool = False,
+    engine: Engine | None = None,
     **code: Any,
 ) -> DurableRun:
     """Resume a run from its journal.
@@ -319,6 +326,7 @@ def resume(
         decide: decides on requests under way whose treatment is `ask`.
         trace: the file for its trace; it continues the trace of the first process.
         take_up: whether the library may differ from that of the run.
+        engine: the engine of the run, if `rapc.engine` did not make it.
         code: `functions`, `solvers`, `comparators`: see `Interpreter.prepared`.
 
     Raises:
@@ -327,14 +335,41 @@ def resume(
     found = Resumption(folder, library, take_up=take_up)
     meta = found.stored.meta
     try:
-        enclosing = enclosed(meta)(world)
+        planner, enclosing = planner_for(meta, engine), enclosed(meta)(world)
         run = Interpreter.prepared(
-            found.program, enclosing, meta.spec, planner=find_plan, **code
+            found.program, enclosing, meta.spec, planner=planner, **code
         )
         return found.resume(run, options or meta.options, decide, trace=trace)
     except BaseException:
         found.release()
         raise
+
+
+def _kept(planner: Planner | None) -> KeptEngine | None:
+    """Return the engine that a planner asks first, for a journal."""
+    engine = engine_of(planner)
+    if engine is None:
+        return None
+    timeout = getattr(engine, "timeout", None)
+    return KeptEngine(engine.name, timeout, getattr(engine, "costs", True))
+
+
+def planner_for(meta: Meta, engine: Engine | None = None) -> Planner:
+    """Return the planner of a run from a journal, which asks the same engine as before.
+
+    Raises:
+        StateError: without `engine` for an engine of the host's own.
+        PlanError: for an engine that is not installed.
+    """
+    kept = meta.engine
+    if engine is None and kept is not None:
+        if kept.timeout is None:
+            raise StateError(
+                f"cannot resume: the run asks the engine `{kept.name}` of a program",
+                "resume the run in this program, with `engine`",
+            )
+        engine = find_engine(kept.name, kept.timeout, costs=kept.costs)
+    return planner_of(engine)
 
 
 def _traced(run: Interpreter, trace: Path | None, size: int = 0) -> Trace | None:
