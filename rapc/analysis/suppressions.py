@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_left, bisect_right
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cache
 from itertools import accumulate
 
@@ -25,7 +25,7 @@ from rapc.base.diagnostics import (
 )
 from rapc.base.names import Suggestions
 from rapc.base.source import SourceFile, Span
-from rapc.parser.syntax import Comment, Datum, List
+from rapc.parser.syntax import Comment, lists
 from rapc.parser.unit import SourceUnit
 
 UNUSED = Rule(
@@ -177,20 +177,10 @@ def _first_forms(unit: SourceUnit) -> Mapping[int, Span]:
     """Return, for each row that a list begins on, the outermost of those lists."""
     source = unit.file
     starts: dict[int, Span] = {}
-    for one in _lists(unit.data):
+    for one in lists(unit.data):
         row = source.position(one.start).row
         starts.setdefault(row, source.span(one.start, one.end))
     return starts
-
-
-def _lists(data: Iterable[Datum]) -> Iterator[List]:
-    """Yield all lists among some data and inside the data, in the order of the text."""
-    stack = list(data)[::-1]
-    while stack:
-        datum = stack.pop()
-        if isinstance(datum, List):
-            yield datum
-            stack.extend(reversed(datum.items))
 
 
 def _rows_with_text(source: SourceFile) -> Sequence[int]:

@@ -11,7 +11,7 @@ from rapc.ir import nodes
 from rapc.ir.walk import steps
 from rapc.library.library import KINDS, Named, name_span, own_methods
 from rapc.lsp.workspace import View, Workspace
-from rapc.parser.syntax import Datum, List
+from rapc.parser.syntax import lists
 
 _MOST = 500
 """The number of symbols that a search of the workspace returns."""
@@ -109,10 +109,10 @@ def folding_ranges(view: View) -> list[types.FoldingRange]:
     """Return the lists and comments of a file that take more than one line."""
     unit = view.part.units[view.name]
     comment = types.FoldingRangeKind.Comment
-    lists = _rows(view, ((one.start, one.end) for one in _lists(unit.data)))
+    forms = _rows(view, ((one.start, one.end) for one in lists(unit.data)))
     comments = _rows(view, _blocks(view, [one.span for one in unit.comments]))
     return [
-        *(types.FoldingRange(start, end) for start, end in lists),
+        *(types.FoldingRange(start, end) for start, end in forms),
         *(types.FoldingRange(start, end, kind=comment) for start, end in comments),
     ]
 
@@ -126,16 +126,6 @@ def _rows(view: View, spans: Iterable[tuple[int, int]]) -> Iterator[tuple[int, i
         if last > first and first not in seen:
             seen.add(first)
             yield first, last
-
-
-def _lists(data: Sequence[Datum]) -> Iterator[List]:
-    """Yield lists with the lists in them, in the order of the text."""
-    stack = list(data)[::-1]
-    while stack:
-        datum = stack.pop()
-        if isinstance(datum, List):
-            yield datum
-            stack.extend(reversed(datum.items))
 
 
 def _blocks(view: View, spans: Sequence[Span]) -> Iterator[tuple[int, int]]:

@@ -7,6 +7,8 @@ Not here: the meaning of data (`rapc.parser.special`).
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
+
 import msgspec
 
 from rapc.base.diagnostics import Diagnostic
@@ -71,6 +73,16 @@ class List(msgspec.Struct, frozen=True, gc=False):
 
 
 Datum = Symbol | Arrow | Variable | Keyword | Numeral | String | List
+
+
+def lists(data: Iterable[Datum]) -> Iterator[List]:
+    """Yield all lists among some data and inside the data, in the order of the text."""
+    stack = list(data)[::-1]
+    while stack:
+        datum = stack.pop()
+        if isinstance(datum, List):
+            yield datum
+            stack.extend(reversed(datum.items))
 
 
 class TopLevel(msgspec.Struct, frozen=True, gc=False):
