@@ -23,6 +23,7 @@ from rapc.base.graph import reachable
 from rapc.base.source import SourceFile, Span
 from rapc.ir import nodes
 from rapc.library.library import Library, name_span
+from rapc.library.signature import Declared
 
 MISSING_REQUIRE = Rule(
     code="RAP088",
@@ -109,17 +110,7 @@ def _homes(library: Library) -> dict[tuple[str, str], nodes.TopForm]:
     }
 
 
-_NAMED = (
-    nodes.DefineRap
-    | nodes.DeclareProposition
-    | nodes.DeclareProperty
-    | nodes.DeclareFunction
-    | nodes.DefineQuery
-    | nodes.DeclarePrimitive
-    | nodes.DeclareDatum
-    | nodes.DeclareSkill
-    | nodes.DeclareEvent
-)
+_NAMED = nodes.DefineRap | Declared
 """The forms whose names are used in other forms."""
 
 
