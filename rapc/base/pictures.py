@@ -10,11 +10,13 @@ Pictures that follow each other are written as changes: the form is a JSON merge
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, Literal, get_args
+from typing import Any, Literal, TypeVar, get_args
 
 import msgspec
 
 from rapc.base.values import Atom, Fact
+
+T = TypeVar("T")
 
 Point = tuple[float, float]
 """A point on a plan: to the right and up, in metres."""
@@ -160,6 +162,15 @@ class Picture(msgspec.Struct, frozen=True):
     gauges: tuple[Gauge, ...] = ()
     plan: Plan | None = None
     said: str = ""
+
+
+def outermost(place: T, places: Mapping[T, T]) -> T:
+    """Return the place of a place of a place, and so on; `places` may have circles."""
+    passed = {place}
+    while place in places and places[place] not in passed:
+        place = places[place]
+        passed.add(place)
+    return place
 
 
 # --- pictures as plain data -----------------------------------------------------------

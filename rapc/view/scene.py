@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from rapc.base import values
-from rapc.base.pictures import DIRECTIONS
+from rapc.base.pictures import DIRECTIONS, outermost
 from rapc.base.values import format_atom
 
 Shape = tuple[str, dict[str, Any], str]
@@ -111,7 +111,7 @@ class Beliefs:
             item, kind = words[1], words[2]
             if item in places and item not in seen:
                 seen.add(item)
-                here = found.setdefault(_outermost(places[item], places), {})
+                here = found.setdefault(outermost(places[item], places), {})
                 key = kind, looks.get(item, "")
                 here[key] = here.get(key, 0) + 1
         return found
@@ -130,14 +130,6 @@ class Beliefs:
                 if len(pair) == 2 and pair[0] != pair[1]:
                     found.add((min(pair), max(pair)))
         return sorted(found)
-
-
-def _outermost(place: str, places: Mapping[str, str]) -> str:
-    passed = {place}
-    while place in places and places[place] not in passed:
-        place = places[place]
-        passed.add(place)
-    return place
 
 
 def word(atom: Any) -> str:

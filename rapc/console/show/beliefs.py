@@ -7,8 +7,9 @@ unrelated to the names in a world.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 
+from rapc.base.pictures import outermost
 from rapc.base.values import Atom, format_atom
 from rapc.runtime.memory.access import MemoryView
 from rapc.world import Picture, Thing
@@ -38,7 +39,7 @@ def believed_contents(memory: MemoryView, picture: Picture) -> dict[str, Content
     for place, contents in held.items():
         for kind in {kind for kind, _ in contents}:
             _leave(contents, kind, memory.count(kind, place))
-        at = format_atom(_outermost(place, places))
+        at = format_atom(outermost(place, places))
         found.setdefault(at, Counter()).update(contents)
     return found
 
@@ -60,14 +61,6 @@ def _leave(contents: Contents, kind: str, count: int) -> None:
 
 def _look(value: Atom | None) -> str:
     return "" if value is None else format_atom(value)
-
-
-def _outermost(place: Atom, places: Mapping[Atom, Atom]) -> Atom:
-    passed = {place}
-    while place in places and places[place] not in passed:
-        place = places[place]
-        passed.add(place)
-    return place
 
 
 def contents_in_words(contents: Contents) -> str:
