@@ -149,10 +149,11 @@ class Prompt:
 
     def run(self) -> None:
         """Answer inputs until the user leaves."""
-        with _pausing(self._shell) as fresh:
-            self._answer_inputs(fresh)
+        interrupts = _Interrupts(self._shell)
+        with interrupts.handled():
+            self._answer_inputs(interrupts)
 
-    def _answer_inputs(self, fresh: Callable[[], None]) -> None:
+    def _answer_inputs(self, interrupts: _Interrupts) -> None:
         shell = self._shell
         greeting = [f"{shell.history.stand()}; {GREETING}"]
         if shell.recording:
@@ -163,7 +164,7 @@ class Prompt:
         while not shell.left:
             self._typed = False
             try:
-                text = self._session.prompt(pre_run=fresh, handle_sigint=False)
+                text = interrupts.read(self._session)
             except EOFError:
                 return
             except KeyboardInterrupt:
@@ -203,50 +204,75 @@ class Prompt:
         return visible("  ".join([*words, *more]))[: max(width, 1)]
 
 
-@contextmanager
-def _pausing(shell: Shell) -> Iterator[Callable[[], None]]:
-    """Handle Ctrl-C: the first pauses the run, the second interrupts the command.
+class _Interrupts:
+    """The handling of Ctrl-C in a session.
 
-    While the user types an input, Ctrl-C clears the input. The terminal then reports
-    Ctrl-C as a key. Ctrl-C arrives as a signal if another process sends the signal, or
-    while the prompt starts or ends. The default handler of the prompt is not used,
-    because that handler fails after the input is sent.
+    The first Ctrl-C pauses the run, the second interrupts the command. While the user
+    types an input, Ctrl-C clears the input. The terminal then reports Ctrl-C as a key.
+    Ctrl-C arrives as a signal if another process sends the signal, or while the prompt
+    starts or ends. The default handler of the prompt is not used, because that handler
+    fails after the input is sent.
 
-    Yields:
-        a function to call before each input; the function resets the count of Ctrl-C.
+    Args:
+        shell: the shell whose run is paused.
     """
-    times = 0
 
-    def pause() -> None:
-        nonlocal times
-        times += 1
-        if times > 1:
+    def __init__(self, shell: Shell) -> None:
+        self._shell = shell
+        self._times = 0
+        #: Whether the prompt starts, reads or ends: an exception between two
+        #: instructions of its event loop would leave the loop half made or half closed.
+        self._prompts = False
+
+    @contextmanager
+    def handled(self) -> Iterator[None]:
+        """Handle the signal in the block."""
+        before = signal.signal(signal.SIGINT, self._take)
+        try:
+            yield
+        finally:
+            signal.signal(signal.SIGINT, before)
+
+    def read(self, session: PromptSession[str]) -> str:
+        """Return an input.
+
+        Raises:
+            EOFError: at the end of the inputs.
+            KeyboardInterrupt: if Ctrl-C has cleared the input, or was pressed twice
+                after the input was sent.
+        """
+        self._prompts = True
+        try:
+            text = session.prompt(pre_run=self._forget, handle_sigint=False)
+        finally:
+            self._prompts = False
+        if self._times > 1:
             raise KeyboardInterrupt
-        shell.history.pause()
+        return text
 
-    def clear(prompt: Application[str]) -> None:
+    def _forget(self) -> None:
+        self._times = 0
+        self._shell.history.pause(False)
+
+    def _take(self, number: int, frame: FrameType | None) -> None:
+        """Take a signal."""
+        prompt = get_app_or_none()
+        if prompt is not None and prompt.loop is not None and _is_typed(prompt):
+            prompt.loop.call_soon_threadsafe(self._clear, prompt)
+        else:
+            self._pause()
+
+    def _clear(self, prompt: Application[str]) -> None:
         if _is_typed(prompt):
             prompt.exit(exception=KeyboardInterrupt(), style="class:aborting")
         else:
-            pause()
+            self._pause()
 
-    def interrupted(number: int, frame: FrameType | None) -> None:
-        prompt = get_app_or_none()
-        if prompt is not None and prompt.loop is not None and _is_typed(prompt):
-            prompt.loop.call_soon_threadsafe(clear, prompt)
-        else:
-            pause()
-
-    def fresh() -> None:
-        nonlocal times
-        times = 0
-        shell.history.pause(False)
-
-    before = signal.signal(signal.SIGINT, interrupted)
-    try:
-        yield fresh
-    finally:
-        signal.signal(signal.SIGINT, before)
+    def _pause(self) -> None:
+        self._times += 1
+        if self._times > 1 and not self._prompts:
+            raise KeyboardInterrupt
+        self._shell.history.pause()
 
 
 def _is_typed(prompt: Application[str]) -> bool:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import asyncio
 import signal
+from asyncio import AbstractEventLoop
 from collections.abc import Callable, Iterator
 
 import pytest
@@ -99,3 +101,28 @@ def test_two_signals_after_the_input_was_sent_take_it_back(
     assert sent
     assert "press Ctrl-C again to quit" in said
     assert "considering" not in said
+
+
+def test_signals_while_the_prompt_starts_are_forgotten(
+    keys: PipeInput,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """No event loop, nor the coroutine of the prompt, is left half made."""
+    sent: list[str] = []
+    make = asyncio.events.new_event_loop
+
+    def interrupted() -> AbstractEventLoop:
+        loop = make()
+        if not sent:
+            sent.append("twice")
+            signal.raise_signal(signal.SIGINT)
+            signal.raise_signal(signal.SIGINT)
+        return loop
+
+    monkeypatch.setattr(asyncio.events, "new_event_loop", interrupted)
+    keys.send_text(":step\r:quit\r")
+    said = _run(lambda app: None, capsys)
+    assert sent
+    assert "press Ctrl-C" not in said
+    assert "cycle 1, time 0" in said
