@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from rapc.durable.folder import Options
     from rapc.durable.journal import Report
     from rapc.durable.runs import DurableRun
+    from rapc.runtime.events.recorder import Listener
+    from rapc.view.control import Control
     from rapc.world import Time, World
 
 UNDECIDED = 3
@@ -114,6 +116,8 @@ class Course:
         self.first, self.until = run, until
         #: The reports on the run, whose state is part of a snapshot.
         self.reports: Sequence[Report] = ()
+        #: The control of the run by the readers of its page.
+        self.control: Control | None = None
 
     @property
     def run(self) -> Interpreter:
@@ -122,11 +126,14 @@ class Course:
 
     def begin(self) -> None:
         """Begin the run."""
-        self.run.start()
+        self.run.start(None if self.control is None else self.until)
 
     def go(self) -> None:
         """Run to the end."""
-        self.run.run(until=self.until)
+        if self.control is None:
+            self.run.run(until=self.until)
+        else:
+            self.control.go(self.run)
 
     def cancel(self) -> None:
         """End the run early."""
@@ -134,35 +141,6 @@ class Course:
 
     def close(self) -> None:
         """Close the files of the run."""
-
-
-class Controlled(Course):
-    """A run that the readers of its page control.
-
-    Args:
-        run: the run; it has not begun.
-        until: its time limit.
-        paused: whether the run pauses before its first cycle.
-    """
-
-    def __init__(self, run: Interpreter, until: Time | None, *, paused: bool) -> None:
-        from rapc.view.control import Control
-
-        super().__init__(run, until)
-        self.control = Control(run, paused=paused)
-
-    @property
-    def run(self) -> Interpreter:
-        """Return the run."""
-        return self.control.run
-
-    def begin(self) -> None:
-        """Begin the run."""
-        self.run.start(self.until)
-
-    def go(self) -> None:
-        """Run to the end."""
-        self.control.go()
 
 
 class Begun(Course):
@@ -207,7 +185,10 @@ class Begun(Course):
     def go(self) -> None:
         """Run to the end."""
         assert self._durable is not None
-        self._durable.go()
+        if self.control is None:
+            self._durable.go()
+        else:
+            self.control.go(self.run, self._durable)
 
     def cancel(self) -> None:
         """End the run early; its journal does not have this end."""
@@ -245,6 +226,14 @@ class Resumed(Begun):
             planner=planner_for(self._meta),
         )
         super().__init__(made, given, spec.until, self._meta.trace or None)
+        #: Receives the events in place of those before the snapshot of the journal.
+        self.hear_past: Listener | None = None
+
+    @property
+    def unknown(self) -> int:
+        """The cycle up to which the events of the run are not repeated."""
+        snapshot = self._resumption.stored.snapshot
+        return 0 if snapshot is None else snapshot.cycle
 
     def begin(self) -> None:
         """Leave the beginning to `go`, which may take some time."""
@@ -257,6 +246,7 @@ class Resumed(Begun):
             _decide,
             trace=None if self._trace is None else Path(self._trace),
             reports=self.reports,
+            hear_past=self.hear_past,
         )
         super().go()
 

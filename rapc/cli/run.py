@@ -30,7 +30,6 @@ from rapc.cli.common import (
 )
 from rapc.cli.durable import (
     Begun,
-    Controlled,
     Course,
     JournalOptions,
     Resumed,
@@ -180,7 +179,7 @@ def run(
     on. Standard error has the address. Readers need its token; they see the run from
     its start. Without PORT, the server takes a free port. After the end of the run the
     server waits for Ctrl-C. Readers may pause the run, step, submit tasks, assert facts
-    and force results; with --save, they only watch.
+    and force results, which a journal records; with --save, they only watch.
 
     With --journal, the run can be resumed after the end of its process: `rapc run
     --resume FOLDER` continues the run and its trace. FOLDER names the world, whose code
@@ -199,15 +198,15 @@ def run(
         raise click.UsageError("--show-every requires --show")
     if save is not None and until is None:
         raise click.UsageError("--save requires --until")
-    if port is not None and (more["journal"] or more["resume"]):
-        raise click.UsageError("--view cannot be used with --journal or --resume")
     if paused and (port is None or save is not None):
         raise click.UsageError("--paused requires --view, without --save")
     keep = _keeping(kept)
     traced = trace, trace_format, trace_pictures
     course = _course(path, world_name, until, save, traced, more)
     if port is not None and save is None:
-        course = Controlled(course.run, course.until, paused=paused)
+        from rapc.view.control import Control
+
+        course.control = Control(paused=paused)
     interpreter = course.run
     files = interpreter.library.library.files
     wanted = show or trace_pictures
@@ -222,7 +221,7 @@ def run(
     with ExitStack() as stack, _ended_by_interrupts(course):
         stack.callback(lambda: keep(course.run, str(path)))
         with interrupts_held():
-            live = _followed(stack, course, str(path), traced, port)
+            live = _followed(stack, course, path, traced, port)
             interpreter.listen(report, *RunReport.kinds)
             interpreter.listen(mended, *MendedFailures.kinds)
             interpreter.listen(
@@ -244,7 +243,7 @@ def run(
 def _followed(
     stack: ExitStack,
     course: Course,
-    name: str,
+    path: str | None,
     traced: tuple[str | None, str, bool],
     port: int | None,
 ) -> Live | None:
@@ -255,13 +254,13 @@ def _followed(
     trace, trace_format, _ = traced
     run, stream, live = course.run, None, None
     if trace is not None:
-        refuse_trace(trace, [name, *run.library.library.files], run.world)
+        refuse_trace(trace, [str(path), *run.library.library.files], run.world)
         if not isinstance(course, Begun):
             stream = stack.enter_context(_opened(trace))
     # One encoding serves the file and the readers.
     shared = stream if trace_format == "jsonl" else None
     if port is not None:
-        live = _served(course, name, port, shared)
+        live = _served(course, path or run.spec.library, port, shared)
         stack.callback(live.feed.end)
     if stream is not None and (live is None or shared is None):
         run.listen((TextTrace if shared is None else JsonTrace)(stream))
@@ -273,12 +272,17 @@ def _served(course: Course, name: str, port: int, trace: TextIO | None) -> Live:
 
     A port that cannot be used ends the command.
     """
-    from rapc.view.page import live_page
+    from rapc.view.page import live_page, unknown_start
 
-    control = course.control if isinstance(course, Controlled) else None
-    commands = () if control is None else control.commands()
-    live = serve(live_page(course.run, name, commands), port, control, trace)
-    course.run.listen(JsonTrace(live.feed))
+    commands, note = () if course.control is None else course.control.commands(), ""
+    if isinstance(course, Resumed) and course.unknown:
+        note = unknown_start(course.unknown)
+    text = live_page(course.run, name, commands, note)
+    live = serve(text, port, course.control, trace)
+    heard = JsonTrace(live.feed)
+    course.run.listen(heard)
+    if isinstance(course, Resumed):
+        course.hear_past = heard
     return live
 
 

@@ -49,7 +49,7 @@ from rapc.experiments.points import Point
 from rapc.experiments.run import resolved
 from rapc.experiments.session import Batch
 from rapc.runtime.events.trace import record
-from rapc.view.page import live_page, page
+from rapc.view.page import live_page, page, unknown_start
 from rapc.view.pictures import Pictures
 from rapc.view.svg import svg
 from rapc.view.viewed import Viewed, stream_trace
@@ -335,7 +335,7 @@ def _unknown(history: History) -> list[str]:
     first = history.beginning
     if first == Moment(0):
         return []
-    return [f"what happened up to cycle {first.cycle} is unknown"]
+    return [unknown_start(first.cycle)]
 
 
 def _recorded(path: Path, world_name: str | None) -> Viewed:

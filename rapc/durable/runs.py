@@ -43,6 +43,7 @@ from rapc.errors import Error, LoadError, StateError
 from rapc.host import engine as find_engine
 from rapc.host import engine_of, planner_of
 from rapc.runtime.answers import Answer, Answers, Position
+from rapc.runtime.events.recorder import Listener
 from rapc.runtime.events.trace import JsonTrace
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.planner import Planner
@@ -435,6 +436,7 @@ class Resumption:
         *,
         trace: Path | None = None,
         reports: Sequence[Report] = (),
+        hear_past: Listener | None = None,
     ) -> DurableRun:
         """Return the run, as far as the journal knows it.
 
@@ -444,6 +446,8 @@ class Resumption:
             decide: decides on requests under way whose treatment is `ask`.
             trace: the file of its trace.
             reports: listeners whose state is part of a snapshot.
+            hear_past: receives the events in place of those before the snapshot, if
+                there is one: see `Interpreter.past`.
 
         Raises:
             Error: if the run cannot be continued.
@@ -480,6 +484,9 @@ class Resumption:
             run.restore(snapshot.run)
             for report, state in zip(reports, snapshot.reports, strict=False):
                 report.take_up(state)
+            if hear_past is not None:
+                for event in run.past():
+                    hear_past(event)
         run.in_journal = True
         durable.repeat(past.acts)
         if self._changed:

@@ -11,14 +11,15 @@ import sys
 from collections.abc import Iterable, Sequence
 from io import StringIO
 from pathlib import Path
+from typing import Protocol
 
 from rapc.base.names import did_you_mean
 from rapc.base.outputs import Output, check_output
 from rapc.base.resources import Value
 from rapc.console.findings import concise
-from rapc.debug.acts import SubmitTask
+from rapc.debug.acts import Act, SubmitTask
 from rapc.debug.answer import Answer, Command, failure, in_pairs, say, table
-from rapc.debug.arguments import is_balanced, split
+from rapc.debug.arguments import Arguments, is_balanced, split
 from rapc.debug.breakpoints import Breakpoints
 from rapc.debug.history import Branch, History
 from rapc.debug.log import ToldEvent
@@ -28,7 +29,8 @@ from rapc.events import PrimitiveEnded, PrimitiveRequested
 from rapc.host import CheckError
 from rapc.language.heads import ALONE, QUERIES
 from rapc.runtime.events.trace import TextTrace
-from rapc.runtime.task_request import read_task_request
+from rapc.runtime.interpreter import Interpreter
+from rapc.runtime.task_request import TaskRequest, read_task_request
 from rapc.world import innermost
 
 _WATCHED = 3
@@ -39,6 +41,19 @@ MOST = 50
 
 
 _OF_REQUESTS = (PrimitiveRequested, PrimitiveEnded)
+
+
+class Actor(Protocol):
+    """A run on which a user acts."""
+
+    def act(self, act: Act) -> Answer:
+        """Perform an act; return the answer. Raises Error if it is impossible."""
+
+    def submit(self, text: str) -> Answer:
+        """Submit a task. Raises Error if that is impossible."""
+
+    def task(self, args: Arguments) -> int:
+        """Take the next argument as a task. Raises Error if it is none."""
 
 
 class Shell:
@@ -111,7 +126,7 @@ class Shell:
                 return self._command(text[1:])
             return self._rap_text(text)
         except (Error, ValueError) as error:
-            return failure(*_refusal(error))
+            return refusal(error)
 
     def _command(self, text: str) -> Answer:
         name, _, rest = text.partition(" ")
@@ -233,11 +248,17 @@ class Shell:
         """Submit a task."""
         request = read_task_request(text)
         self.history.act(SubmitTask(request))
-        later = request.at is not None and request.at > self.history.now
-        number = self.history.run.created
-        return say(
-            f"submitted for a later time: {text}" if later else f"[{number}] {text}"
-        )
+        return submitted(self.history.run, request, text)
+
+    def act(self, act: Act) -> Answer:
+        """Perform an act; the answer has what happened."""
+        before, branch = self.history.serial, self.history.branch
+        self.history.act(act)
+        return say(*self.happened(before), *self.branched(branch), str(act))
+
+    def task(self, args: Arguments) -> int:
+        """Take the next argument as a task; default: the task of the last cycle."""
+        return args.task(self.history)
 
     def ask(self, text: str) -> Answer:
         """Evaluate a query over memory and return the answer with its solutions."""
@@ -272,12 +293,20 @@ class Shell:
         return table(names, rows, none="no more solutions", notes=notes)
 
 
-def _refusal(error: Error | ValueError) -> Sequence[str]:
-    """Return the lines of the error in an input."""
+def submitted(run: Interpreter, request: TaskRequest, text: str) -> Answer:
+    """Return the answer to a task that has been submitted to a run as text."""
+    later = request.at is not None and request.at > run.now
+    return say(
+        f"submitted for a later time: {text}" if later else f"[{run.created}] {text}"
+    )
+
+
+def refusal(error: Error | ValueError) -> Answer:
+    """Return the answer to an input with an error."""
     if isinstance(error, RefusedError):
-        return error.reasons
+        return failure(*error.reasons)
     if isinstance(error, CheckError):
-        return tuple(concise(error.report))
+        return failure(*concise(error.report))
     if isinstance(error, Error):
-        return (error.message, error.help) if error.help else (error.message,)
-    return (str(error),)  # a query with an unknown name
+        return failure(error.message, *([error.help] if error.help else ()))
+    return failure(str(error))  # a query with an unknown name

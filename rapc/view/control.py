@@ -2,32 +2,35 @@
 
 Readers pause the run, step, and perform acts of the debugger. Their threads only put
 requests into a queue; the thread of the run carries the requests out between two
-cycles. The run has a history from the first request on: a run that nobody controls is
-not slower. The history never goes back, because the trace has been written.
+cycles. The run never goes back, because the trace has been written.
 """
 
 from __future__ import annotations
 
 from queue import SimpleQueue
 from threading import Lock
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
 
 from rapc.base.values import readable
+from rapc.debug.acts import Act, SubmitTask
 from rapc.debug.answer import Answer, Command, failure, say
 from rapc.debug.arguments import Arguments
-from rapc.debug.history import History
-from rapc.debug.log import EventLog
-from rapc.errors import PortError, TextError
-from rapc.events import RunEnded
+from rapc.errors import Error, TextError
 from rapc.repl.commands import acting
-from rapc.repl.shell import Shell
+from rapc.repl.shell import refusal, submitted
 from rapc.runtime.interpreter import Interpreter
+from rapc.runtime.task_request import read_task_request
 from rapc.world import Time
+
+if TYPE_CHECKING:
+    from rapc.durable.runs import DurableRun
 
 _CYCLES = 64
 """The highest number of cycles between two looks for requests."""
+
+_MOVES = ("pause", "continue", "step")
 
 _ACTS = ("submit", "cancel", "assert", "erase", "signal", "force", "fail", "retry")
 
@@ -42,7 +45,6 @@ _CONTINUE = {
     "takes": "[TIME]",
     "doc": "Continue the run; with TIME, pause at that time.",
 }
-
 
 _ENDED = failure("the run has ended")
 
@@ -64,28 +66,68 @@ class _Request(NamedTuple):
     reply: SimpleQueue[Answer]
 
 
+class _Driven:
+    """A run that goes forward, and on which readers act (`rapc.repl.shell.Actor`).
+
+    Args:
+        run: the run.
+        durable: the run with its journal, if it has one; it gets the acts, too.
+    """
+
+    def __init__(self, run: Interpreter, durable: DurableRun | None) -> None:
+        self.run, self._durable = run, durable
+
+    def step(self) -> None:
+        """Run a cycle, after its time has come."""
+        (self.run if self._durable is None else self._durable).step()
+
+    def run_ready(self) -> int:
+        """Run cycles that need no wait, at most `_CYCLES`; return their number.
+
+        A run with a journal runs none: each of its cycles is a step.
+        """
+        return 0 if self._durable is not None else self.run.run_ready(_CYCLES)
+
+    def stand(self) -> str:
+        """Return the present moment as text."""
+        run = self.run
+        ended = "" if run.reason is None else f", run ended ({run.reason})"
+        return f"cycle {run.cycle}, time {readable(run.now)}{ended}"
+
+    def act(self, act: Act) -> Answer:
+        """Perform an act."""
+        if self._durable is None:
+            act.do(self.run)
+        else:
+            self._durable.act(act)
+        return say(str(act))
+
+    def submit(self, text: str) -> Answer:
+        """Submit a task."""
+        request = read_task_request(text)
+        self.act(SubmitTask(request))
+        return submitted(self.run, request, text)
+
+    def task(self, args: Arguments) -> int:
+        """Take an argument as the number of a task."""
+        return args.count("task")
+
+
 class Control:
     """A run that readers control.
 
     Args:
-        run: the run; it has not begun.
         paused: whether the run pauses before its first cycle.
     """
 
-    def __init__(self, run: Interpreter, *, paused: bool = False) -> None:
-        self._run, self._paused = run, paused
+    def __init__(self, *, paused: bool = False) -> None:
+        self._paused = paused
         #: The time at which the run pauses.
         self._until: Time | None = None
-        self._shell: Shell | None = None
         self._requests: SimpleQueue[_Request] = SimpleQueue()
         self._lock = Lock()
         #: The present state, which only the thread of the run replaces.
         self.status = Status("running")
-
-    @property
-    def run(self) -> Interpreter:
-        """Return the run; an act may replace the run."""
-        return self._run if self._shell is None else self._shell.history.run
 
     @staticmethod
     def commands() -> list[dict[str, str]]:
@@ -103,7 +145,7 @@ class Control:
             name: `pause`, `continue`, `step` or an act of the debugger.
             text: the arguments.
         """
-        if name not in ("pause", "continue", "step", *_ACTS):
+        if name not in (*_MOVES, *_ACTS):
             return failure(f"unknown request `{name}`")
         request = _Request(name, text, SimpleQueue())
         with self._lock:
@@ -114,87 +156,65 @@ class Control:
 
     # --- the thread of the run ------------------------------------------------------
 
-    def go(self) -> None:
+    def go(self, run: Interpreter, durable: DurableRun | None = None) -> None:
         """Run to the end, and carry out requests on the way.
+
+        Args:
+            run: the run.
+            durable: the run with its journal, if it has one.
 
         Raises:
             PortError: if the world breaks.
         """
+        driven = _Driven(run, durable)
         try:
-            if self._paused:
-                self._tell(self._taken())
-            while self.run.reason is None:
+            self._tell(driven)
+            while run.reason is None:
                 if self._paused or not self._requests.empty():
-                    self._carry_out(self._requests.get())
-                else:
-                    self._go_on()
-            if self._shell is not None and self.run.reason == "broken":
-                end = next(self._shell.history.log.backwards(RunEnded))
-                raise PortError(end.keys["because"])
+                    self._carry_out(driven, self._requests.get())
+                elif self._until is not None:
+                    driven.step()
+                    self._paused = run.now >= self._until
+                    self._tell(driven)
+                elif driven.run_ready() < _CYCLES and self._requests.empty():
+                    driven.step()
         finally:
             self._close()
 
-    def _go_on(self) -> None:
-        """Run until a request arrives or the time to pause has come, or for a while."""
-        shell = self._shell
-        if shell is not None:
-            shell.history.go(lambda: "" if self._is_due() else None)
-            self._paused = self._comes()
-            self._tell(shell)
-        elif self._run.run_ready(_CYCLES) < _CYCLES and self._requests.empty():
-            self._run.step()
-
-    def _is_due(self) -> bool:
-        return self._comes() or not self._requests.empty()
-
-    def _comes(self) -> bool:
-        """Return whether the time to pause has come."""
-        return self._until is not None and self.run.now >= self._until
-
-    def _carry_out(self, request: _Request) -> None:
+    def _carry_out(self, driven: _Driven, request: _Request) -> None:
         """Carry out a request, and answer, also if Ctrl-C ends the run meanwhile."""
         answer = _ENDED
         try:
-            shell = self._taken()
-            if request.name in _ACTS:
-                answer = shell.answer(f":{request.name} {request.text}")
-            else:
-                answer = self._move(shell.history, request)
-            self._tell(shell)
+            answer = self._answer(driven, request)
+            self._tell(driven)
         finally:
             request.reply.put(answer)
 
-    def _move(self, history: History, request: _Request) -> Answer:
-        """Pause, step or continue."""
-        args, until = Arguments(request.text), None
+    def _answer(self, driven: _Driven, request: _Request) -> Answer:
         try:
-            if request.name == "continue" and args:
-                until = args.time("time")
-                if until < history.now:
-                    raise TextError(f"time {readable(until)} is in the past")
-            args.end()
-        except TextError as error:
-            return failure(error.message)
-        self._paused, self._until = request.name != "continue", until
+            if request.name in _ACTS:
+                return _COMMANDS[request.name](driven, request.text)
+            self._move(driven.run, request)
+        except (Error, ValueError) as error:
+            return refusal(error)
         if request.name == "step":
-            stop = history.step()
-            if stop.kind == "broken":
-                return failure(f"run ended by an error: {stop.said}")
-        return say(history.stand())
+            driven.step()
+        return say(driven.stand())
 
-    def _taken(self) -> Shell:
-        """Return the shell of the run; make its history on the first call."""
-        if self._shell is None:
-            log = EventLog()
-            self._run.listen(log)
-            self._shell = Shell(History(self._run, log), [*_COMMANDS.values()])
-            self._shell.shows = "none"
-        return self._shell
+    def _move(self, run: Interpreter, request: _Request) -> None:
+        """Pause from now on, or continue. Raises TextError for invalid arguments."""
+        args, until = Arguments(request.text), None
+        if request.name == "continue" and args:
+            until = args.time("time")
+            if until < run.now:
+                raise TextError(f"time {readable(until)} is in the past")
+        args.end()
+        self._paused, self._until = request.name != "continue", until
 
-    def _tell(self, shell: Shell) -> None:
+    def _tell(self, driven: _Driven) -> None:
         """Report the state of the run to its readers."""
-        moment = shell.history.stand() if self._paused else ""
-        status = Status("paused" if self._paused else "running", moment)
+        state = "paused" if self._paused else "running"
+        status = Status(state, driven.stand() if self._paused else "")
         if status != self.status:
             self.status = status
 

@@ -61,6 +61,11 @@ def live_page(
     return composed(BEGINNING, _SCRIPTS, "index.html", data, policy)
 
 
+def unknown_start(cycle: int) -> str:
+    """Return the note for a run whose events up to a cycle are unknown."""
+    return f"what happened up to cycle {cycle} is unknown"
+
+
 def composed(
     beginning: str,
     scripts: Sequence[str],

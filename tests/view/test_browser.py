@@ -513,7 +513,7 @@ class Steered:
         listeners = [JsonTrace(text)]
         library = load("examples/rock-order.rap")
         run = library.start("truck", tasks=tasks, seed=7, listeners=listeners)
-        self.control = Control(run, paused=True)
+        self.run, self.control = run, Control(paused=True)
         page = live_page(run, "rock-order", self.control.commands())
         self.live = Live(page, control=self.control)
         for line in text.getvalue().splitlines(keepends=True):
@@ -528,7 +528,7 @@ class Steered:
         self.wait("html[data-ready]")
 
     def _go(self) -> None:
-        self.control.go()
+        self.control.go(self.run)
         self.live.feed.end()
 
     def wait(self, selector: str) -> None:

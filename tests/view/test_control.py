@@ -13,6 +13,7 @@ import pytest
 import rapc
 from rapc.debug.acts import AssertFact, ForceResult, SubmitTask
 from rapc.debug.history import History
+from rapc.durable.runs import DurableRun
 from rapc.errors import PortError
 from rapc.events import FactAsserted, TaskCreated
 from rapc.runtime.events.trace import JsonTrace
@@ -34,13 +35,15 @@ def truck(world: Any = "truck") -> tuple[Interpreter, StringIO]:
 
 
 @contextmanager
-def controlled(control: Control) -> Iterator[Callable[..., str]]:
+def controlled(
+    control: Control, run: Interpreter, durable: DurableRun | None = None
+) -> Iterator[Callable[..., str]]:
     """Run in a thread; give a function that asks, and let the run go on at last."""
     broken: list[PortError] = []
 
     def go() -> None:
         try:
-            control.go()
+            control.go(run, durable)
         except PortError as error:
             broken.append(error)
 
@@ -58,11 +61,10 @@ def controlled(control: Control) -> Iterator[Callable[..., str]]:
         raise broken[0]
 
 
-def paused(control: Control) -> Interpreter:
-    """Return the run, as soon as it is paused or over; it goes on between requests."""
+def wait_for_pause(control: Control) -> None:
+    """Wait until the run is paused or over; the run goes on between requests."""
     while control.status.state == "running":
         control.ask("assert", "invalid")
-    return control.run
 
 
 def untouched() -> str:
@@ -74,14 +76,15 @@ def untouched() -> str:
 @pytest.mark.parametrize("world", ["truck", machine])
 def test_pauses_and_steps_leave_the_trace_unchanged(world: Any) -> None:
     run, text = truck(world() if callable(world) else world)
-    control = Control(run, paused=True)
-    with controlled(control) as ask:
+    control = Control(paused=True)
+    with controlled(control, run) as ask:
         assert ask("pause") == "cycle 0, time 0"
         assert control.status.state == "paused"
         assert ask("step") == "cycle 1, time 0"
         assert ask("step") == control.status.moment == "cycle 2, time 0"
         assert ask("continue", "20") == "cycle 2, time 0"
-        assert not paused(control).now < 20
+        wait_for_pause(control)
+        assert run.now >= 20
         assert ask("continue").startswith("cycle ")
     assert control.status.state == "ended"
     assert text.getvalue() == untouched()
@@ -92,26 +95,18 @@ def test_run_is_paused_in_its_middle(world: Any) -> None:
     run, text = truck(world() if callable(world) else world)
     for _ in range(30):
         run.step()
-    with controlled(Control(run, paused=True)) as ask:
+    with controlled(Control(paused=True), run) as ask:
         assert ask("step").startswith("cycle 31, ")
         assert ask("assert", "(x)") == "refused: unknown predicate `x`"
     assert text.getvalue() == untouched()
 
 
-def test_run_without_requests_has_no_history() -> None:
-    run, text = truck()
-    control = Control(run)
-    control.go()
-    assert control.run is run
-    assert text.getvalue() == untouched()
-
-
 def test_acts_are_those_of_the_debugger() -> None:
     run, text = truck()
-    control = Control(run, paused=True)
-    with controlled(control) as ask:
+    control = Control(paused=True)
+    with controlled(control, run) as ask:
         ask("continue", "20")
-        paused(control)
+        wait_for_pause(control)
         said = ask("submit", "(rock-order red 1) :priority 2")
         assert said.endswith("(rock-order red 1) :priority 2")
         assert ask("assert", "(truck-status ready)") == "asserted (truck-status ready)"
@@ -134,7 +129,7 @@ def test_acts_are_events_of_the_user() -> None:
     run, _ = truck()
     heard: list[Any] = []
     run.listen(heard.append, FactAsserted, TaskCreated)
-    with controlled(Control(run, paused=True)) as ask:
+    with controlled(Control(paused=True), run) as ask:
         ask("assert", "(truck-status ready)")
         assert (heard[-1].fact, heard[-1].by) == (("truck-status", "ready"), "user")
         ask("submit", "(rock-order red 1)")
@@ -160,10 +155,10 @@ def test_acts_are_events_of_the_user() -> None:
 )
 def test_invalid_requests_change_nothing(name: str, text: str, said: str) -> None:
     run, trace = truck()
-    control = Control(run, paused=True)
-    with controlled(control) as ask:
+    control = Control(paused=True)
+    with controlled(control, run) as ask:
         ask("continue", "20")
-        paused(control)
+        wait_for_pause(control)
         assert ask(name, text) == f"refused: {said}"
         assert control.status.state == "paused"
     assert trace.getvalue() == untouched()
@@ -171,8 +166,8 @@ def test_invalid_requests_change_nothing(name: str, text: str, said: str) -> Non
 
 def test_requests_after_the_end_are_refused() -> None:
     run, _ = truck()
-    control = Control(run)
-    control.go()
+    control = Control()
+    control.go(run)
     for name in ("pause", "step", "submit"):
         assert control.ask(name, "(rock-order red 1)").lines == ("the run has ended",)
 
@@ -186,15 +181,15 @@ def test_error_of_the_world_ends_the_run_with_the_error() -> None:
     """
     library = rapc.loads(text, "small.rap")
 
-    def drive(control: Control, move: str) -> None:
-        with controlled(control) as ask:
+    def drive(control: Control, run: Interpreter, move: str) -> None:
+        with controlled(control, run) as ask:
             while not control.ask(move).failed:
                 pass
             assert ask(move) == "refused: the run has ended"
 
     for move in ("continue", "step"):
         world = Breaking([row("(act ?)")], declared=library.program.library)
-        control = Control(library.start(world, tasks=["(top)"]), paused=True)
+        control = Control(paused=True)
         with pytest.raises(PortError, match="the arm is off"):
-            drive(control, move)
+            drive(control, library.start(world, tasks=["(top)"]), move)
         assert control.status.state == "ended"

@@ -8,12 +8,18 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import contextmanager
+from io import StringIO
 from pathlib import Path
 from threading import Thread
 
 import pytest
 
 from rapc import load, open_world
+from rapc.durable import journal
+from rapc.durable.runs import Resumption
+from rapc.runtime.events.trace import JsonTrace
+from rapc.runtime.interpreter import Interpreter
 from rapc.spec import RunSpec
 from rapc.view.control import Control
 from rapc.view.live import HOST, Feed, Live
@@ -133,11 +139,10 @@ def test_requests_need_the_token_and_a_control(live: Live) -> None:
 
 @pytest.fixture
 def controlled() -> Iterator[Live]:
-    control = Control(
-        load("examples/courier").start("courier", agenda="shift"), paused=True
-    )
+    control = Control(paused=True)
     found = Live("", control=control)
-    Thread(target=control.go, daemon=True).start()
+    run = load("examples/courier").start("courier", agenda="shift")
+    Thread(target=control.go, args=(run,), daemon=True).start()
     yield found
     control.ask("continue")
     found.close()
@@ -217,6 +222,87 @@ def test_journal_is_followed_from_another_process(tmp_path: Path) -> None:
         process.send_signal(signal.SIGINT)
     assert process.returncode == 0
     assert data(body) == run.trace.read_text()
+
+
+@contextmanager
+def served(*args: str) -> Iterator[tuple[subprocess.Popen[str], str, str]]:
+    """Run a command with a page; give its process, and host and token of the page."""
+    command = (sys.executable, "-m", "rapc", *args)
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stderr is not None
+        address = process.stderr.readline().removeprefix("view: ").strip()
+        _, _, host, token, _ = address.split("/")
+        yield process, host, token
+        process.stderr.read()
+
+
+def test_controlled_run_with_a_journal_is_killed_and_resumed(tmp_path: Path) -> None:
+    library, trace, folder = "examples/courier", tmp_path / "trace", tmp_path / "day"
+    begin = ("run", library, "--world", "courier", "--agenda", "shift", "-q")
+    files = ("--trace", str(trace), "--journal", str(folder))
+    with served(*begin, *files, "--view", "--paused") as (process, host, token):
+        link = http.client.HTTPConnection(host, timeout=60)
+        for name, text in (
+            *[("step", "")] * 30,
+            ("submit", "(deliver linen"),
+            ("submit", "(deliver linen ward-1) :priority 2"),
+            ("assert", "(x)"),
+            ("assert", "(ward-1 is-no-predicate)"),
+            *[("step", "")] * 20,
+        ):
+            body = json.dumps({"name": name, "text": text})
+            link.request("POST", f"/{token}/control", body)
+            assert link.getresponse().read().startswith(b'{"failed":')
+        link.close()
+        process.kill()
+    with served("run", "--resume", str(folder), "-q", "--view") as page:
+        process, host, token = page
+        link = http.client.HTTPConnection(host, timeout=60)
+        link.request("GET", f"/{token}/events")
+        body = link.getresponse().read().decode()
+        link.close()
+        assert process.stderr is not None
+        while "Ctrl-C" not in process.stderr.readline():
+            assert process.poll() is None
+        process.send_signal(signal.SIGINT)
+    assert process.returncode == 0
+    expected = StringIO()
+    heard = [JsonTrace(expected)]
+    run = load(library).start("courier", agenda="shift", listeners=heard)
+    for _ in range(30):
+        run.step()
+    run.submit("(deliver linen ward-1) :priority 2")
+    run.run()
+    assert data(body).splitlines()[1:] == expected.getvalue().splitlines()[1:]
+    assert data(body) == trace.read_text()
+
+
+def test_resumed_run_has_a_past_for_readers(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(journal, "CYCLES", 20)
+    monkeypatch.setattr(journal, "PAUSE", 0)
+    program = load("examples/courier").program
+    spec = RunSpec(agenda="shift", seed=3, until=1500)
+    run = Run(tmp_path, program, spec, lambda: open_world("courier", seed=3))
+    durable = run.begin()
+    durable.reach(50)
+    durable.close()
+    resumption = Resumption(run.journal, program)
+    again = Interpreter.prepared(program, open_world("courier", seed=3), spec)
+    text = StringIO()
+    trace = JsonTrace(text)
+    again.listen(trace)
+    durable = resumption.resume(again, run.options, run.decide, hear_past=trace)
+    durable.go()
+    durable.close()
+    found = [json.loads(line) for line in text.getvalue().splitlines()]
+    assert found[0]["event"] == "run-started"
+    assert [one["n"] - found[0]["n"] for one in found] == [*range(len(found))]
+    whole = [json.loads(line) for line in run.whole().splitlines()]
+    known = sum(one["cycle"] > 40 for one in whole)
+    assert 0 < known < len(found) < len(whole)
+    assert found[-known:] == whole[-known:]
 
 
 def test_events_of_a_run_equal_its_trace(tmp_path: Path) -> None:

@@ -23,39 +23,37 @@ from rapc.debug.reload import reread
 from rapc.errors import TextError
 from rapc.host import plan
 from rapc.ir.printer import format_node
-from rapc.repl.shell import Shell
+from rapc.repl.shell import Actor, Shell
 from rapc.runtime.achieve import achieving
 from rapc.runtime.task_request import read_task_request
 
 
-def _do(shell: Shell, args: Arguments, act: Act) -> Answer:
+def _do(actor: Actor, args: Arguments, act: Act) -> Answer:
     args.end()
-    before, branch = shell.history.serial, shell.history.branch
-    shell.history.act(act)
-    return say(*shell.happened(before), *shell.branched(branch), str(act))
+    return actor.act(act)
 
 
 @command("FACT", ":assert (truck-status ready)")
-def _assert(shell: Shell, args: Arguments) -> Answer:
+def _assert(actor: Actor, args: Arguments) -> Answer:
     """Assert a fact.
 
     A replay repeats all acts of the user. An act in the past begins a new branch.
     """
-    return _do(shell, args, AssertFact(args.fact("fact")))
+    return _do(actor, args, AssertFact(args.fact("fact")))
 
 
 @command("PREFIX", ":erase (color item-1)")
-def _erase(shell: Shell, args: Arguments) -> Answer:
+def _erase(actor: Actor, args: Arguments) -> Answer:
     """Erase all facts that begin with PREFIX."""
-    return _do(shell, args, EraseFacts(args.fact("fact")))
+    return _do(actor, args, EraseFacts(args.fact("fact")))
 
 
 @command("GOAL [OPTIONS]", ":submit (rock-order red 1) :priority 2 :deadline 400")
-def _submit(shell: Shell, args: Arguments) -> Answer:
+def _submit(actor: Actor, args: Arguments) -> Answer:
     """Submit a task; a goal without a command does the same."""
     args.word("goal")
     args.rest()
-    return shell.submit(args.text)
+    return actor.submit(args.text)
 
 
 @command(
@@ -98,15 +96,15 @@ def _plan(shell: Shell, args: Arguments) -> Answer:
 
 
 @command("GOAL", ":cancel (rock-order red ?)")
-def _cancel(shell: Shell, args: Arguments) -> Answer:
+def _cancel(actor: Actor, args: Arguments) -> Answer:
     """Cancel the top-level tasks that match GOAL."""
-    return _do(shell, args, CancelTasks(read_pattern(args.word("goal"))))
+    return _do(actor, args, CancelTasks(read_pattern(args.word("goal"))))
 
 
 @command("SIGNAL", ":signal (:door-open hall)")
-def _signal(shell: Shell, args: Arguments) -> Answer:
+def _signal(actor: Actor, args: Arguments) -> Answer:
     """Send a signal to the tasks that wait for it."""
-    return _do(shell, args, SendSignal(args.signal()))
+    return _do(actor, args, SendSignal(args.signal()))
 
 
 @command(
@@ -114,7 +112,7 @@ def _signal(shell: Shell, args: Arguments) -> Answer:
     ":force (arm-grasp ? ?) arm-dropped",
     ":force (truck-move) okay 3",
 )
-def _force(shell: Shell, args: Arguments) -> Answer:
+def _force(actor: Actor, args: Arguments) -> Answer:
     """Force the result of the next request that matches REQUEST.
 
     The request is not sent to the world, which does not change; it takes its usual
@@ -123,19 +121,19 @@ def _force(shell: Shell, args: Arguments) -> Answer:
     request = read_pattern(args.word("request"))
     result = args.word("result").lower()
     times = max(args.count("number of requests", 1), 1)
-    return _do(shell, args, ForceResult(request, result, times))
+    return _do(actor, args, ForceResult(request, result, times))
 
 
 @command("[TASK]", ":fail 12")
-def _fail(shell: Shell, args: Arguments) -> Answer:
+def _fail(actor: Actor, args: Arguments) -> Answer:
     """Make a task fail, as if one of its conditions were false."""
-    return _do(shell, args, FailTask(args.task(shell.history)))
+    return _do(actor, args, FailTask(actor.task(args)))
 
 
 @command("[TASK]", ":retry 12")
-def _retry(shell: Shell, args: Arguments) -> Answer:
+def _retry(actor: Actor, args: Arguments) -> Answer:
     """Make the method of a task fail, so that the task chooses again."""
-    return _do(shell, args, RetryTask(args.task(shell.history)))
+    return _do(actor, args, RetryTask(actor.task(args)))
 
 
 @command(
