@@ -6,9 +6,9 @@ import asyncio
 import os
 import signal
 import sys
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from contextlib import suppress
-from typing import Any
+from typing import Any, TypeVar
 
 from lsprotocol import types
 from msgspec.structs import replace
@@ -35,6 +35,8 @@ from rapc.lsp.hover import hover
 from rapc.lsp.positions import Text
 from rapc.lsp.project import Delays, Snapshot, Syntax, Worker
 from rapc.lsp.workspace import View, Workspace, aliases, name_of
+
+T = TypeVar("T")
 
 _PATIENCE = 10.0
 """The number of seconds that a request waits for the first snapshot of a file."""
@@ -126,20 +128,22 @@ class Server(LanguageServer):
         self.rap.versions = bool(edits and edits.document_changes)
         loop = asyncio.get_running_loop()
 
-        def publish(snapshot: Snapshot) -> None:
-            loop.call_soon_threadsafe(self._receive, snapshot)
+        def passed(receive: Callable[[T], None]) -> Callable[[T], None]:
+            """Return a function that calls `receive` in the event loop."""
 
-        def read(syntax: Syntax) -> None:
-            loop.call_soon_threadsafe(self._receive_syntax, syntax)
+            def give(result: T) -> None:
+                with suppress(RuntimeError):  # the loop is closed: the session is over
+                    loop.call_soon_threadsafe(receive, result)
 
-        def forget(gone: list[LibrarySpec]) -> None:
-            loop.call_soon_threadsafe(self._forget, gone)
+            return give
 
-        def log(message: str) -> None:
-            loop.call_soon_threadsafe(self._log, message)
-
-        delays = _delays(params.initialization_options)
-        self.worker = Worker(delays, publish, read, forget, log)
+        self.worker = Worker(
+            _delays(params.initialization_options),
+            passed(self._receive),
+            passed(self._receive_syntax),
+            passed(self._forget),
+            passed(self._log),
+        )
         self.worker.start()
         self.worker.tell(self.rap.work())
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 import random
 import shutil
@@ -17,6 +18,7 @@ from tests.lsp.client import PATIENCE, Editor  # before lsprotocol: it skips wit
 
 from lsprotocol import types  # isort: skip
 
+from rapc.lsp.server import make_server
 from tests.lsp.edits import assert_findings_are_fresh, type_keys
 from tests.lsp.programs import RAPS, WORLD
 
@@ -178,6 +180,17 @@ def test_ctrl_c_ends_the_server() -> None:
         assert server.stdout.readline().startswith("Content-Length: ")
         server.send_signal(signal.SIGINT)
         assert server.wait(PATIENCE) == -signal.SIGINT
+
+
+def test_results_after_the_end_of_a_session_are_dropped() -> None:
+    server = make_server()
+
+    async def begin() -> None:
+        server.begin(types.InitializeParams(types.ClientCapabilities()))
+
+    asyncio.run(begin())
+    server.worker._log("a check has ended after its editor")
+    server.worker.stop()
 
 
 # --- edits at random ------------------------------------------------------------------
