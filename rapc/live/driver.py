@@ -105,10 +105,11 @@ class Action:
 
     def _begin_wait(self, wake: Callable[[], Any]) -> None:
         """Call `wake` when the wait is over, which may be at once."""
-        if self._driver.clock.real:
-            self._wake = wake
+        clock = self._driver.clock
+        if isinstance(clock, SimulatedClock):
+            clock.sleep(self, math.inf, wake)
         else:
-            self._driver.clock.sleep(self, math.inf, wake)
+            self._wake = wake
         if self._finished or self.cancelled:
             self._end_wait()
 
