@@ -194,7 +194,7 @@ class CheckedLibrary:
             PlanError: for an engine that is not installed, or an invalid command.
         """
         if agenda is not None and not isinstance(agenda, str):
-            raise ArgumentError(f"`agenda` is {kind(agenda)}, no name")
+            raise ArgumentError(f"`agenda` is {kind(agenda)}, not a name")
         need_seed(seed)
         need_table(options, "`options`")
         if settings is not None:
@@ -290,7 +290,7 @@ def loads(text: str, name: str = "<text>", *, check: bool = True) -> CheckedLibr
         RefusedError: without `check`, for a library that cannot be run.
     """
     if not isinstance(name, str):
-        raise ArgumentError(f"`name` is {kind(name)}, no text")
+        raise ArgumentError(f"`name` is {kind(name)}, not a text")
     made = checked if check else linked
     return made(loader.load_text(_text(text), name), name)
 
@@ -334,7 +334,7 @@ def run(
     """
     if not isinstance(library, CheckedLibrary):
         wanted = "`rapc.load(path)` or `rapc.loads(text)` returns one"
-        raise ArgumentError(f"`library` is {kind(library)}, no library", wanted)
+        raise ArgumentError(f"`library` is {kind(library)}, not a library", wanted)
     if until is not None:
         need_time(until, "`until`")
     if cycles is not None:
@@ -371,7 +371,7 @@ def _engine(asked: str | Engine | None) -> Engine | None:
     if asked is None or isinstance(asked, str):
         return engine(asked or BUILT_IN)
     if not callable(getattr(asked, "ask", None)):
-        raise ArgumentError(f"`engine` is {kind(asked)}, no engine")
+        raise ArgumentError(f"`engine` is {kind(asked)}, not an engine")
     return asked
 
 
@@ -393,7 +393,7 @@ def engine(name: str, timeout: float = 10, *, costs: bool = True) -> Engine | No
         PlanError: for an engine that is not installed, or an invalid command.
     """
     if not isinstance(name, str):
-        raise ArgumentError(f"`name` is {kind(name)}, no text")
+        raise ArgumentError(f"`name` is {kind(name)}, not a text")
     if type(timeout) not in (int, float) or not 0 < timeout < inf:
         raise ArgumentError("`timeout` takes a number of seconds above 0")
     if name == BUILT_IN:
@@ -432,7 +432,7 @@ def plan(  # all but two have defaults and go by name
             installed, and an invalid command.
     """
     if not isinstance(library, CheckedLibrary):
-        raise ArgumentError(f"`library` is {kind(library)}, no library")
+        raise ArgumentError(f"`library` is {kind(library)}, not a library")
     if run is not None:
         need_part(run, Interpreter, "`run`", "library.start")
     need_count(limit, "`limit`")
@@ -471,9 +471,9 @@ def rap_text(run: Interpreter, name: str) -> str:
         RefusedError: if the library does not have the RAP.
     """
     if not isinstance(run, Interpreter):
-        raise ArgumentError(f"`run` is {kind(run)}, no run")
+        raise ArgumentError(f"`run` is {kind(run)}, not a run")
     if not isinstance(name, str):
-        raise ArgumentError(f"`name` is {kind(name)}, no text")
+        raise ArgumentError(f"`name` is {kind(name)}, not a text")
     rap = run.library.library.raps.get(name)
     if rap is None:
         raise RefusedError([f"unknown RAP `{name}`"])
@@ -494,7 +494,7 @@ def methods_text(run: Interpreter, requires: Iterable[str] = ()) -> str:
         requires: the names of required files, for example of the library of the run.
     """
     if not isinstance(run, Interpreter):
-        raise ArgumentError(f"`run` is {kind(run)}, no run")
+        raise ArgumentError(f"`run` is {kind(run)}, not a run")
     if isinstance(requires, str) or not isinstance(requires, Iterable):
         raise ArgumentError(f"`requires` is {kind(requires)}, not names of files")
     forms: list[Node] = [Require(_text(name)) for name in requires]
@@ -532,7 +532,7 @@ def methods(text: str) -> tuple[Method, ...]:
         raise TextError(f"{found.message}: {text.strip()}", found.help)
     forms = [form for form in unit.forms if isinstance(form, DefineRap)]
     if len(unit.forms) != 1 or not forms or not forms[0].methods:
-        raise TextError(f"methods are wanted, as in (method ...): {text.strip()}")
+        raise TextError(f"expected methods, such as (method ...), not {text.strip()}")
     return tuple(forms[0].methods)
 
 
@@ -586,10 +586,10 @@ def _paths(paths: Sequence[Path | Iterable[Path]]) -> list[str]:
     for path in paths:
         inner = [path] if isinstance(path, str | os.PathLike) else path
         if isinstance(inner, bytes) or not isinstance(inner, Iterable):
-            raise ArgumentError(f"a path is {kind(path)}, no text")
+            raise ArgumentError(f"a path is {kind(path)}, not a text")
         for one in inner:
             if not isinstance(one, str | os.PathLike):
-                raise ArgumentError(f"a path is {kind(one)}, no text")
+                raise ArgumentError(f"a path is {kind(one)}, not a text")
             found.append(os.fspath(one))
     if not found:
         raise ArgumentError("missing path")
@@ -607,7 +607,7 @@ def _listed(given: Any, what: str) -> list[Any]:
     if isinstance(given, str | TaskRequest):
         return [given]
     if isinstance(given, bytes | Mapping) or not isinstance(given, Sequence | Iterable):
-        raise ArgumentError(f"`{what}` is {kind(given)}, no list")
+        raise ArgumentError(f"`{what}` is {kind(given)}, not a list")
     return list(given)
 
 
@@ -635,13 +635,15 @@ def _world(
     """Return the world, made if necessary, with its options in the form of traces."""
     if isinstance(world, World):
         if options:
-            raise ArgumentError("options are given for a world that is made already")
+            raise ArgumentError(
+                "options require the name or class of a world, not a world"
+            )
         return world, {}
     if isinstance(world, str):
         world = find_world(world)
     if not (isinstance(world, type) and issubclass(world, World)):
         listed = "list the installed worlds with `rapc worlds`"
-        raise ArgumentError(f"`world` is {kind(world)}, no world", listed)
+        raise ArgumentError(f"`world` is {kind(world)}, not a world", listed)
     refuse_incomplete(world, f"{world.__module__}:{world.__qualname__}")
     given = check_options(world, options or {})
     return build_world(world, seed, given), given

@@ -312,7 +312,7 @@ class SimpleWorld(World):
         """Return the complete state, as JSON. Raises TypeError if not plain data."""
         state, rng = msgspec.json.encode(self.state), stream_state(self.rng)
         if msgspec.json.decode(state, type=type(self.state)) != self.state:
-            raise TypeError(f"`state` of the world `{self.name}` is no plain data")
+            raise TypeError(f"`state` of the world `{self.name}` is not plain data")
         made = dict(self.made_with)
         return msgspec.json.encode(
             _SavedSimple(made, self.time, self.outbox, rng, msgspec.Raw(state))

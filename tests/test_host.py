@@ -86,7 +86,7 @@ NEXT: Any = "soon"
         (lambda lib: DOOR.check("nowhere"), rapc.LoadError, "does not exist"),
         (lambda lib: DOOR.loads(LAMPS), rapc.ArgumentError, "the text is of type"),
         (lambda lib: DOOR.run("lib", WORLD, "(a)"), rapc.ArgumentError, "is a text"),
-        (lambda lib: DOOR.run(lib, 3, "(a)"), rapc.ArgumentError, "no world"),
+        (lambda lib: DOOR.run(lib, 3, "(a)"), rapc.ArgumentError, "not a world"),
         (lambda lib: DOOR.run(lib, WORLD, 3), rapc.ArgumentError, "`tasks` is of type"),
         (
             lambda lib: DOOR.run(lib, WORLD, [3]),
@@ -118,16 +118,16 @@ NEXT: Any = "soon"
         (
             lambda lib: lib.start(rapc.open_world(WORLD), options={"rooms": 3}),
             rapc.ArgumentError,
-            "made already",
+            "options require the name or class",
         ),
         (lambda lib: DOOR.methods("(metod)"), rapc.TextError, "metod"),
-        (lambda lib: DOOR.methods(""), rapc.TextError, "methods are wanted"),
+        (lambda lib: DOOR.methods(""), rapc.TextError, "expected methods"),
         (lambda lib: lib.extend(3), rapc.ArgumentError, "the text is of type int"),
         (lambda lib: rapc.open_world(ANY), rapc.ArgumentError, "name of a world is"),
         (
             lambda lib: DOOR.run(lib, WORLD, until=math.nan),
             rapc.ArgumentError,
-            "`until` is nan, no time",
+            "`until` is nan, not a time",
         ),
         (
             lambda lib: lib.start(WORLD, settings=rapc.Settings(query_steps=-1)),
@@ -154,7 +154,7 @@ NEXT: Any = "soon"
         (
             lambda lib: lib.start(WORLD).call_at(NEXT, print),
             rapc.ArgumentError,
-            "`time` is a text, no time",
+            "`time` is a text, not a time",
         ),
         (
             lambda lib: lib.start(WORLD).call_at_end(ANY),
@@ -169,7 +169,7 @@ NEXT: Any = "soon"
         (
             lambda lib: lib.start(WORLD).question(ANY),
             rapc.ArgumentError,
-            "a question is of type int",
+            "a query is of type int",
         ),
         (
             lambda lib: lib.start(WORLD).question("(lmap ?x)"),

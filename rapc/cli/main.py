@@ -9,6 +9,7 @@ from __future__ import annotations
 import errno
 import io
 import os
+import re
 import sys
 from collections.abc import Sequence
 from importlib import import_module
@@ -174,6 +175,8 @@ def _message(error: click.ClickException) -> str:
         name = error.option_name
         return f"unknown option `{name}`{hint(name, error.possibilities or ())}"
     text = " ".join(error.format_message().split()).removesuffix(".")
+    if text.startswith("Missing "):
+        text = re.sub(r"(argument|option) |'", "", text)
     return text[:1].lower() + text[1:]
 
 

@@ -102,7 +102,7 @@ def _knock(host: str, port: int, *, speaks: bool) -> None:
         while len(length) < _LENGTH:
             more = line.recv(_LENGTH - len(length))
             if not more:
-                raise ConnectionError("it has hung up")
+                raise ConnectionError("it closed the connection")
             length += more
         if int.from_bytes(length, sys.byteorder) > _MOST_TO_GREET:
-            raise ConnectionError("it speaks another language")
+            raise ConnectionError("it uses another protocol")

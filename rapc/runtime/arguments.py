@@ -20,19 +20,19 @@ from rapc.world import Kit, World
 def need_call(value: object, what: str) -> None:
     """Raise ArgumentError unless `value`, named `what`, can be called."""
     if not callable(value):
-        raise ArgumentError(f"{what} is {kind(value)}, nothing that can be called")
+        raise ArgumentError(f"{what} is {kind(value)}, not callable")
 
 
 def need_time(value: object, what: str) -> None:
     """Raise ArgumentError unless `value`, named `what`, is a number."""
     if type(value) not in (int, float) or value != value:  # nan  # noqa: PLR0124
-        raise ArgumentError(f"{what} is {kind(value)}, no time")
+        raise ArgumentError(f"{what} is {kind(value)}, not a time")
 
 
 def need_count(value: object, what: str) -> None:
     """Raise ArgumentError unless `value`, named `what`, is a whole number."""
     if type(value) is not int:
-        raise ArgumentError(f"{what} is {kind(value)}, no whole number")
+        raise ArgumentError(f"{what} is {kind(value)}, not a whole number")
 
 
 def need_task(task: object) -> None:
@@ -45,7 +45,7 @@ def need_task(task: object) -> None:
         if time is not None:
             need_time(time, f"the {what} of a task")
             if not 0 <= time < inf:
-                raise ArgumentError(f"the {what} of a task is {time}, no time")
+                raise ArgumentError(f"the {what} of a task is {time}, not a time")
     if type(task.background) is not bool:
         raise ArgumentError(f"`background` of a task is {kind(task.background)}")
 
@@ -69,7 +69,7 @@ def need_table(value: object, what: str) -> None:
         raise ArgumentError(f"{what} is {kind(value)}", "it takes a dict by name")
     for name in value or ():
         if not isinstance(name, str):
-            raise ArgumentError(f"a name in {what} is {kind(name)}, no text")
+            raise ArgumentError(f"a name in {what} is {kind(name)}, not a text")
 
 
 def need_program(value: object, what: str) -> None:
@@ -87,7 +87,7 @@ def need_world(value: object) -> None:
     """
     if not isinstance(value, World):
         wanted = "it takes one that was made: `rapc.open_world(name)`"
-        raise ArgumentError(f"`world` is {kind(value)}, no world", wanted)
+        raise ArgumentError(f"`world` is {kind(value)}, not a world", wanted)
     for part, of in (("name", str), ("kit", Kit)):
         if not isinstance(getattr(value, part, None), of):
             said = f"the world of class `{type(value).__qualname__}` does not define"

@@ -281,7 +281,7 @@ class Interpreter(Run):
         need_call(listener, "a listener")
         for one in kinds:
             if not isinstance(one, type):
-                raise ArgumentError(f"a kind of events is {kind(one)}, no class")
+                raise ArgumentError(f"a kind of events is {kind(one)}, not a class")
         self.recorder.listen(listener, *kinds)
 
     def record(self) -> Recording:
@@ -463,7 +463,7 @@ class Interpreter(Run):
         self._may_change()
         task = self.task(number)
         if task.run is None:
-            raise ArgumentError(f"task [{number}] is at work on no method")
+            raise ArgumentError(f"task [{number}] has no method under way")
         end_method(self, task.run, INTERFERENCE, None, "cancelled")
 
     def check(self, tasks: Sequence[TaskRequest]) -> None:
@@ -705,7 +705,7 @@ class Interpreter(Run):
             PortError: if the world breaks while it is restored.
         """
         if not isinstance(saved, bytes):
-            raise ArgumentError(f"`saved` is {kind(saved)}, no bytes of `save`")
+            raise ArgumentError(f"`saved` is {kind(saved)}, not bytes of `save`")
         self.seed = restore(self, saved)
 
     def tell_tasks(self) -> None:
@@ -969,7 +969,7 @@ class Interpreter(Run):
         if isinstance(formula, str):
             formula = parse_formula(formula)
         if not isinstance(formula, Node):
-            raise ArgumentError(f"a question is {kind(formula)}, no formula")
+            raise ArgumentError(f"a query is {kind(formula)}, not a formula")
         for name in given:
             if not isinstance(name, str):
                 raise ArgumentError(f"a variable is {kind(name)}", 'as text: "?x"')

@@ -46,7 +46,7 @@ def read_fault(text: str) -> InjectedFault:
     of_signal = text.lstrip().startswith("(:")
     if text.split()[:1] in (["(enable"], ["(disable"]):
         raise TextError(
-            "skills come on as they are asked to; signals go astray: `(:signal) lost`"
+            "a skill cannot fail; for a fault of its signals write `(:signal) lost`"
         )
     request = parse_pattern(text[:end].replace("(:", "(", 1))
     if any(isinstance(arg, nodes.Call) for arg in request.args):

@@ -75,7 +75,7 @@ def test(
     if listener is not None:
         need_call(listener, "`listener`")
     if isinstance(modules, str) or not isinstance(modules, Iterable):
-        raise ArgumentError(f"`modules` is {kind(modules)}, no list of names")
+        raise ArgumentError(f"`modules` is {kind(modules)}, not a list of names")
     permitted = tuple(modules)
     found = find(*_named(sources))
     for report in found.reports:

@@ -89,7 +89,7 @@ def test_a_report_imports_no_module(report: bytes, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("args", "said"),
     [
-        (("bug", "courier", *RUN), "error: missing option '-o' / '--output'"),
+        (("bug", "courier", *RUN), "error: missing -o / --output"),
         (("bug", "courier", *RUN, "-o", "x"), "-o: the file name must end with `.bug`"),
         (("bug", "courier", "-o", "x.bug"), "error: missing --world"),
         (("bug", "none", *RUN, "-o", "x.bug"), "error: `none` does not exist"),

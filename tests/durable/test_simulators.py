@@ -222,8 +222,8 @@ def test_command_refuses_a_changed_library_without_take_up(tmp_path: Path) -> No
             f"cannot write `{ROCKS}`: the file exists",
         ),
         (("--resume", "j", "--journal", "k"), "--journal cannot be used with --resume"),
-        ((), "missing argument 'PATH'"),
-        ((ROCKS,), "missing option '--world'"),
+        ((), "missing PATH"),
+        ((ROCKS,), "missing --world"),
         (
             (ROCKS, *ORDER, "--journal", "j", "--after-crash", "x"),
             "expected PRIMITIVE=repeat, fail or ask, not `x`",

@@ -80,7 +80,7 @@ def test_faults_are_read(text: str, fault: InjectedFault) -> None:
         ("(:rang) late=5", "missing kind of signal fault after (:rang)"),
         (
             "(enable (:hum)) refused",
-            "skills come on as they are asked to; signals go astray: `(:signal) lost`",
+            "a skill cannot fail; for a fault of its signals write `(:signal) lost`",
         ),
         ("(grab ?x) dropped p=2", "`p` is a chance, from 0 to 1"),
         ("(grab ?x) dropped p=often", "`p` takes a number, not `often`"),

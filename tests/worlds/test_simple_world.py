@@ -112,7 +112,7 @@ def test_simple_world_refuses_a_state_of_other_types() -> None:
     world = build_world(Kettle, 1, {})
     assert isinstance(world, Kettle)
     world.state = {1: "a number is no key of plain data"}
-    with pytest.raises(TypeError, match="no plain data"):
+    with pytest.raises(TypeError, match="not plain data"):
         world.save()
 
 

@@ -133,7 +133,7 @@ class PytestCoverage:
         if getattr(config.option, "numprocesses", None) or hasattr(
             config, "workerinput"
         ):
-            raise pytest.UsageError("--rap-coverage needs all tests in one process")
+            raise pytest.UsageError("--rap-coverage requires all tests in one process")
         self.gathered = coverage.Coverage()
         self._file: str | None = config.option.rap_coverage
         if self._file:

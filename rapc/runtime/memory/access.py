@@ -256,7 +256,7 @@ class MemoryAccess(MemoryView):
             ValueError: for an invalid formula, or a query of undeclared names.
         """
         if self.answers is None:
-            raise ValueError("formulas can be asked in a run alone")
+            raise ValueError("a formula can be evaluated only in a run")
         return self.answers(formula, given)
 
     def batch(self) -> MemoryBatch:

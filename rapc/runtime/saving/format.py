@@ -127,4 +127,4 @@ def decode_run(saved: bytes) -> RunRecord:
 
 def not_a_run(error: Exception) -> StateError:
     """Return the error for a saved run that no run can have left."""
-    return StateError(f"the saved run holds what no run leaves: {error}")
+    return StateError(f"the saved run is invalid: {error}")

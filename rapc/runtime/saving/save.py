@@ -33,7 +33,7 @@ def save(run: Run, seed: int) -> bytes:
     if run.in_loop:
         raise StateError("a run cannot be saved in the middle of a cycle")
     if run.broken:
-        raise StateError("the run broke off in the middle of a cycle")
+        raise StateError("the run ended in the middle of a cycle")
     _look_for_callbacks(run, "saved")
     return encode_run(capture(run, seed, _savable(run.port).save()))
 
@@ -121,8 +121,7 @@ def _look_for_callbacks(run: Run, done: str) -> None:
         if named:
             listed = ", ".join(dict.fromkeys(named))
             raise StateError(
-                f"the run cannot be {done}: the host is to be called (`{asked}`): "
-                f"{listed}"
+                f"the run cannot be {done}: the host has set `{asked}`: {listed}"
             )
 
 

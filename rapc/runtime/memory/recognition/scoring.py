@@ -105,7 +105,7 @@ def python_comparator(name: str, compare: Comparator, memory: object = None) -> 
         found = compare(_described(a, place), _described(b, place), *view)
         if type(found) not in (int, float) or isnan(found):
             whose = f"the comparator `{name}`{place_of(compare)}"
-            raise PortError(f"{whose} returned {found!a:.60}, no number")
+            raise PortError(f"{whose} returned {found!a:.60}, not a number")
         return found
 
     return Score(score, False)
