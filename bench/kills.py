@@ -6,13 +6,15 @@ Each run is a process of its own, and is ended with SIGKILL after a random time,
 resumed and killed again until it ends. The last journal of each run is then cut off at
 random bytes: a resumed run has the same trace, or is refused in one line. Before that,
 two robots in processes of their own, one of them with a driver, get 150 requests from
-runs that are killed at least 10 times each, and must do each request exactly once.
+runs that are killed at least 10 times each. Each request must be done exactly once, and
+each datum be taken in exactly once.
 """
 
 from __future__ import annotations
 
 import argparse
 import importlib
+import json
 import os
 import random
 import shutil
@@ -34,6 +36,14 @@ from rapc.durable.runs import begin, resume
 from rapc.host import CheckedLibrary, load, loads
 from rapc.world import World
 from tests.durable import peer as live
+
+SCANS = """
+(define-rap (see ?parcel)
+  (succeed (scanned ?parcel))
+  (monitor-state (scanned ?parcel))
+  (method (task-net)))
+"""
+"""A task for the conveyor that waits for the datum of a parcel."""
 
 HERE = Path(__file__).parents[1]
 
@@ -186,6 +196,8 @@ class Robot(NamedTuple):
     world: Callable[[str], World]
     #: Whether the robot has done each request once, by its counts.
     once: Callable[[Any], bool]
+    #: Whether a run has taken in each datum once, by all its data in order.
+    exact: Callable[[Sequence[str]], bool]
 
     def run(self, socket: str, folder: Path) -> None:
         """Begin or resume the run, and bring it to its end."""
@@ -210,6 +222,7 @@ def peer() -> Robot:
         ["(all)"],
         lambda socket: live.ResumablePeer(live.at(socket)),
         lambda counts: dict(counts[0]) == dict(counts[1]) == wanted,
+        lambda data: data == [f"(beat {1 + n * live.PACE})" for n in range(len(data))],
     )
 
 
@@ -222,10 +235,14 @@ def conveyor() -> Robot:
     wanted = {f"p{n}": 1 for n in range(1, JOBS + 1)}
     return Robot(
         (str(folder / "controller.py"),),
-        load(folder / "conveyor.rap"),
-        [f"(dispatch p{n}) :at {n * 0.05}" for n in range(1, JOBS + 1)],
+        load(folder / "conveyor.rap").extend(SCANS),
+        [
+            *(f"(dispatch {one}) :at {n * 0.05}" for n, one in enumerate(wanted)),
+            *(f"(see {one})" for one in wanted),
+        ],
         lambda socket: driver(options={"socket": socket}),
         lambda counts: all(one == wanted for one in counts),
+        lambda data: sorted(data) == sorted(f"(scanned {one})" for one in wanted),
     )
 
 
@@ -233,7 +250,7 @@ def killed_live(robot: Robot, kills: int, rng: random.Random, folder: Path) -> i
     """Kill a run with a robot some times, at least; return how often it was killed.
 
     Raises:
-        AssertionError: if a request was not done exactly once.
+        AssertionError: if a request or a datum did not happen exactly once.
     """
     socket, done = str(folder / "socket"), 0
     command = [sys.executable, *robot.program, socket]
@@ -264,7 +281,16 @@ def killed_live(robot: Robot, kills: int, rng: random.Random, folder: Path) -> i
         raise AssertionError(f"status {status}")
     if not robot.once(counts):
         raise AssertionError(counts)
+    data = data_in(folder / "trace.jsonl")
+    if not robot.exact(data):
+        raise AssertionError(data)
     return done
+
+
+def data_in(trace: Path) -> list[str]:
+    """Return the data of a trace, in order."""
+    events = map(json.loads, trace.read_text().splitlines())
+    return [one["data"] for one in events if one["event"] == "data-received"]
 
 
 def measured(
@@ -324,7 +350,7 @@ def main() -> None:
             with tempfile.TemporaryDirectory() as folder:
                 done += killed_live(robot(), KILLS, rng, Path(folder))
             print(f"{robot.__name__}: {done} kills", file=sys.stderr, flush=True)
-        print(f"{done} kills with a {robot.__name__}: each request done once")
+        print(f"{done} kills with a {robot.__name__}: each request and datum once")
     scratch = Path(tempfile.mkdtemp())
     found = measured([*RUNS], given.kills, given.cuts, given.seed, scratch)
     shutil.rmtree(scratch)  # not after an error: its message names a file in there

@@ -24,12 +24,20 @@ class Controller:
         self._now = now
         #: The parcel of each job, and the time of its end; None: it has ended.
         self._jobs: dict[int, tuple[str, float | None]] = {}
+        #: The parcels that the scanner has seen at the end, by number.
+        self._scans: dict[int, str] = {}
+        self._scanned = 0
         #: The ticket of the last parcel with a label.
         self._labelled = 0
         #: How often each parcel got a label, was put on the conveyor, and arrived.
         self.labels: Counter[str] = Counter()
         self.begun: Counter[str] = Counter()
         self.arrived: Counter[str] = Counter()
+
+    def clear(self) -> None:
+        """Stop and forget all jobs, and forget all scanned parcels."""
+        self.keep(())
+        self._scans.clear()
 
     def keep(self, tickets: Sequence[int]) -> None:
         """Stop and forget all jobs but those with some tickets."""
@@ -55,7 +63,17 @@ class Controller:
         if end is not None and end <= self._now():
             self._jobs[ticket] = parcel, None
             self.arrived[parcel] += 1
+            self._scanned += 1
+            self._scans[self._scanned] = parcel
         return self._jobs[ticket][1] is None
+
+    def scans(self, after: int) -> dict[int, str]:
+        """Return the scanned parcels after a number, by number."""
+        return {n: parcel for n, parcel in self._scans.items() if n > after}
+
+    def forget(self, number: int) -> None:
+        """Forget the scanned parcels up to a number."""
+        self._scans = self.scans(number)
 
     def stop(self, ticket: int) -> None:
         """Stop and forget a job."""

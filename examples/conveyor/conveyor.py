@@ -6,7 +6,7 @@ from multiprocessing.connection import Client
 from typing import Any
 
 from rapc.live import Action, Cancelled, ResumableDriver
-from rapc.world import Finished, Kit, Message, Offer, Option
+from rapc.world import Datum, Finished, Kit, Message, Offer, Option
 
 
 class Conveyor(ResumableDriver):
@@ -16,8 +16,13 @@ class Conveyor(ResumableDriver):
     kit = Kit(
         Offer(
             {"label": (1, ("okay",)), "carry": (1, ("okay",))},
+            data={"scanned": 1},
             not_atomic=("carry",),
-            arguments={"label": ("parcel",), "carry": ("parcel",)},
+            arguments={
+                "label": ("parcel",),
+                "carry": ("parcel",),
+                "scanned": ("parcel",),
+            },
         ),
         options=(
             Option("socket", "text", "conveyor.socket", "", "the controller's socket"),
@@ -36,19 +41,33 @@ class Conveyor(ResumableDriver):
             return self._connection.recv()
 
     def connect(self) -> None:
-        """Connect to the controller for a new run: it forgets all tickets."""
-        self.reconnect(())
+        """Connect to the controller for a new run: it forgets all before."""
+        self.open()
+        self.call("clear")
+        self.start(self.watch)
 
     def reconnect(self, tickets: Sequence[int]) -> None:
         """Connect to the controller; it forgets all but some tickets."""
         self.open()
         self.call("keep", tickets)
+        self.start(self.watch)
+
+    def watch(self, action: Action) -> None:
+        """Send the parcels that the scanner sees, with their numbers."""
+        last = 0
+        while True:
+            for number, parcel in self.call("scans", last).items():
+                self.send(Datum(("scanned", parcel), number=number))
+                last = number
+            action.sleep(0.02)
 
     def acknowledged(self, messages: Sequence[Message]) -> None:
-        """Let the controller forget the jobs whose end is in the journal."""
+        """Let the controller forget the jobs and scans that are in the journal."""
         for message in messages:
             if isinstance(message, Finished):
                 self.call("stop", message.ticket)
+            elif isinstance(message, Datum):
+                self.call("forget", message.number)
 
     def do_label(self, parcel: str) -> None:
         """Put a label on a parcel."""

@@ -49,6 +49,10 @@ class Datum(msgspec.Struct, frozen=True, tag=True):
     #: The changes of memory by the datum. They apply after its handler, or in place of
     #: its declared effects; None: there are no others.
     memory: tuple[Change, ...] | None = None
+    #: The number that the machine has given to the message, for a machine that sends
+    #: messages again: a run with a journal takes in a message only if its number is
+    #: above those of its name so far. None: without number.
+    number: int | None = None
 
 
 class Signal(msgspec.Struct, frozen=True, tag=True):
@@ -58,6 +62,8 @@ class Signal(msgspec.Struct, frozen=True, tag=True):
     #: The tickets of the activations, or of the request, that caused the signal; none
     #: for a signal of the world by itself.
     tickets: tuple[int, ...] = ()
+    #: See `Datum.number`.
+    number: int | None = None
 
 
 class Reply(msgspec.Struct, frozen=True):

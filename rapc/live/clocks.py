@@ -53,7 +53,8 @@ class Clock(ABC):
     def interrupt(self, key: object) -> None:
         """End the sleep of an action, if it sleeps in simulated time."""
 
-    def shorten(self, key: object) -> None:  # noqa: B027
+    @abstractmethod
+    def shorten(self, key: object) -> None:
         """End the sleep of an action when all others sleep, in simulated time."""
 
     @abstractmethod
@@ -112,6 +113,9 @@ class WallClock(Clock):
 
     def interrupt(self, key: object) -> None:
         """Do nothing: an action ends its sleep by itself."""
+
+    def shorten(self, key: object) -> None:
+        """Do nothing: an action ends its wait by itself."""
 
     def wait(
         self,

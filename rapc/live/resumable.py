@@ -25,8 +25,9 @@ class ResumableDriver(Driver, ABC):
     request once.
 
     A message of the driver that is not in the journal is lost with the process. The
-    machine keeps such a message until `acknowledged`, and sends it again after
-    `reconnect`; it may arrive twice.
+    machine keeps its data until `acknowledged`, and sends them again after `reconnect`.
+    The machine numbers the data of each name, and the driver sends each datum with its
+    number: then the run takes in each datum once.
     """
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
@@ -55,7 +56,7 @@ class ResumableDriver(Driver, ABC):
         """
 
     def acknowledged(self, messages: Sequence[Message]) -> None:
-        """Let the machine forget messages, which are in the journal.
+        """Let the machine forget messages: they are in the journal.
 
         After the `Finished` of a request the machine may forget its ticket, too.
         """

@@ -20,12 +20,14 @@ from rapc.base.values import Atom, Fact
 from rapc.errors import StateError
 from rapc.runtime.held_world import MOST_FACTS
 from rapc.world import (
+    Datum,
     Finished,
     Lost,
     Message,
     Picture,
     Refused,
     Reply,
+    Signal,
     Time,
     World,
     Wrapper,
@@ -219,6 +221,7 @@ class _Saved(msgspec.Struct, frozen=True):
     requests: dict[int, Fact]
     skills: dict[int, tuple[tuple[Fact, ...], tuple[str, ...]]]
     received: int
+    numbers: dict[str, int] = {}
 
 
 class RecordedWorld(Wrapper):
@@ -240,6 +243,8 @@ class RecordedWorld(Wrapper):
         self.skills: dict[int, tuple[tuple[Fact, ...], tuple[str, ...]]] = {}
         #: The number of messages of the world that the run has received.
         self.received = 0
+        #: The highest number among the data or signals of each name.
+        self.numbers: dict[str, int] = {}
         #: The time to return once: a restored run reads the clock to check it.
         self._restored: Time | None = None
         super().__init__(world)
@@ -300,19 +305,29 @@ class RecordedWorld(Wrapper):
         self.answers.ask("advance", (to,), self.behind.advance)
 
     def messages(self) -> Sequence[Message]:
-        """Return the messages sent since the preceding call."""
-        told: Sequence[Message] = self.answers.ask("messages", (), self.behind.messages)
-        if told:
-            self._take(told)
-        return told
+        """Return the messages sent since the preceding call.
 
-    def _take(self, messages: Sequence[Message | Resumed]) -> None:
-        for message in messages:
-            if isinstance(message, Finished | Lost):
-                self.requests.pop(message.ticket, None)
-                self.skills.pop(message.ticket, None)
-        if not isinstance(messages[0], Resumed):  # these are not of the world
-            self.received += len(messages)
+        A machine may send a message again that is in the journal already: its number
+        is not above those before, and the run does not take in the message.
+        """
+        told: Sequence[Message] = self.answers.ask("messages", (), self.behind.messages)
+        if not told or not isinstance(told, tuple):
+            return told
+        if not isinstance(told[0], Resumed):  # these are not of the world
+            self.received += len(told)
+        return list(filter(self._takes, told))
+
+    def _takes(self, message: Message) -> bool:
+        """Note a message; return whether the run takes it in."""
+        if isinstance(message, Finished | Lost):
+            self.requests.pop(message.ticket, None)
+            self.skills.pop(message.ticket, None)
+        elif isinstance(message, Datum | Signal) and type(message.number) is int:
+            name = str(message.content[0])
+            if message.number <= self.numbers.get(name, -1):
+                return False
+            self.numbers[name] = message.number
+        return True
 
     def ended(self) -> str | None:
         """Return the reason why the world has ended the run, or None."""
@@ -365,7 +380,9 @@ class RecordedWorld(Wrapper):
 
     def _save(self) -> bytes:
         position, requests, skills = self.answers.position, self.requests, self.skills
-        return msgspec.json.encode(_Saved(position, requests, skills, self.received))
+        return msgspec.json.encode(
+            _Saved(position, requests, skills, self.received, self.numbers)
+        )
 
     def _restore(self, state: bytes) -> None:
         saved = msgspec.json.decode(state, type=_Saved)
@@ -375,6 +392,6 @@ class RecordedWorld(Wrapper):
         if saved.position.at == self.answers.end:  # readings are not always stored
             self.answers.readings = max(self.answers.readings, saved.position.readings)
         self.requests, self.skills = saved.requests, saved.skills
-        self.received = saved.received
+        self.received, self.numbers = saved.received, saved.numbers
         time = saved.position.time
         self._restored = self._begun if time is None else time

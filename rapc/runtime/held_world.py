@@ -334,6 +334,8 @@ class HeldWorld(Wrapper):
         Raises:
             PortError: if its arguments do not match the offer and the declaration.
         """
+        if isinstance(message, Datum | Signal) and not _is_message_number(message):
+            raise self.wrong_type("messages", "the number", message.number)
         if isinstance(message, Datum) and is_fact(message.content):
             if not are_changes(message.memory):
                 raise self.wrong_type("messages", "the changes", message.memory)
@@ -670,6 +672,11 @@ def is_signal(value: Signal) -> bool:
     """Return whether a signal is a fact with the tickets under which it arose."""
     whole = is_fact(value.content) and isinstance(value.tickets, tuple | list)
     return whole and all(type(ticket) is int for ticket in value.tickets)
+
+
+def _is_message_number(message: Datum | Signal) -> bool:
+    number = message.number
+    return number is None or (type(number) is int and number >= 0)
 
 
 def is_time(value: object) -> bool:

@@ -34,6 +34,9 @@ from rapc.world import (
 SPEED = 50
 """Time units in a second of real time."""
 
+PACE = SPEED // 20
+"""Time units between two data in real time."""
+
 JOB = 3
 """The time that a job takes."""
 
@@ -75,7 +78,7 @@ class Peer:
                 self.kept.append(Finished(ticket, Reply("okay")))
         while self._beat <= to:
             self.kept.append(Datum(("beat", self._beat)))
-            self._beat += 1 if self._begun is None else SPEED // 20
+            self._beat += 1 if self._begun is None else PACE
         self._time = max(self._time, to)
 
     def perform(self, ticket: int, request: Fact) -> Reply | None:

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 import rapc
-from bench.kills import conveyor, killed_live
+from bench.kills import SCANS, conveyor, data_in, killed_live
 from rapc.durable.folder import Options
 from rapc.live import SimulatedClock
 from rapc.spec import RunSpec
@@ -25,7 +25,9 @@ PARCELS = ("p1", "p2", "p3", "p4")
 TASKS = (
     *(f"(dispatch {one})" for one in PARCELS[:3]),
     *(f"(dispatch {one}) :at 0.3" for one in PARCELS[3:]),
+    *(f"(see {one})" for one in PARCELS),
 )
+SCANNED = [f"(scanned {one})" for one in PARCELS]
 pytestmark = pytest.mark.usefixtures("killable")
 
 
@@ -84,7 +86,7 @@ def example(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[], Example]]:
 
 
 def _run(folder: Path, example: Example) -> Run:
-    library = rapc.load(EXAMPLE / "conveyor.rap").program
+    library = rapc.load(EXAMPLE / "conveyor.rap").extend(SCANS).program
     folder.mkdir(exist_ok=True)
     return Run(folder, library, RunSpec(tasks=TASKS), example.driver)
 
@@ -104,27 +106,32 @@ def _go(run: Run) -> None:
 
 
 @pytest.mark.parametrize("sync", ["requests", "always"])
-def test_each_request_is_done_once_whatever_the_last_record(
+def test_requests_and_data_are_exact_whatever_the_last_record(
     tmp_path: Path, example: Callable[[], Example], sync: str
 ) -> None:
-    for writes in range(3, 36):
+    for writes in range(3, 45):
         one = example()
         run = _run(tmp_path / str(writes), one)
         run.options = Options(sync=sync)
         _kill(run, writes)
         _go(run)
         assert one.once(), writes
+        assert sorted(data_in(run.trace)) == SCANNED, writes
 
 
-def test_each_request_is_done_once_in_a_run_killed_often(
-    tmp_path: Path, example: Callable[[], Example]
+@pytest.mark.parametrize("sync", ["requests", "always"])
+@pytest.mark.parametrize("seed", range(10))
+def test_requests_and_data_are_exact_in_a_run_killed_often(
+    tmp_path: Path, example: Callable[[], Example], sync: str, seed: int
 ) -> None:
-    one = example()
+    one, chance = example(), random.Random(seed)
     run = _run(tmp_path, one)
-    for writes in (15, 6, 4, 5, 4, 6):
+    run.options = Options(sync=sync)
+    for writes in (15, *(chance.randint(3, 8) for _ in range(5))):
         _kill(run, writes)
     _go(run)
     assert one.once()
+    assert sorted(data_in(run.trace)) == SCANNED
     assert len(one.drivers) == 7
     _go(run)  # a run that has ended: the driver does not connect
     assert one.once()
@@ -144,10 +151,11 @@ def test_driver_that_lives_sends_messages_again(example: Callable[[], Example]) 
     driver = one.driver()
     assert driver.perform(1, ("label", "p1")) == Reply("okay")
     driver.perform(2, ("carry", "p1"))
-    driver.advance(9)
-    driver.send(Datum(("seen", 1)))
-    told = driver.messages()
-    assert told == [Finished(2, Reply("okay")), Datum(("seen", 1))]
+    told = []
+    for time in (9, 10):
+        driver.advance(time)  # up to the first message
+        told += driver.messages()
+    assert told == [Finished(2, Reply("okay")), Datum(("scanned", "p1"), number=1)]
     driver.perform(3, ("carry", "p2"))
     driver.perform(4, ("label", "p3"))
     driver.perform(5, ("carry", "p4"))
@@ -205,5 +213,5 @@ def test_messages_without_a_journal_are_forgotten(
 
 
 @pytest.mark.slow
-def test_each_request_is_done_once_by_killed_processes(tmp_path: Path) -> None:
+def test_requests_and_data_are_exact_in_killed_processes(tmp_path: Path) -> None:
     assert killed_live(conveyor(), 10, random.Random(1), tmp_path) == 10

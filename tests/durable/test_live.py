@@ -12,6 +12,7 @@ import pytest
 from msgspec.structs import replace
 
 import rapc
+from bench.kills import data_in
 from rapc.base.values import Fact
 from rapc.durable import journal
 from rapc.durable.folder import Options, Writer
@@ -67,7 +68,7 @@ ONCE = Counter((name, n) for name in ("look", "work") for n in range(1, JOBS + 1
 
 
 @pytest.mark.parametrize("sync", ["off", "requests", "always"])
-def test_each_request_is_done_once_whatever_the_last_record(
+def test_requests_and_data_are_exact_whatever_the_last_record(
     tmp_path: Path, sync: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(journal, "CYCLES", 3)
@@ -81,9 +82,11 @@ def test_each_request_is_done_once_whatever_the_last_record(
         _kill(run, writes)
         assert _go(run) == "done"
         assert peer.started == peer.done == ONCE, writes
+        data = data_in(run.trace)
+        assert data == [f"(beat {n + 1})" for n in range(len(data))], writes
 
 
-def test_each_request_is_done_once_in_a_run_killed_often(tmp_path: Path) -> None:
+def test_requests_and_data_are_exact_in_a_run_killed_often(tmp_path: Path) -> None:
     peer = Peer()
     run = _run(tmp_path, peer, ResumablePeer)
     for writes in (12, 9, 7, 9, 8, 9):
@@ -95,6 +98,8 @@ def test_each_request_is_done_once_in_a_run_killed_often(tmp_path: Path) -> None
     assert [one["n"] for one in events] == [*range(len(events))]
     signals = [one for one in events if one["event"] == "signal"]
     assert [one["what"].split()[0] for one in signals] == ["(:resumed"] * 6
+    data = data_in(run.trace)
+    assert data == [f"(beat {n + 1})" for n in range(len(data))]
     # a run that has ended is repeated from its journal alone
     before = run.trace.read_text()
     assert _go(run) == "done"

@@ -261,6 +261,7 @@ TYPES: dict[str, tuple[type[World], str]] = {
     ),
     "a text as message": (sends("spotted"), "a message .*, not a `Datum` or"),
     "an empty signal": (sends(Signal(())), "a message"),
+    "a signal with an odd number": (sends(Signal((":bell",), (), -1)), "the number"),
     "an empty datum": (sends(Datum(())), "a message"),
     "a strange ticket": (sends(Finished(NAME, Reply("okay"))), "not under way: 'a'"),
     "a time too large to be moved on": (with_(now=answers(1e308)), "from 0 to 10"),

@@ -124,6 +124,7 @@ class WireDatum(_Part, frozen=True, tag_field="type", tag="datum"):
 
     content: Fact
     memory: tuple[Change, ...] | None = None
+    number: Count | None = None
 
 
 class WireSignal(_Part, frozen=True, tag_field="type", tag="signal"):
@@ -131,6 +132,7 @@ class WireSignal(_Part, frozen=True, tag_field="type", tag="signal"):
 
     content: Fact
     tickets: tuple[int, ...] = ()
+    number: Count | None = None
 
 
 class WireFinished(_Part, frozen=True, tag_field="type", tag="finished"):

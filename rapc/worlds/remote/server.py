@@ -453,9 +453,9 @@ def _outcome(told: Reply | Refused | None) -> dict[str, Any]:
 
 def _message(message: Message) -> protocol.WireMessage:
     if isinstance(message, Datum):
-        return protocol.WireDatum(message.content, message.memory)
+        return protocol.WireDatum(message.content, message.memory, message.number)
     if isinstance(message, Signal):
-        return protocol.WireSignal(message.content, message.tickets)
+        return protocol.WireSignal(message.content, message.tickets, message.number)
     if isinstance(message, Finished):
         reply = message.reply
         return protocol.WireFinished(

@@ -244,7 +244,7 @@ class _Optional(RemoteWorld):
             if isinstance(message, Signal) and ticket in message.tickets:
                 left = tuple(one for one in message.tickets if one != ticket)
                 if left:
-                    kept.append(Signal(message.content, left))
+                    kept.append(msgspec.structs.replace(message, tickets=left))
             else:
                 kept.append(message)
         self._received = kept
@@ -548,9 +548,9 @@ def _outcome(told: protocol.Performed | protocol.Known) -> Reply | Refused | Non
 
 def _message(told: WireMessage) -> Message:
     if isinstance(told, protocol.WireDatum):
-        return Datum(_fact(told.content), _changes(told.memory))
+        return Datum(_fact(told.content), _changes(told.memory), told.number)
     if isinstance(told, protocol.WireSignal):
-        return Signal(_fact(told.content), told.tickets)
+        return Signal(_fact(told.content), told.tickets, told.number)
     if isinstance(told, protocol.WireFinished):
         return Finished(told.ticket, _reply(told))
     return Lost(told.ticket, told.reason)

@@ -50,7 +50,7 @@ class Cart(SimpleWorld):
 
     def perform(self, ticket: int, request: Fact) -> Reply | None:
         if request[0] == "ring":
-            self.send(Datum(("rung", ticket)))
+            self.send(Datum(("rung", ticket), number=ticket))
             self.known[ticket] = Reply("okay")
         else:
             self.send(Finished(ticket, Reply("okay")), after=5)
@@ -142,7 +142,7 @@ def test_run_resumes_through_a_new_connection(address: str) -> None:
     assert isinstance(world, RemoteWorld)
     assert isinstance(world, Resumable)
     assert world.perform(1, ("ring",)) == Reply("okay")
-    assert world.messages() == [Datum(("rung", 1))]
+    assert world.messages() == [Datum(("rung", 1), number=1)]
     world.perform(2, ("roll", "hall"))
     world.advance(5)
     world._connected().close()  # as the death of the process would
