@@ -34,7 +34,7 @@ class Options(msgspec.Struct, frozen=True, kw_only=True):
         _Words, Opt(help="Report only these rules; `ALL` selects every rule.", **_RULES)
     ]
     extend_select: Annotated[_Words, Opt(help="Also report these rules.", **_RULES)]
-    ignore: Annotated[_Words, Opt(help="Not these rules.", **_RULES)]
+    ignore: Annotated[_Words, Opt(help="Do not report these rules.", **_RULES)]
     per_file_ignores: Annotated[
         _Words,
         Opt(help="Ignore rules in files that match PATTERN.", metavar="PATTERN:RULES"),

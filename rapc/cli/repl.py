@@ -48,7 +48,7 @@ _NO_SCRIPT = "the script of its world is not part of the file"
 EXAMPLES = """\b
 Examples:
   rapc repl rocks.rap --world truck --task '(rock-order red 1)'
-  rapc repl rocks.rap --world truck --task '(rock-order red 1)' -c ':step 5' -c ':tree'
+  rapc repl rocks.rap --world truck --agenda deliveries -c ':step 5' -c ':tree'
   rapc repl rocks.rap --world truck --agenda deliveries --json < commands
   rapc repl run.jsonl
   rapc repl rocks.bug

@@ -38,6 +38,8 @@ def rule(name: str | None, everything: bool, output_format: str) -> None:
 
     Without NAME, all rules are listed, one a line. `rapc check` reports an opt-in rule
     only if `--select` or `--extend-select` names the rule, or selects `ALL`.
+
+    Exit status: 0; 2 for an unknown rule.
     """
     if name is not None and everything:
         fail("cannot combine the name of a rule and --all")

@@ -64,8 +64,8 @@ if TYPE_CHECKING:
 EXAMPLES = """\b
 Examples:
   rapc run rocks.rap --world truck --task '(fill-order red 4 factory-1)'
-  rapc run rocks.rap --world truck --agenda deliveries
-  rapc run rocks.rap --world truck --task '(wakeup)' --seed 7 -q --trace run.jsonl
+  rapc run rocks.rap --world truck --agenda deliveries --seed 7 -q
+  rapc run rocks.rap --world truck --task '(wakeup)' --trace run.jsonl
   rapc run rocks.rap --world truck --task '(wakeup)' \\
       --fault '(arm-grasp ?arm ?thing) arm-dropped p=0.3 from=100 until=200'
   rapc run my.rap --world truck --set truck.fuel=20 --set rapc.futile-limit=3 \\

@@ -124,8 +124,8 @@ def test(
 ) -> None:
     """Run the tests in files, and in all *.test.rap files below folders.
 
-    Tests may also import worlds from the `world-modules` of the nearest rapc.toml, or
-    of `[tool.rapc]` in a pyproject.toml.
+    Tests may import worlds from the modules of --world-module and from the
+    `world-modules` of the nearest rapc.toml, or of `[tool.rapc]` in a pyproject.toml.
 
     With --effects, a test in a simulator also fails if a RAP succeeds and one of its
     declared effects has not come true.

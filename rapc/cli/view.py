@@ -59,7 +59,7 @@ from rapc.worlds.registry import build_world, find_world
 EXAMPLES = """\b
 Examples:
   rapc view run.jsonl
-  rapc view rocks.rap --world truck --task '(rock-order red 1)' -o rocks.html --open
+  rapc view rocks.rap --world truck --agenda deliveries -o rocks.html --open
   rapc view yesterday.jsonl --compare today.jsonl
   rapc view run.jsonl --picture moment.svg --at 120
   rapc view --attach day-1 --open

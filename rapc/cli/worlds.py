@@ -74,9 +74,9 @@ def worlds(
     """List the installed worlds, or describe the world NAME.
 
     NAME is the name of an installed world, `module:Class`, or the address of a world in
-    another process: `exec:COMMAND`, `unix:/path`, `tcp:127.0.0.1:PORT`. Exit status of
-    --test: 0 if all checks passed, 1 if a check failed, 2 if the world cannot be
-    loaded.
+    another process: `exec:COMMAND`, `unix:/path`, `tcp:127.0.0.1:PORT`.
+
+    Exit status: 0; 1 if a check of --test failed; 2 if the world cannot be loaded.
     """
     width = max(_NARROWEST, min(shutil.get_terminal_size().columns, _WIDEST))
     if name is None and library:
