@@ -19,6 +19,7 @@ from __future__ import annotations
 import argparse
 import random
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from datetime import date
 from pathlib import Path
 
 import msgspec
@@ -374,7 +375,8 @@ def stored(benches: Sequence[Bench], each: int, seed: int) -> Mapping[str, objec
             }
         )
     idle = sum(bench.idle for bench in benches)
-    return {"each": each, "idle": idle, "kinds": kinds}
+    today = date.today().isoformat()
+    return {"date": today, "each": each, "idle": idle, "kinds": kinds}
 
 
 def main() -> None:

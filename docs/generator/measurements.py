@@ -53,8 +53,9 @@ def slips() -> str:
     sure = [row for row in counts["kinds"] if not row["remark"]]
     made, found, named, single = (sum(r[n] for r in sure) for n in numbers)
     return (
-        f"{counts['each']} slips at most of each kind. The {len(sure)} kinds without a "
-        f"remark: {made} slips, {found} found; the cause is named for {named}, and "
+        f"Measured on {counts['date']}, with at most {counts['each']} slips of each "
+        f"kind in each library. The {len(sure)} kinds without a remark: {made} slips, "
+        f"{found} found; the cause is named for {named}, and "
         f"{single} have a single finding. {counts['idle']} further slips of all kinds "
         "changed no trace and are left out.\n\n" + "\n".join(tables)
     )
