@@ -1,15 +1,46 @@
-"""Delay of Ctrl-C during operations that must not be interrupted."""
+"""Delay of Ctrl-C during operations that must not be interrupted, and lost Ctrl-C."""
 
 from __future__ import annotations
 
+import _thread
 import signal
+import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import FrameType
+from typing import Any
 
 INTERRUPTED = 130
 """The exit status of a command after Ctrl-C."""
+
+_SOON = 0.001
+"""The seconds after which a lost Ctrl-C is sent again."""
+
+
+def resend_lost_interrupts() -> None:
+    """Send Ctrl-C again whenever Python drops its exception.
+
+    Python only prints an exception in the callback of a weak reference or in `__del__`;
+    each import ends with such a callback. On systems without signals for threads
+    nothing changes.
+    """
+    if not hasattr(signal, "pthread_kill"):
+        return
+    main, usual = threading.get_ident(), sys.unraisablehook
+
+    def send() -> None:
+        time.sleep(_SOON)
+        signal.pthread_kill(main, signal.SIGINT)
+
+    def dropped(told: Any) -> None:
+        if told.exc_type is KeyboardInterrupt:
+            _thread.start_new_thread(send, ())  # takes no lock of `threading`
+        else:
+            usual(told)
+
+    sys.unraisablehook = dropped
 
 
 @contextmanager

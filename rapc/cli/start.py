@@ -20,7 +20,7 @@ def main() -> None:
     if wanted:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
     from rapc.base.gc_paused import gc_spared
-    from rapc.base.interrupts import INTERRUPTED
+    from rapc.base.interrupts import INTERRUPTED, resend_lost_interrupts
 
     with gc_spared():
         from rapc.cli.main import main as run
@@ -28,6 +28,7 @@ def main() -> None:
     if not wanted:
         run()
         return
+    resend_lost_interrupts()
     try:
         try:
             signal.signal(signal.SIGINT, signal.default_int_handler)

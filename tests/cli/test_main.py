@@ -266,6 +266,23 @@ def test_interrupt_before_errors_are_looked_after_ends_without_a_word() -> None:
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
 
 
+def test_interrupt_in_a_callback_ends_without_a_word() -> None:
+    """Python drops an exception there, for example at the end of each import."""
+    code = f"""
+import rapc.cli.main, threading, weakref
+class Thing: pass
+def call(reference): {SENT}
+def wait():
+    thing = Thing()
+    reference = weakref.ref(thing, call)
+    del thing
+    threading.Event().wait(60)
+rapc.cli.main._escape_unprintable = wait
+"""
+    done = _begun(code, "--version")
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
+
+
 def test_interrupt_while_python_takes_itself_down_ends_without_a_word() -> None:
     code = f"import atexit\n@atexit.register\ndef sent(): {SENT}"
     done = _begun(code, "--version")
