@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import gc
+import weakref
 from pathlib import Path
 
 import pytest
@@ -9,14 +11,30 @@ import pytest
 import rapc
 from rapc.analysis import checks, registry
 from rapc.analysis.check import Fact, Pass
-from rapc.analysis.driver import check_library
+from rapc.analysis.driver import check_libraries, check_library
 from rapc.analysis.selection import Selection, errors
 from rapc.base.diagnostics import Severity
 from rapc.library.loader import load, load_text
 
+ROOT = Path(__file__).parents[2]
+
 
 def _found(text: str) -> list[str]:
     return [f.rule.name for f in check_library(load_text(text)).findings]
+
+
+@pytest.mark.parametrize("library", ["stdlib/hallway", "examples/courier"])
+def test_facts_of_a_check_are_in_no_cycle(library: str) -> None:
+    """The language server rarely collects cycles."""
+    runs: list[weakref.ref[Pass]] = []
+    gc.disable()
+    try:
+        loaded = load([str(ROOT / library)])
+        check_libraries([loaded], None, None, lambda run: runs.append(weakref.ref(run)))
+        assert runs
+        assert not any(run() for run in runs)
+    finally:
+        gc.enable()
 
 
 def test_findings_come_in_the_order_of_the_text() -> None:

@@ -10,9 +10,8 @@ from collections.abc import Container, Iterable, Iterator
 from typing import NamedTuple, get_args
 
 from rapc.analysis.check import Pass, check
-from rapc.analysis.facts.index import INDEX, Form, Index, NameUse
+from rapc.analysis.facts.index import INDEX, USES, Form, Index, NameUse
 from rapc.analysis.facts.names import (
-    MISUSES,
     Misuse,
     UnknownNames,
     declared_at,
@@ -237,7 +236,7 @@ def _wrong_arity(run: Pass, rule: Rule, uses: Container[Use]) -> Iterator[Diagno
     for one in misuses(run, uses, "arguments"):
         faults.setdefault((one.used.name, one.fault.message), []).append(one)
     for (name, _), wrong in faults.items():
-        number = run.result(MISUSES).uses()
+        number = run.result(USES)
         every = sum(number[use, name] for use in _ALL_USES if use in uses)
         alike = every == len(wrong) >= THRESHOLDS.all_misused
         for one in wrong[:1] if alike else wrong:

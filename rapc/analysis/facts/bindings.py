@@ -74,36 +74,40 @@ class Summaries:
 
     Args:
         queries: the queries by name.
-        summarize: walks the formula of one query.
     """
 
-    def __init__(
-        self, queries: Mapping[str, nodes.DefineQuery], summarize: Summarize
-    ) -> None:
+    def __init__(self, queries: Mapping[str, nodes.DefineQuery]) -> None:
         self.queries = queries
-        self._summarize = summarize
         self._known: dict[Key, QueryBindings] = {}
         #: The pending summaries; each summary is needed by the preceding summary.
         self._asking: dict[Key, None] = {}
 
-    def known(self, name: str, given: frozenset[str]) -> QueryBindings:
-        """Return the summary of a query if the arguments in `given` have a value."""
+    def known(
+        self, name: str, given: frozenset[str], summarize: Summarize
+    ) -> QueryBindings:
+        """Return the summary of a query if the arguments in `given` have a value.
+
+        Args:
+            name: the query.
+            given: the arguments with a value.
+            summarize: walks the formula of one query.
+        """
         key = (name, given)
         found = self._known.get(key)
         if found is not None:
             return found
         if self._asking:
             raise _UnknownError(key)
-        self._work_out(key)
+        self._work_out(key, summarize)
         return self._known[key]
 
-    def _work_out(self, key: Key) -> None:
+    def _work_out(self, key: Key, summarize: Summarize) -> None:
         """Walk a query, after all queries that its formula uses."""
         self._asking[key] = None
         while self._asking:
             name, given = here = next(reversed(self._asking))
             try:
-                self._known[here] = self._summarize(self.queries[name], given)
+                self._known[here] = summarize(self.queries[name], given)
                 del self._asking[here]
             except _UnknownError as wanted:
                 if wanted.key in self._asking:
@@ -165,7 +169,7 @@ class BindingWalker:
     ) -> None:
         self.functions = functions
         self.findings = findings
-        self.summaries = Summaries(queries, self._summarize)
+        self.summaries = Summaries(queries)
 
     def apart(self) -> BindingWalker:
         """Return a walker of the same library with separate findings."""
@@ -219,7 +223,7 @@ class BindingWalker:
             for name, term in terms.items()
             if not isinstance(term, nodes.Var) or unbound.count(term.name) != 1
         )
-        summary = self.summaries.known(use.name, given)
+        summary = self.summaries.known(use.name, given, self._summarize)
         fresh = []
         for name, term in terms.items():
             if isinstance(term, nodes.Call) or name in summary.needs:

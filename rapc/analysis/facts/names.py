@@ -8,13 +8,12 @@ position of each fault. The checks of `unknown-rap`, `undeclared-predicate`,
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
-from functools import partial
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 
 import msgspec
 
 from rapc.analysis.check import Fact, Pass
-from rapc.analysis.facts.index import INDEX, USES, Form, NameUse, Uses
+from rapc.analysis.facts.index import INDEX, USES, Form, NameUse
 from rapc.base.diagnostics import (
     Applicability,
     Diagnostic,
@@ -42,15 +41,7 @@ class Misuse(msgspec.Struct, frozen=True):
     fault: Fault
 
 
-class Misuses(msgspec.Struct, frozen=True):
-    """All misuses of a library."""
-
-    found: Sequence[Misuse]
-    #: Returns the number of uses of a name; called only if there is a fault.
-    uses: Callable[[], Uses]
-
-
-def _run(run: Pass) -> Misuses:
+def _run(run: Pass) -> Sequence[Misuse]:
     faults = run.signatures.fault
     index = run.result(INDEX)
     found: list[Misuse] = []
@@ -62,7 +53,7 @@ def _run(run: Pass) -> Misuses:
         fault = faults(used.use, used.name, used.count, used.outputs, within)
         if fault is not None:
             found.append(Misuse(used, fault))
-    return Misuses(found, partial(run.result, USES))
+    return found
 
 
 MISUSES = Fact(_run)
@@ -71,7 +62,7 @@ MISUSES = Fact(_run)
 
 def misuses(run: Pass, uses: Container[Use], sort: str) -> Iterator[Misuse]:
     """Yield the faults of one sort in some uses, in the order of uses."""
-    for one in run.result(MISUSES).found:
+    for one in run.result(MISUSES):
         if one.used.use in uses and one.fault.sort == sort:
             yield one
 
@@ -143,7 +134,7 @@ def _unused(run: Pass, meant: Signature | None) -> Iterator[Label]:
     """Yield a label at the declaration with a similar name, if the name is unused."""
     if meant is None or meant.kind not in _SAME:
         return
-    uses = run.result(MISUSES).uses()
+    uses = run.result(USES)
     if not any(uses[use, meant.name] for use in _SAME[meant.kind]):
         label = "nothing uses this similar name"
         yield Label(declared_at(run, meant), label)

@@ -315,7 +315,7 @@ _SINGLE = (nodes.DefineRap, nodes.DefineTest)
 
 
 def _usage(run: Pass) -> Usage:
-    wrong = {id(misuse.used.node) for misuse in run.result(MISUSES).found}
+    wrong = {id(misuse.used.node) for misuse in run.result(MISUSES)}
     return Usage(run, wrong)
 
 
@@ -324,7 +324,7 @@ USAGE = Fact(_usage)
 
 
 def _census(run: Pass) -> Usage:
-    return Usage(run) if run.result(MISUSES).found else run.result(USAGE)
+    return Usage(run) if run.result(MISUSES) else run.result(USAGE)
 
 
 CENSUS = Fact(_census)
