@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
+from itertools import chain
 from typing import Literal
 
 import msgspec
@@ -49,7 +50,11 @@ class Completion(msgspec.Struct, frozen=True):
 
 
 def completion(
-    library: Library, signatures: Signatures, text: str, offset: int
+    library: Library,
+    signatures: Signatures,
+    text: str,
+    offset: int,
+    most: int | None = None,
 ) -> Completion:
     """Return the completions at an offset of a file.
 
@@ -58,18 +63,23 @@ def completion(
         signatures: the signatures of the library.
         text: the text of the file.
         offset: the offset.
+        most: the number of candidates to stop after; None for no limit.
     """
     before = text[:offset]
     fit = fits(before)
     here = _Place(library, signatures, text, fit.start, fit.prefix)
-    found = [*here.results(), *here.methods(), *here.values()]
-    for kind in sorted(fit.kinds):
-        found += here.named(kind)
-    found += [Candidate(word, "word") for word in fit.words]
-    unique = {one.text: one for one in reversed(found)}
-    kept = [unique[name] for name in dict.fromkeys(one.text for one in found)]
-    fitting = [one for one in kept if one.text.startswith(fit.prefix)]
-    return Completion(fit.start, tuple(fitting))
+    candidates = chain(
+        *(here.results(), here.methods(), here.values()),
+        *map(here.named, sorted(fit.kinds)),
+        (Candidate(word, "word") for word in fit.words),
+    )
+    found: dict[str, Candidate] = {}
+    for one in candidates:
+        if len(found) == most:
+            break
+        if one.text.startswith(fit.prefix):
+            found.setdefault(one.text, one)
+    return Completion(fit.start, tuple(found.values()))
 
 
 class _Word(msgspec.Struct, frozen=True):
@@ -304,10 +314,12 @@ class _Place:
     def _declared(self, field: str, space: Space) -> Iterator[Candidate]:
         table = _TABLES.get(space)
         known = getattr(self._signatures, table) if table else {}
-        for name, node in getattr(self._library, field).items():
+        declared = getattr(self._library, field)
+        for name in declared:
             if name.startswith(self._prefix):
                 detail = known[name].written if name in known else ""
-                yield Candidate(name, space, detail, getattr(node, "doc", ""))
+                doc = getattr(declared[name], "doc", "")
+                yield Candidate(name, space, detail, doc)
 
 
 _TABLES: Mapping[str, str] = {

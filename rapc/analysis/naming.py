@@ -186,7 +186,7 @@ class Naming:
         for file in self._sharing(named):
             unit = self._units[file]
             text = unit.file.lowered
-            for form in unit.data:
+            for form in unit.data if named.name in text else ():
                 word = _word(_word(form, 1), 0)
                 if text[word.start : word.end] == named.name:
                     for one in self._names(unit, form):

@@ -58,9 +58,9 @@ def completions(view: View, position: types.Position) -> list[types.CompletionIt
             for name in names
         ]
     part = view.part
-    found = completion(part.library, part.signatures, text.text, offset)
+    found = completion(part.library, part.signatures, text.text, offset, MOST)
     place = text.range(found.start, offset)
-    return [_item(one, at, place) for at, one in enumerate(found.candidates[:MOST])]
+    return [_item(one, at, place) for at, one in enumerate(found.candidates)]
 
 
 def _item(found: Candidate, at: int, place: types.Range) -> types.CompletionItem:

@@ -332,6 +332,7 @@ def name_of(uri: str) -> str:
     return uri if found is None else os.path.normpath(found)
 
 
+@cache  # the file system is asked once: each call lets the worker run first
 def aliases(name: str) -> Sequence[str]:
     """Return the names of a file in spans: its path, and its standard name."""
     real, folder = os.path.realpath(name), _standard_folder()
