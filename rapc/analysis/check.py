@@ -124,7 +124,8 @@ class Pass:
 
     def keep(self, *facts: Fact[Any]) -> None:
         """Forget the values of all other facts, and those about RAPs."""
-        self._facts = {one: self._facts[one] for one in facts if one in self._facts}
+        for one in self._facts.keys() - facts:
+            del self._facts[one]  # one by one: another thread may run after each
         self._of_raps = {}
 
     def known(self, fact: Fact[T]) -> T | None:

@@ -116,12 +116,12 @@ def required_files(view: View, form: nodes.Require) -> list[str]:
 def links(view: View) -> list[types.DocumentLink]:
     """Return the `require` forms that mean a single file, as links."""
     found = []
-    for one in view.part.index.of(nodes.Require):
-        if one.node.span.file == view.name:
-            files = required_files(view, one.node)
+    for form in view.part.library.forms:
+        if isinstance(form, nodes.Require) and form.span.file == view.name:
+            files = required_files(view, form)
             if len(files) == 1:
                 uri = view.workspace.uri(files[0])
-                start = view.source.text.index('"', one.node.span.start)
+                start = view.source.text.index('"', form.span.start)
                 end = view.source.text.index('"', start + 1) + 1
                 name = view.range(view.source.span(start, end))
                 found.append(types.DocumentLink(name, target=uri))

@@ -95,19 +95,15 @@ class Index:
 
     def __init__(self, library: Library) -> None:
         #: By node type: the node, its parent and its form; `of` makes occurrences.
-        self._rows: dict[type, list[tuple[nodes.Node, nodes.Node, Form]]] = {
-            kind: [] for kind in CHILDREN
-        }
+        self._rows: dict[type, list[tuple[nodes.Node, nodes.Node, Form]]] = {}
         self._made: dict[type, Sequence[Occurrence[nodes.Node]]] = {}
         self._forms: dict[str, list[Form]] = {}
         self._uses: tuple[NameUse, ...] | None = None
         self._variables: list[tuple[Form, dict[str, list[VariableAt]]]] | None = None
         self._kinds: tuple[NamedKind, ...] | None = None
         self._by_name: dict[tuple[Use, str], list[NameUse]] | None = None
-        every = (*library.forms, *library.tests)
-        for form in every:
-            self._add(form, form, form)
-        for form in (*every, *library.methods):
+        self._roots: Sequence[Form] = (*library.forms, *library.tests)
+        for form in (*self._roots, *library.methods):
             self._forms.setdefault(form.span.file, []).append(form)
         for forms in self._forms.values():
             forms.sort(key=lambda form: form.span.start)
@@ -116,7 +112,7 @@ class Index:
         """Return all nodes of one type, in the order of the text."""
         made = self._made.get(kind)
         if made is None:
-            made = [Occurrence(*row) for row in self._rows.get(kind, ())]
+            made = [Occurrence(*row) for row in self._rows_of(kind)]
             self._made[kind] = made
         return cast(Sequence[Occurrence[N]], made)
 
@@ -152,7 +148,7 @@ class Index:
             names: dict[str, list[VariableAt]] = {}
             self._variables = []
             last: Form | None = None
-            for row in cast(list[VariableAt], self._rows[nodes.Var]):
+            for row in cast(list[VariableAt], self._rows_of(nodes.Var)):
                 variable, _, owner = row
                 if owner is not last:
                     names, last = {}, owner
@@ -178,8 +174,24 @@ class Index:
             self._kinds = tuple(_named_kinds(self))
         return self._kinds
 
+    def shrink(self) -> None:
+        """Keep the uses of names alone; all else is collected again when needed."""
+        self.uses()
+        self.kinds()
+        self._variables = None
+        for table in (self._rows, self._made):
+            while table:  # entry by entry: another thread may run after each
+                table.popitem()
+
+    def _rows_of(self, kind: type) -> list[tuple[nodes.Node, nodes.Node, Form]]:
+        if not self._rows:
+            self._rows = {one: [] for one in CHILDREN}
+            for form in self._roots:
+                self._add(form, form, form)
+        return self._rows.get(kind, [])
+
     def _gathered(self) -> Iterator[NameUse]:
-        facts = cast(list[_FactAt], self._rows[nodes.Proposition])
+        facts = cast(list[_FactAt], self._rows_of(nodes.Proposition))
         for fact, parent, owner in facts:
             use = _use(fact, parent)
             if use is not None:
