@@ -25,6 +25,19 @@ def gc_paused() -> Iterator[None]:
 
 
 @contextmanager
+def gc_aged() -> Iterator[None]:
+    """Pause the garbage collector, and count the present objects as old afterwards.
+
+    Otherwise the first collection after the pause would visit all objects made
+    meanwhile. An old object is visited only by the rare collections of all objects.
+    """
+    with gc_paused():
+        yield
+        gc.freeze()
+        gc.unfreeze()
+
+
+@contextmanager
 def gc_spared() -> Iterator[None]:
     """Pause the garbage collector, and exclude the present objects from it for good.
 

@@ -42,7 +42,7 @@ from rapc.base.files import (
     path_of,
     read_text,
 )
-from rapc.base.gc_paused import gc_paused
+from rapc.base.gc_paused import gc_aged
 from rapc.base.source import SourceFile
 from rapc.errors import Error, LoadError, in_a_line
 from rapc.language.complete import fits
@@ -233,7 +233,8 @@ class Worker:
     def _run(self, next_job: Callable[[], Callable[[], None] | None]) -> None:
         while (job := next_job()) is not None:
             try:
-                job()
+                with gc_aged():
+                    job()
             except AbandonedError:
                 continue
             except Error as error:
@@ -363,7 +364,6 @@ class Worker:
         state.errors_at = now
         self._publish(snapshot)
 
-    @gc_paused()
     def _snapshot(
         self,
         spec: LibrarySpec,
@@ -396,7 +396,8 @@ class Worker:
         for run in runs.values():  # the facts of all checks take much memory
             run.keep(INDEX, INFERRED, EFFECTS)
         parts = tuple([Part(one, runs.get(id(one.library))) for one in loads])
-        _ = parts[0].index
+        for part in parts:
+            part.index.shrink()
         found = by_file(report)
         return Snapshot(spec, parts, found, whole, work.revisions, unreadable)
 
