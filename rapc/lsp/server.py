@@ -6,12 +6,14 @@ import asyncio
 import os
 import signal
 import sys
+import threading
 from collections.abc import Callable, Generator
 from contextlib import suppress
 from typing import Any, TypeVar
 
 from lsprotocol import types
 from msgspec.structs import replace
+from pygls.io_ import StdoutWriter, run_async
 from pygls.lsp.server import LanguageServer
 from pygls.protocol import LanguageServerProtocol
 from pygls.protocol.language_server import lsp_method
@@ -37,6 +39,9 @@ from rapc.lsp.project import Delays, Snapshot, Syntax, Worker
 from rapc.lsp.workspace import View, Workspace, aliases, name_of
 
 T = TypeVar("T")
+
+_PIECE = 1 << 16
+"""The number of bytes that are read at once."""
 
 _PATIENCE = 10.0
 """The number of seconds that a request waits for the first snapshot of a file."""
@@ -108,6 +113,31 @@ class Server(LanguageServer):
         #: The last published diagnostics of each file.
         self._published: dict[str, list[types.Diagnostic]] = {}
 
+    async def read(self, stdin: int) -> None:
+        """Receive messages from a file until its end.
+
+        A thread reads. The reader of pygls also uses a thread, and waits for the worker
+        several times in each message.
+        """
+        stream = asyncio.StreamReader()
+
+        def receive(piece: bytes) -> None:
+            if piece:
+                stream.feed_data(piece)
+            else:
+                stream.feed_eof()
+
+        give = _passed(receive)
+
+        def read() -> None:
+            while piece := os.read(stdin, _PIECE):
+                give(piece)
+            give(b"")
+
+        threading.Thread(target=read, daemon=True, name="input").start()
+        report = self.report_server_error
+        await run_async(threading.Event(), stream, self.protocol, error_handler=report)
+
     # --- the client ---------------------------------------------------------------
 
     def begin(self, params: types.InitializeParams) -> None:
@@ -126,23 +156,12 @@ class Server(LanguageServer):
         workspace = params.capabilities.workspace
         edits = workspace and workspace.workspace_edit
         self.rap.versions = bool(edits and edits.document_changes)
-        loop = asyncio.get_running_loop()
-
-        def passed(receive: Callable[[T], None]) -> Callable[[T], None]:
-            """Return a function that calls `receive` in the event loop."""
-
-            def give(result: T) -> None:
-                with suppress(RuntimeError):  # the loop is closed: the session is over
-                    loop.call_soon_threadsafe(receive, result)
-
-            return give
-
         self.worker = Worker(
             _delays(params.initialization_options),
-            passed(self._receive),
-            passed(self._receive_syntax),
-            passed(self._forget),
-            passed(self._log),
+            _passed(self._receive),
+            _passed(self._receive_syntax),
+            _passed(self._forget),
+            _passed(self._log),
         )
         self.worker.start()
         self.worker.tell(self.rap.work())
@@ -250,6 +269,17 @@ class Server(LanguageServer):
     def _log(self, message: str) -> None:
         kind = types.MessageType.Warning
         self.window_log_message(types.LogMessageParams(kind, message))
+
+
+def _passed(receive: Callable[[T], None]) -> Callable[[T], None]:
+    """Return a function that calls `receive` in the event loop of the caller."""
+    loop = asyncio.get_running_loop()
+
+    def give(result: T) -> None:
+        with suppress(RuntimeError):  # the loop is closed: the session is over
+            loop.call_soon_threadsafe(receive, result)
+
+    return give
 
 
 def files_with_findings(snapshot: Snapshot) -> set[str]:
@@ -555,12 +585,15 @@ def _add_files(server: Server) -> None:
 def serve() -> None:
     """Serve the editor on standard input and output until it ends the session.
 
-    Ctrl-C ends the process at once by the system's default: otherwise pygls would wait
-    for the thread that reads standard input, until the editor closes the stream.
+    Ctrl-C ends the process at once, by the system's default.
     """
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
-    sys.setswitchinterval(0.001)  # requests do not wait long for the worker
+    sys.setswitchinterval(0.0002)  # requests do not wait long for the worker
     with os.fdopen(os.dup(1), "wb") as output:
         os.dup2(2, 1)  # what is printed by mistake must not reach the editor
-        make_server().start_io(stdout=output)
+        server = make_server()
+        server.protocol.set_writer(StdoutWriter(output))
+        # `sys.exit` at the end of the session, or the editor has ended
+        with suppress(SystemExit, BrokenPipeError):
+            asyncio.run(server.read(0))
