@@ -9,6 +9,7 @@ import asyncio
 import sys
 import threading
 from collections.abc import Coroutine, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -193,13 +194,14 @@ class Editor:
     def findings(self, uri: str) -> list[str]:
         """Return the rules of the findings of the present text of an open file."""
 
-        def ready() -> bool:
-            return self._told.get(uri) == self._versions[uri]
-
         with self._published:
-            if not self._published.wait_for(ready, PATIENCE):
+            if not self._published.wait_for(partial(self.is_checked, uri), PATIENCE):
                 raise TimeoutError(f"the findings are {self.rules(uri)}")
             return self.rules(uri)
+
+    def is_checked(self, uri: str) -> bool:
+        """Return whether the findings of the present text of an open file are there."""
+        return self._told.get(uri) == self._versions[uri]
 
     def until(self, uri: str, rule: str | None) -> None:
         """Wait for published findings of a file with a rule; without, for none."""
