@@ -143,8 +143,10 @@ def test_folder_with_200_libraries(tmp_path: Path) -> None:
         **editor.of(world, "drive"),
     )
     assert editor.findings(world) == []
-    found = editor.ask(types.TEXT_DOCUMENT_REFERENCES, params)
-    assert len({one.uri for one in found}) == 200
+    found: set[str] = set()
+    while len(found) < 200:  # the server checks a library after the other
+        places = editor.ask(types.TEXT_DOCUMENT_REFERENCES, params)
+        found = {one.uri for one in places}
     assert editor.close() == 0
 
 
