@@ -61,8 +61,6 @@ METHOD = (
 FOR = Clause("for", "formula", "run", hands_on=True)
 """The annotation of a step with a formula."""
 
-CLAUSES = (*RAP, *METHOD, FOR)
-
 
 def held(
     clauses: Iterable[Clause], node: nodes.DefineRap | nodes.Method

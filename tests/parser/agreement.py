@@ -44,9 +44,6 @@ Each with the rules that are then reported, and words in the message where a rul
 have other reasons.
 """
 
-ANY_ORDER = "parts of a declaration in any order"
-"""What the front end allows and the grammar does not."""
-
 
 def excused(found: Diagnostic) -> str | None:
     """The attribute that a finding comes from, if there is one."""

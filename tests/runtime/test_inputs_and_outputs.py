@@ -6,8 +6,6 @@ import pytest
 
 from .helpers import play, row
 
-ECHO = "(define-rap (echo ?in => ?out) (succeed (and (p ?in) (= ?in ?in) (p ?out))))"
-
 
 def test_an_unbound_input_fails_the_step() -> None:
     ran = play(
