@@ -140,15 +140,7 @@ def _copies(rap: nodes.DefineRap) -> Iterator[Diagnostic]:
     for method in rap.methods:
         if isinstance(method.body, nodes.TaskNet) and not method.body.steps:
             continue
-        said = (
-            method.context,
-            method.notations,
-            method.constraints,
-            method.claims,
-            method.skills,
-            method.body,
-        )
-        other = first.setdefault(said, method)
+        other = first.setdefault((method.context, _acts(method)), method)
         if other is not method:
             yield COPY.at(
                 method.span,
