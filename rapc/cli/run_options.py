@@ -29,6 +29,15 @@ T = TypeVar("T")
 R = TypeVar("R")
 Build = Callable[[type[World], int, Mapping[str, Atom | bool]], World]
 
+fault_option = click.option(
+    "--fault",
+    "faults",
+    multiple=True,
+    metavar="'(REQUEST) RESULT [p=..] [from=..] [until=..]'",
+    help="Make matching requests fail (repeatable).",
+)
+"""The option for the faults of a run."""
+
 
 def run_options(command: F) -> F:
     """Add the options that describe the start of a run."""
@@ -66,13 +75,7 @@ def run_options(command: F) -> F:
             metavar="OWNER.NAME=VALUE",
             help="Set an option of the world or a `rapc` setting (repeatable).",
         ),
-        click.option(
-            "--fault",
-            "faults",
-            multiple=True,
-            metavar="'(REQUEST) RESULT [p=..] [from=..] [until=..]'",
-            help="Make matching requests fail (repeatable).",
-        ),
+        fault_option,
     )
     for option in reversed(options):
         command = option(command)

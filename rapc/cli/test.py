@@ -21,7 +21,7 @@ from rapc.cli.common import (
     write_output,
 )
 from rapc.cli.options import Amount, TypedPath, WholeNumber, command, fail, settings
-from rapc.cli.run_options import read_option
+from rapc.cli.run_options import fault_option, read_option
 from rapc.console.lines import wrapped
 from rapc.console.testing import explain
 from rapc.testing import coverage as covering
@@ -70,13 +70,7 @@ _MOST_JOBS = 1000
     metavar="N",
     help="Number of processes.",
 )
-@click.option(
-    "--fault",
-    "faults",
-    multiple=True,
-    metavar="'(REQUEST) RESULT [p=..] [from=..] [until=..]'",
-    help="Make matching requests fail (repeatable).",
-)
+@fault_option
 @click.option(
     "--world-module",
     "modules",
