@@ -1,4 +1,4 @@
-"""Atomic writing of files: a file is written whole or stays unchanged.
+"""Writing of files: whole or not at all, or with errors that name the file.
 
 Not here: the line ends of RAP files (`rapc.parser.rewriting`).
 """
@@ -10,13 +10,45 @@ import re
 import stat
 from collections.abc import Iterable
 from contextlib import suppress
+from io import BufferedWriter, FileIO, TextIOWrapper
 from pathlib import Path
+from typing import Any
 
 from rapc.base.files import read_bytes
 from rapc.errors import WriteError, reason
 
 _PART = re.compile(r".+\.([1-9][0-9]{0,8})\.rapc-part")
 """The name of a temporary file, with the number of the process that writes it."""
+
+
+class Output(FileIO):
+    """A file that is written piece by piece.
+
+    Raises:
+        WriteError: if the file cannot be opened, or later written.
+    """
+
+    def __init__(self, file: str | Path, mode: str = "w") -> None:
+        try:
+            super().__init__(file, mode)
+        except OSError as error:
+            raise WriteError(f"cannot write `{file}`: {reason(error)}") from error
+
+    def write(self, data: Any, /) -> int:
+        """Write bytes; return their number. Raises WriteError."""
+        try:
+            return super().write(data)
+        except BrokenPipeError:  # the reader has ended
+            raise
+        except OSError as error:
+            raise WriteError(f"cannot write `{self.name}`: {reason(error)}") from error
+
+    def text(self) -> TextIOWrapper:
+        """Return a buffered stream of text; on a terminal line by line."""
+        lines = self.isatty()
+        return TextIOWrapper(
+            BufferedWriter(self), "utf-8", newline="\n", line_buffering=lines
+        )
 
 
 def write_whole(file: str | Path, data: bytes) -> None:

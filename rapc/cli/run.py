@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from functools import partial
 from itertools import chain
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO, get_type_hints
 
 import click
@@ -19,6 +18,7 @@ from rapc.base.interrupts import interrupts_held, terminations_as_interrupts
 from rapc.base.outputs import SAVED_STATE
 from rapc.base.values import format_list, readable, readable_numbers
 from rapc.base.visible import visible, visible_lines
+from rapc.base.writing import Output
 from rapc.cli.common import (
     PIPED_WIDTH,
     load_checked,
@@ -43,7 +43,7 @@ from rapc.cli.run_options import (
     run_options,
     until_option,
 )
-from rapc.errors import StateError, reason
+from rapc.errors import StateError
 from rapc.events import Deadlock, Event, TaskResult
 from rapc.library.library import Library
 from rapc.runtime.events.report import (
@@ -256,7 +256,7 @@ def _followed(
     if trace is not None:
         refuse_trace(trace, [str(path), *run.library.library.files], run.world)
         if not isinstance(course, Begun):
-            stream = stack.enter_context(_opened(trace))
+            stream = stack.enter_context(Output(trace).text())
     # One encoding serves the file and the readers.
     shared = stream if trace_format == "jsonl" else None
     if port is not None:
@@ -519,14 +519,6 @@ class _Shown:
     def flush(self) -> None:
         """Flush the stream."""
         self._stream.flush()
-
-
-def _opened(trace: str) -> TextIO:
-    """Open the file of a trace; a file that cannot be opened ends the command."""
-    try:
-        return Path(trace).open("w", encoding="utf-8")
-    except OSError as error:
-        fail(f"cannot write `{trace}`: {reason(error)}")
 
 
 def _drawable(run: Interpreter) -> Callable[[], Picture]:

@@ -24,7 +24,7 @@ from typing import Any
 import msgspec
 
 from rapc.base.decoding import UNREADABLE, flaw
-from rapc.base.writing import write_whole
+from rapc.base.writing import remove_parts, write_whole
 from rapc.debug.act_lines import Library
 from rapc.durable.records import Record, bodies, decoded, size_of, whole_record_after
 from rapc.errors import LoadError, StateError, WriteError, reason
@@ -136,10 +136,18 @@ class Stored(msgspec.Struct, frozen=True):
 def is_journal(path: Path) -> bool:
     """Return whether a path is the folder of a journal, with or without its meta."""
     try:
-        names = os.listdir(path)
-    except OSError:
+        names = _names(path)
+    except LoadError:
         return False
     return META in names or any(map(_NAME.fullmatch, names))
+
+
+def _names(folder: Path) -> list[str]:
+    """Return the names of the files in a folder. Raises LoadError."""
+    try:
+        return sorted(os.listdir(folder))
+    except OSError as error:
+        raise LoadError(f"cannot read `{folder}`: {reason(error)}") from error
 
 
 def part_file(folder: Path, number: int) -> Path:
@@ -216,10 +224,10 @@ def _unsealed(kind: str, type_: Any, path: Path) -> Any:
 
 def read_meta(folder: Path) -> Meta:
     """Return the contents of the file `meta`. Raises LoadError."""
-    if not is_journal(folder):
-        raise LoadError(f"`{folder}` is not a journal")
-    if not (folder / META).exists():
-        raise LoadError(f"the journal `{folder}` has no file `{META}`")
+    names = _names(folder) if folder.is_dir() else []
+    if META not in names:
+        lost = f"the journal `{folder}` has no file `{META}`"
+        raise LoadError(lost if is_journal(folder) else f"`{folder}` is not a journal")
     meta: Meta = _unsealed("meta", Meta, folder / META)
     return meta
 
@@ -227,13 +235,9 @@ def read_meta(folder: Path) -> Meta:
 def numbers(folder: Path) -> tuple[list[int], list[int]]:
     """Return the numbers of the parts and of the snapshots. Raises LoadError."""
     found: dict[str, list[int]] = {"journal": [], "snapshot": []}
-    try:
-        for name in sorted(os.listdir(folder)):
-            named = _NAME.fullmatch(name)
-            if named:
-                found[named[1]].append(int(named[2]))
-    except OSError as error:
-        raise LoadError(f"cannot read `{folder}`: {reason(error)}") from error
+    for name in _names(folder):
+        if named := _NAME.fullmatch(name):
+            found[named[1]].append(int(named[2]))
     return found["journal"], found["snapshot"]
 
 
@@ -408,6 +412,7 @@ class Lock:
                 raise StateError(
                     f"cannot run the journal `{folder}`: another process runs it"
                 ) from error
+        remove_parts([folder / LOCK])  # of killed processes
 
     def release(self) -> None:
         """Release the lock."""

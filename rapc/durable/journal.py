@@ -9,12 +9,12 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable, Sequence
-from io import TextIOWrapper
 from pathlib import Path
 from typing import Any, Protocol
 
 import msgspec
 
+from rapc.base.writing import Output
 from rapc.debug.act_lines import Library
 from rapc.durable.folder import (
     Options,
@@ -36,7 +36,7 @@ from rapc.durable.records import (
     Void,
     framed,
 )
-from rapc.errors import StateError, WriteError, reason
+from rapc.errors import StateError, WriteError
 from rapc.runtime.answers import Answer, Answers, Goal, RecordedWorld
 from rapc.runtime.interpreter import Interpreter
 from rapc.runtime.planner import Planned
@@ -85,16 +85,13 @@ class Trace:
 
     def __init__(self, path: Path, size: int = 0) -> None:
         self.path = path
-        try:
-            self._file = path.open("r+b" if size else "wb")
-            if self._file.seek(0, os.SEEK_END) < size:
-                self._file.close()
-                raise WriteError(f"cannot continue the trace `{path}`: it is too short")
-            self._file.seek(size)
-            self._file.truncate()
-        except OSError as error:
-            raise WriteError(f"cannot write `{path}`: {reason(error)}") from error
-        self._stream = TextIOWrapper(self._file, "utf-8", newline="\n")
+        output = Output(path, "r+" if size else "w")
+        if output.seek(0, os.SEEK_END) < size:
+            output.close()
+            raise WriteError(f"cannot continue the trace `{path}`: it is too short")
+        output.seek(size)
+        output.truncate()
+        self._file, self._stream = output, output.text()
         #: Write text.
         self.write = self._stream.write
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import subprocess
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -239,6 +240,27 @@ def test_missing_meta_is_reported_in_one_line(tmp_path: Path, args: Any) -> None
     done = command(*args, cwd=tmp_path)
     said = "error: the journal `j` has no file `meta`\n"
     assert (done.returncode, done.stdout, done.stderr) == (2, "", said)
+
+
+def test_folder_that_cannot_be_read_is_reported(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr("os.listdir", refuse)
+    with pytest.raises(LoadError, match=f"cannot read `{tmp_path}`: permission denied"):
+        files.read(tmp_path)
+
+
+def test_files_of_killed_processes_are_removed(live: Run) -> None:
+    live.journal.mkdir()
+    process = subprocess.Popen(["true"])
+    process.wait()
+    left = live.journal / f"meta.{process.pid}.rapc-part"
+    left.write_bytes(b"half")
+    live.begin().close()
+    assert not left.exists()
 
 
 def test_convert_writes_the_trace(ended: Path) -> None:
