@@ -200,7 +200,11 @@ The server offers to extract the steps of `tour' only after that."
 (defun feature-highlight ()
   (at "?place")
   (said #'eglot-hover-eldoc-function)
-  (settle (lambda () (and eglot--highlights (length eglot--highlights)))))
+  ;; The highlights of the place before may still arrive.
+  (settle (lambda ()
+            (and (seq-some (lambda (one) (<= (overlay-start one) (point) (overlay-end one)))
+                           eglot--highlights)
+                 (length eglot--highlights)))))
 
 (defun feature-rename ()
   (at "go kitchen")
