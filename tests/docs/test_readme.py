@@ -9,7 +9,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from rapc.analysis import driver
+from rapc.analysis import driver, registry
 from rapc.library.loader import load_text
 
 CHECKOUT = Path(__file__).parents[2]
@@ -28,6 +28,10 @@ def test_two_commands_set_up_and_do_everything() -> None:
     main, test = _commands()
     assert main.startswith(f"{MAIN}rapc run ")
     assert test == TEST
+
+
+def test_readme_has_the_number_of_rules() -> None:
+    assert f"finds {len(registry.rules())} kinds of mistakes" in README
 
 
 def test_ci_types_the_test_command_of_the_readme() -> None:
