@@ -170,6 +170,14 @@ class VSCode:
         rows.filter(has_text=file).dblclick(timeout=60_000)
         self.page.wait_for_selector(f".tab:has-text('{file}')")
 
+    def slip(self) -> None:
+        """Open `moving.rap`, and make the mistake after the first check."""
+        self.open("moving.rap")
+        self.page.wait_for_selector(".codelens-decoration:has-text('4 callers')")
+        self.go_to(*MISTAKE)
+        self.keys.press("Delete")
+        self.squiggle()
+
     def go_to(self, row: int, column: int) -> None:
         """Put the cursor at a place of the file."""
         self.keys.press("Control+g")

@@ -132,11 +132,7 @@ def visual_studio_code(folder: Path) -> None:
     project = courier(folder)
     with vscode(extension(folder), project, folder) as page:
         editor = VSCode(page)
-        editor.open("moving.rap")
-        page.wait_for_selector(".codelens-decoration:has-text('4 callers')")
-        editor.go_to(*MISTAKE)
-        editor.keys.press("Delete")
-        editor.squiggle()
+        editor.slip()
         editor.go_to(MISTAKE[0], 13)
         editor.fixes()
         time.sleep(1)

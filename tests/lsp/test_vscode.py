@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from bench.browser import chromium
-from bench.vscode import COURIER, MISTAKE, VSCode, courier, extension, vscode
+from bench.vscode import COURIER, VSCode, courier, extension, vscode
 from rapc.analysis.check_files import check_files
 from rapc.language.heads import FORMS, QUERIES
 from tests.lsp.programs import PYTHON
@@ -55,11 +55,7 @@ def test_courier_is_mended_and_renamed_in_vs_code(tmp_path: Path) -> None:
     (project / "robot.py").write_text(PYTHON)
     with vscode(extension(tmp_path), project, tmp_path) as page:
         editor = VSCode(page)
-        editor.open("moving.rap")
-        page.wait_for_selector(".codelens-decoration:has-text('4 callers')")
-        editor.go_to(*MISTAKE)
-        editor.keys.press("Delete")
-        editor.squiggle()
+        editor.slip()
         assert "help: did you mean `halt-for`?" in editor.hover()
         assert editor.fixes() == [
             "Write `halt-for`",
