@@ -1,8 +1,9 @@
 """Times of the language server, process and wire included, beyond the delays.
 
 `python -m pytest -n 0 -m nightly tests/lsp/test_latency.py -s` prints the figures: the
-minimum and median of each time, and the processor time of the server. The limits hold
-for the medians on an idle machine.
+distribution of each time, the processor time of the server, and its memory. On an idle
+machine the limits hold for the medians, and for 99 of 100 answers to requests. On a
+busy machine, `chrt -r 10` before the command runs the test before other processes.
 """
 
 from __future__ import annotations
@@ -12,7 +13,6 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from statistics import median
 
 import pytest
 
@@ -120,19 +120,17 @@ def seconds(does: Callable[[], object]) -> float:
     return time.perf_counter() - start
 
 
-def told(name: str, size: int, times: Sequence[float]) -> float:
-    """Print the distribution of some values; return the median."""
-    ordered = sorted(times)
-    shares = [ordered[int(share * (len(times) - 1))] for share in SHARES.values()]
-    shown = "  ".join(
-        f"{share} {1000 * one:6.1f}" for share, one in zip(SHARES, shares, strict=True)
-    )
+def told(name: str, size: int, times: Sequence[float]) -> Mapping[str, float]:
+    """Print the distribution of some values, and return it by the names of `SHARES`."""
+    ordered, last = sorted(times), len(times) - 1
+    found = {name: ordered[int(share * last)] for name, share in SHARES.items()}
+    shown = "  ".join(f"{name} {1000 * one:6.1f}" for name, one in found.items())
     print(f"{size:5} RAPs  {name:26} {shown} ms  ({len(times)} times)")
-    return median(times)
+    return found
 
 
 SHARES = {"min": 0.0, "median": 0.5, "p95": 0.95, "p99": 0.99, "max": 1.0}
-"""The printed values: the share of the times that are lower."""
+"""By name, the share of the times that are lower."""
 
 
 SLIPS = {
@@ -179,7 +177,8 @@ def test_syntax_errors_follow_an_edit(folder: Path, size: int) -> None:
     time.sleep(SETTLE)
     times = edit_and_wait(editor, uri, "missing-parenthesis", 8)
     editor.close()
-    assert told("edit to syntax errors", size, times) <= LIMITS[size]["syntax"]
+    found = told("edit to syntax errors", size, times)
+    assert found["median"] <= LIMITS[size]["syntax"]
 
 
 def test_errors_follow_an_edit(folder: Path, size: int) -> None:
@@ -187,7 +186,7 @@ def test_errors_follow_an_edit(folder: Path, size: int) -> None:
     time.sleep(SETTLE)
     times = edit_and_wait(editor, uri, "unknown-rap", 10)
     editor.close()
-    assert told("edit to errors", size, times) <= LIMITS[size]["errors"]
+    assert told("edit to errors", size, times)["median"] <= LIMITS[size]["errors"]
 
 
 def test_all_findings_follow_an_edit(folder: Path, size: int) -> None:
@@ -202,12 +201,12 @@ def test_all_findings_follow_an_edit(folder: Path, size: int) -> None:
         editor.findings(uri)
         times.append(time.perf_counter() - start)
         used.append(server.seconds() - before)
-    middle = told("edit to all findings", size, times)
+    found = told("edit to all findings", size, times)
     told("processor time of these", size, used)
     memory = server.memory()
     print(f"{size:5} RAPs  memory {memory:.0f} MB")
     editor.close()
-    assert middle <= LIMITS[size]["all"]
+    assert found["median"] <= LIMITS[size]["all"]
     assert memory <= MEMORY
 
 
@@ -229,8 +228,8 @@ def test_questions_are_answered_while_checks_run(folder: Path, size: int) -> Non
                 where = params(**editor.of(uri, "task-", len(times[name]) % 9))
                 times[name].append(seconds(partial(editor.ask, method, where)))
     editor.close()
-    middles = [told(f"{name} during a check", size, of) for name, of in times.items()]
-    assert max(middles) <= LIMITS[size]["asked"]
+    found = [told(f"{name} during a check", size, of) for name, of in times.items()]
+    assert max(one["p99"] for one in found) <= LIMITS[size]["asked"]
 
 
 def test_no_answer_is_lost_at_20_keystrokes_a_second(folder: Path, size: int) -> None:
@@ -238,4 +237,4 @@ def test_no_answer_is_lost_at_20_keystrokes_a_second(folder: Path, size: int) ->
     times = type_keys(editor, uri, f"task-{size // 10}", 20 * 60, pause=0.05)
     assert_findings_are_fresh(editor, {uri: folder / "raps-5.rap"})
     editor.close()
-    assert told("hover while typing", size, times) <= LIMITS[size]["asked"]
+    assert told("hover while typing", size, times)["p99"] <= LIMITS[size]["asked"]
