@@ -53,27 +53,38 @@ def _fixed(view: View, texts: Mapping[str, str]) -> str | None:
 
 
 async def run_test(server: LanguageServer, rap: Workspace, uri: str, name: str) -> bool:
-    """Run a test of a file; show the result, and the output if the test fails."""
+    """Run a test of a file, and show the last line of the report."""
     view = rap.view(uri)
     if view is None:
         return False
-    return await _run(server, f"test `{name}`", "test", path(view.name), "--only", name)
+    args = ("test", path(view.name), "--only", name)
+    return await _run(server, f"test `{name}`", ("passed", "failed"), -1, *args)
 
 
 async def run_agenda(
     server: LanguageServer, rap: Workspace, uri: str, agenda: str, world: str
 ) -> bool:
-    """Run an agenda of a file in a world, and show the end of its report."""
+    """Run an agenda of a file in a world, and show the first line of the report."""
     view = rap.view(uri)
     if view is None:
         return False
-    paths = [path(one) for one in view.snapshot.spec.paths]
-    options = ("--world", world, "--agenda", agenda)
-    return await _run(server, f"agenda `{agenda}`", "run", *paths, *options)
+    library = path(view.snapshot.spec.paths[0])  # test files follow
+    args = ("run", "--quiet", library, "--world", world, "--agenda", agenda)
+    return await _run(server, f"agenda `{agenda}`", ("succeeded", "failed"), 0, *args)
 
 
-async def _run(server: LanguageServer, what: str, *args: str) -> bool:
-    """Run rapc with some arguments, and tell the user the result."""
+async def _run(
+    server: LanguageServer, name: str, results: tuple[str, str], line: int, *args: str
+) -> bool:
+    """Run rapc, and show the result with a line of the output; log all the output.
+
+    Args:
+        server: the server.
+        name: the name of the test or agenda.
+        results: the words for the exit status 0, and for all others.
+        line: the index of the line to show.
+        args: the arguments of rapc.
+    """
     process = await asyncio.create_subprocess_exec(
         *(sys.executable, "-m", "rapc", *args),
         stdin=asyncio.subprocess.DEVNULL,
@@ -87,7 +98,7 @@ async def _run(server: LanguageServer, what: str, *args: str) -> bool:
     passed = process.returncode == 0
     kind = types.MessageType.Info if passed else types.MessageType.Error
     server.window_log_message(types.LogMessageParams(kind, text))
-    end = lines[-1] if lines else ""
-    message = f"{what}: {'passed' if passed else 'failed'}; {end}"
+    shown = lines[line] if lines else "no output"
+    message = f"{name}: {results[not passed]}; {shown}"
     server.window_show_message(types.ShowMessageParams(kind, message))
     return passed

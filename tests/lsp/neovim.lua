@@ -467,25 +467,47 @@ function features.inlay_hints()
   return found
 end
 
-function features.code_lenses()
-  local function titles()
+-- Wait for the code lenses of the buffer, and return their titles.
+local function lenses()
+  return settle(function()
+    vim.lsp.codelens.refresh()
+    pause(50)
     local found = {}
     for _, one in ipairs(vim.lsp.codelens.get(vim.fn.bufnr())) do
       if one.command then table.insert(found, one.command.title) end
     end
     return #found > 0 and found
-  end
-  vim.lsp.codelens.refresh()
-  local found = { raps = settle(titles) }
-  vim.cmd("edit raps.test.rap")
-  vim.lsp.codelens.refresh()
-  found.tests = settle(titles)
-  at("(define-test")
-  vim.lsp.codelens.run()
-  found.result = settle(function()
-    local last = shown[#shown]
-    return last and last:find("^test") and last
   end)
+end
+
+-- Run the code lens at the cursor, and return the message, which begins with a text.
+local function run_lens(start)
+  vim.lsp.codelens.run()
+  return settle(function()
+    local last = shown[#shown]
+    return last and last:find("^" .. start) and last
+  end)
+end
+
+function features.code_lenses()
+  local found = { raps = lenses() }
+  vim.cmd("edit raps.test.rap")
+  found.tests = lenses()
+  at("(define-test")
+  found.result = run_lens("test")
+  vim.cmd("buffer raps.rap")
+  return found
+end
+
+function features.agenda()
+  local agenda = { '(require "hallway")', "(define-agenda day", "  (task (go-to coffee-machine)))" }
+  local test = { '(require "day")', "(define-test day-ends", "  (world hallway)", "  (agenda day))" }
+  vim.fn.writefile(agenda, "day.rap")
+  vim.fn.writefile(test, "day.test.rap")
+  vim.cmd("edit day.rap")
+  local found = { titles = lenses() }
+  at("(define-agenda")
+  found.result = run_lens("agenda")
   vim.cmd("buffer raps.rap")
   return found
 end

@@ -38,7 +38,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Any:
         ],
         check=False,
         cwd=folder,
-        env={**os.environ, "PATH": path, "FEATURES": " ".join(FEATURES)},
+        env={**os.environ, "PATH": path, "FEATURES": " ".join((*FEATURES, "agenda"))},
         capture_output=True,
         text=True,
         timeout=300,
@@ -78,6 +78,13 @@ class TestNeovim(Features):
         (*_, page, _), (*_, places) = shown["findings"]
         assert page.endswith("/rules/unknown-rap.md")
         assert places == 1
+
+    def test_lens_runs_an_agenda(self, shown: Any) -> None:
+        assert shown["agenda"] == {
+            "titles": ["run in hallway"],
+            "result": "agenda `day`: succeeded; "
+            "Run over (done) at time 126.2 after 136 cycles.",
+        }
 
     def test_words_have_colours(self, shown: Any) -> None:
         if isinstance(shown["colours"], int):
