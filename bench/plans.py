@@ -3,6 +3,7 @@
 python -m bench.plans                        all cases with 20 seeds each
 python -m bench.plans courier --seeds 200    one case
 python -m bench.plans --search               the times of grounding and search
+python -m bench.plans --deliveries           five deliveries: one plan beside orders
 """
 
 from __future__ import annotations
@@ -10,7 +11,7 @@ from __future__ import annotations
 import argparse
 import statistics
 import time
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -224,15 +225,68 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=20)
     parser.add_argument("--first", type=int, default=70_000, help="the first seed")
     parser.add_argument("--search", action="store_true", help="time the searches")
+    parser.add_argument(
+        "--deliveries",
+        action="store_true",
+        help="compare one plan for five deliveries with five orders",
+    )
     given = parser.parse_args()
     if given.search:
         for one in searches():
             print(timed(one, 5), flush=True)
         return
+    seeds = range(given.first, given.first + given.seeds)
+    if given.deliveries:
+        print(compared(seeds))
+        return
     for name in given.cases:
-        seeds = range(given.first, given.first + given.seeds)
         with importing_from(Path(CASES[name].library)):
             print(measured(name, CASES[name], seeds), flush=True)
+
+
+DELIVERIES = (
+    "medicine ward-3",
+    "meals ward-4",
+    "linen ward-1",
+    "medicine ward-2",
+    "meals ward-1",
+)
+ALL_FIVE = f"""(define-rap (all-five)
+  (succeed (and {" ".join(f"(delivered {one})" for one in DELIVERIES)}))
+  (plan fetch bring))"""
+NEVER = 6000
+"""The end of a run of deliveries, in time units."""
+
+
+def compared(seeds: Sequence[int]) -> str:
+    """Return a line about five deliveries by one plan, beside five orders.
+
+    The ratio is that of the mean times; its standard error is that of the paired
+    differences.
+    """
+    library = rapc.load(CASES["courier"].library).extend(ALL_FIVE)
+    orders = [f"(deliver {one}) :priority 2" for one in DELIVERIES]
+    ends: list[list[float]] = []
+    done = []
+    for tasks in (["(all-five) :priority 2"], orders):
+        ends.append([])
+        done.append(0)
+        for seed in seeds:
+            run = library.start("courier", tasks=(*CHARGED, *tasks), seed=seed)
+            run.run(until=NEVER)
+            found = [one for one in run.results() if one.goal.name != "stay-charged"]
+            done[-1] += all(one.outcome == "succeeded" for one in found)
+            ends[-1].append(max(float(one.ended or NEVER) for one in found))
+    planned, ordered = map(statistics.fmean, ends)
+    ratio = planned / ordered
+    apart = [one - ratio * other for one, other in zip(*ends, strict=True)]
+    error = statistics.stdev(apart) / len(apart) ** 0.5 / ordered
+    return (
+        f"five deliveries: {planned:.0f} time units by a plan, "
+        f"{ordered:.0f} by orders: "
+        f"{ratio:.3f} +- {error:.3f}, all delivered in {done[0]} and {done[1]} of "
+        f"{len(apart)} runs"
+    )
 
 
 def measured(name: str, case: Case, seeds: Iterable[int]) -> str:

@@ -51,7 +51,7 @@ from rapc.runtime.arguments import (
 )
 from rapc.runtime.events.recorder import Listener
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.planner import BUILT_IN, Planned, Planner, PlanRequest
+from rapc.runtime.planner import BUILT_IN, Planned, Planner, PlanRequest, computed
 from rapc.runtime.settings import Settings
 from rapc.runtime.task_request import TaskRequest, as_text
 from rapc.spec import RunSpec
@@ -446,13 +446,20 @@ def plan(  # all but two have defaults and go by name
         world = plans.still_world(program)
         run = library.start(world, facts=facts, functions=unknown)
     planned: Plan = plans.plan(
-        program, rap, run.memory, use=names, limit=limit, tries=tries, engine=asked
+        program,
+        rap,
+        run.memory,
+        use=names,
+        limit=limit,
+        tries=tries,
+        engine=asked,
+        compute=partial(computed, run.new_context(quiet=True)),
     )
     return planned
 
 
 def _unknown(*args: object) -> str:
-    """Stand for a function of a world: a plan does not depend on functions."""
+    """Stand for a function of a world: without a run its value is not known."""
     return UNKNOWN
 
 

@@ -262,6 +262,14 @@ class RapPlan:
         where = compiler.place("duration", node.span)
         self.duration = TermValue(node.duration, where) if node.duration else None
         self.resources = _resources(compiler, node)
+        #: Whether the duration has variables of the preconditions.
+        self.duration_asks = bool(
+            node.duration
+            and node.preconditions
+            and set(variable_names(node.duration)).difference(
+                self.inputs, [one.variable.name for one in node.resources]
+            )
+        )
         self.prepared_from = _used(node)
         #: Whether there is a monitor clause.
         self.monitored = bool(node.monitor_state or node.monitor_time)

@@ -466,10 +466,14 @@ class Exclusion(Node, frozen=True, eq=False):
 
 
 class DeclareProposition(Node, frozen=True, eq=False):
-    """`(declare-memory-proposition name (arg...) ["doc"])`; `args` may be missing."""
+    """`(declare-memory-proposition name (arg...) [:at-most number] ["doc"])`.
+
+    `args` may be missing; `at_most` is None if it is not declared.
+    """
 
     name: str
     args: tuple[Argument, ...] | None
+    at_most: int | None
     doc: str
 
 

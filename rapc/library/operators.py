@@ -7,6 +7,7 @@ the model lists them. [T 7.4.1; L 10]
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import count
 from typing import Literal as Word
@@ -99,9 +100,12 @@ class Operator(NamedTuple):
     rap: nodes.DefineRap
     conditions: Conjunction
     effects: tuple[Effect, ...]
-    cost: Number
+    #: The cost of a step; a term that is computed for each instance, or a number.
+    cost: nodes.Term | Number
     #: The kinds of inputs and outputs by variable.
     kinds: Mapping[str, str]
+    #: The facts that only give the cost a value, from those that must be present.
+    weighed: frozenset[Pattern] = frozenset()
 
 
 class Model:
@@ -174,9 +178,7 @@ class Model:
             formula = substitute(rap.constraints, {n: self._variable() for n in names})
             required = self._clause_of(rap.name, "constraints", formula)
             branches = self._product([branches, required], rap.constraints)
-        cost: Number = 1
-        if isinstance(rap.duration, nodes.Const):
-            cost = max(_number(rap.duration) or 0, 0)
+        cost = self._cost(rap, bound)
         kinds = {one.variable: one.kind for one in rap.kinds}
         brought = {(one.name, one.args) for one in effects if one.sort == "add"}
         useful = [
@@ -185,7 +187,23 @@ class Model:
             if not any((one.name, one.args) in brought for one in branch.present)
         ]
         for branch in useful or branches:
-            yield Operator(rap, branch, effects, cost, kinds)
+            weighed = _weighed(branch, effects, cost, given)
+            yield Operator(rap, branch, effects, cost, kinds, weighed)
+
+    def _cost(self, rap: nodes.DefineRap, bound: set[str]) -> nodes.Term | Number:
+        """Return the cost of a RAP: its duration, 1 without one."""
+        if rap.duration is None:
+            return 1
+        constant = _number(rap.duration)
+        if constant is not None:
+            return max(constant, 0)
+        unknown = set(variable_names(rap.duration)) - (bound - self._hidden)
+        if not unknown:
+            return rap.duration
+        names = ", ".join([f"`{name}`" for name in sorted(unknown)])
+        reason = f"{names} has no value before the step"
+        self.left_out.append(LeftOut(rap.name, "duration", rap.duration, reason))
+        return 1
 
     def _unused_input(self, rap: nodes.DefineRap) -> str | None:
         """Return an input whose value no condition and no effect determines."""
@@ -395,6 +413,33 @@ def constants_of(values: Mapping[str, Value]) -> dict[str, nodes.Const]:
         for name, value in values.items()
         if isinstance(value, str | int | float | Text)
     }
+
+
+def _weighed(
+    branch: Conjunction,
+    effects: Iterable[Effect],
+    cost: nodes.Term | Number,
+    given: set[str],
+) -> frozenset[Pattern]:
+    """Return the facts with a variable that only the cost has besides."""
+    if isinstance(cost, int | float):
+        return frozenset()
+    used = [arg.name for e in effects for arg in e.args if isinstance(arg, nodes.Var)]
+    counts = Counter([*variables_of(branch), *used, *given])
+    own = {name for name in variable_names(cost) if counts[name] == 1}
+    return frozenset(
+        [one for one in branch.present if own & _names(Conjunction((one,)))]
+    )
+
+
+def variables_of(part: Conjunction) -> Iterator[str]:
+    """Yield the names of all variables of a conjunction, each as often as it occurs."""
+    for pattern in part.present:
+        yield from [arg.name for arg in pattern.args if isinstance(arg, nodes.Var)]
+    for inner in part.absent:
+        yield from variables_of(inner)
+    for _, left, right in part.equalities:
+        yield from [one.name for one in (left, right) if isinstance(one, nodes.Var)]
 
 
 def _names(found: Conjunction) -> set[str]:

@@ -36,7 +36,7 @@ from rapc.library.saved_check import UnsoundError, Verifier
 from rapc.library.signatures import Signatures
 from rapc.parser.unit import SourceUnit
 
-FORMAT = 13
+FORMAT = 14
 """The version of the format; each change of the IR changes the format."""
 
 _HEAD = re.compile(rb"rapc-library (\d{1,9}) ([!-~]{1,40}) ([0-9a-f]{64})\n")

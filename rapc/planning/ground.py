@@ -8,13 +8,14 @@ an atom is a fact that is present, or a fact that is absent.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import product
 from math import prod
 from typing import Any, NamedTuple
 
 from rapc.base.values import Atom, Fact, Number, format_atom, format_list
 from rapc.ir import nodes
+from rapc.ir.walk import variable_names
 from rapc.library.kinds import UNKNOWN
 from rapc.library.library import Library
 from rapc.library.operators import (
@@ -26,6 +27,7 @@ from rapc.library.operators import (
     Operator,
     Pattern,
     Term,
+    variables_of,
 )
 
 MOST_ACTIONS = 20_000
@@ -41,6 +43,9 @@ Key = tuple[Any, ...]
 
 Situation = Mapping[Fact, Number | None]
 """The facts in memory, each with its age; None for an unknown age."""
+
+Computing = Callable[[nodes.Term, Bindings], Number | None]
+"""A function that computes a term in memory; None for a value that is no number."""
 
 
 class TooLargeError(Exception):
@@ -71,12 +76,21 @@ class Action(NamedTuple):
     adds: tuple[int, ...]
     #: The atoms that do not hold afterwards, or are uncertain.
     deletes: tuple[int, ...]
+    cost: Number = 1
+    #: The needed atoms that only give the cost a value.
+    weighed: frozenset[int] = frozenset()
 
     @property
     def goal(self) -> Fact:
         """Return the name of the RAP and the inputs."""
         rap = self.operator.rap
         return (rap.name, *[self.values[one.name] for one in rap.inputs])
+
+    @property
+    def step(self) -> tuple[Fact, tuple[Atom, ...]]:
+        """Return the goal and the outputs: what a plan says of the action."""
+        outputs = self.operator.rap.outputs
+        return self.goal, tuple([self.values[one.name] for one in outputs])
 
 
 class Literal(NamedTuple):
@@ -93,6 +107,20 @@ class Literal(NamedTuple):
     def __str__(self) -> str:
         text = format_list(self.plain)
         return text if self.present else f"(not {text})"
+
+
+class Limit(NamedTuple):
+    """The greatest number of facts of a proposition with `:at-most`."""
+
+    #: The atoms of the facts that a plan can bring about or erase.
+    atoms: frozenset[int]
+    #: The greatest number of these atoms that may hold.
+    most: int
+
+    def allows(self, before: Collection[int], after: Collection[int]) -> bool:
+        """Return whether an action may lead from one state to another."""
+        count = len(self.atoms.intersection(after))
+        return count <= max(self.most, len(self.atoms.intersection(before)))
 
 
 Way = tuple[int, ...]
@@ -114,6 +142,7 @@ class Problem(NamedTuple):
     changing: frozenset[int]
     #: The atoms that only give the placeholders an order.
     counters: frozenset[int]
+    limits: tuple[Limit, ...] = ()
 
 
 class _Table:
@@ -151,6 +180,7 @@ class Grounding:
         situation: the facts.
         goal: the branches of the goal.
         excluded: the goals of steps that must not be used.
+        compute: computes the costs of steps in memory.
 
     Raises:
         TooLargeError: for more than `MOST_ACTIONS` instances.
@@ -162,7 +192,9 @@ class Grounding:
         situation: Situation,
         goal: Sequence[Conjunction],
         excluded: Collection[Fact] = (),
+        compute: Computing | None = None,
     ) -> None:
+        self._compute = compute
         self._model, self._kinds, self._goal = model, model.signatures.kinds, goal
         self._library: Library = model.library
         self._excluded = excluded
@@ -186,7 +218,7 @@ class Grounding:
                 self._ages.setdefault(name, {})[age] = None
         self._begin(situation)
         self._objects = self._known_objects(situation, patterns)
-        wanted = {name for branch in goal for name in _variables(branch)}
+        wanted = {name for branch in goal for name in variables_of(branch)}
         self._copies = max(2, len(wanted))
         self._reach()
 
@@ -441,6 +473,7 @@ class Grounding:
         )
         goal, unreachable = self._goal_ways(numbers)
         needed = [self._needs(operator, values) for operator, values in rows]
+        limited = self._limited(numbers)
         for literals in needed:
             for literal in literals or ():
                 numbers.setdefault(literal, len(numbers))
@@ -469,7 +502,12 @@ class Grounding:
                 if value.before is not None:
                     before = Literal(True, (_USED, value.before))
                     needs[numbers.setdefault(before, len(numbers))] = None
-            actions.append(Action(operator, values, tuple(needs), gained, lost))
+            weighed = [_fact_of(one, values) for one in operator.weighed]
+            rest = (
+                self._cost(operator, values),
+                frozenset([numbers[Literal(True, one)] for one in weighed]),
+            )
+            actions.append(Action(operator, values, tuple(needs), gained, lost, *rest))
         literals_found = list(numbers)
         counted = [at for at, one in enumerate(literals_found) if one.fact[0] == _USED]
         return Problem(
@@ -480,7 +518,36 @@ class Grounding:
             unreachable,
             frozenset([at for one in actions for at in (*one.adds, *one.deletes)]),
             frozenset(counted),
+            limited,
         )
+
+    def _limited(self, numbers: dict[Literal, int]) -> tuple[Limit, ...]:
+        """Return the limits of propositions; number the facts that can change."""
+        found = []
+        for name, form in self._library.propositions.items():
+            if form.at_most is None or name not in self._tables:
+                continue
+            facts = self._tables[name].facts
+            changing = [one for one in facts if self._can_change(one)]
+            atoms = [
+                numbers.setdefault(Literal(True, f), len(numbers)) for f in changing
+            ]
+            most = form.at_most - (len(facts) - len(changing))
+            found.append(Limit(frozenset(atoms), most))
+        return tuple(found)
+
+    def _cost(self, operator: Operator, values: Bindings) -> Number:
+        """Return the cost of an instance: 1 if it cannot be computed."""
+        if isinstance(operator.cost, int | float):
+            return operator.cost
+        if self._compute is None:
+            return 1
+        names = variable_names(operator.cost)
+        known = {name: values[name] for name in names if name in values}
+        if any(isinstance(one, Placeholder) for one in known.values()):
+            return 1
+        found = self._compute(operator.cost, known)
+        return 1 if found is None else max(found, 0)
 
     def _holds(self, literal: Literal) -> bool:
         return (literal.fact in self._initial) == literal.present
@@ -517,7 +584,7 @@ class Grounding:
             required = [
                 self._literals(one, bindings)
                 for one in part.absent
-                if set(_variables(one)) <= bindings.keys()
+                if set(variables_of(one)) <= bindings.keys()
             ]
             if not required or required[0] is None:
                 return None
@@ -618,10 +685,12 @@ def _parts(branch: Conjunction) -> list[Conjunction]:
         *[Conjunction((), (one,), ()) for one in branch.absent],
         *[Conjunction((), (), (one,)) for one in branch.equalities],
     ]
-    bound = {name for one in single[: len(branch.present)] for name in _variables(one)}
+    bound = {
+        name for one in single[: len(branch.present)] for name in variables_of(one)
+    }
     groups: list[tuple[set[str], Conjunction]] = []
     for one in single:
-        names = set(_variables(one)) & bound
+        names = set(variables_of(one)) & bound
         merged = one
         others = []
         for group in groups:
@@ -632,15 +701,6 @@ def _parts(branch: Conjunction) -> list[Conjunction]:
                 others.append(group)
         groups = [*others, (names, merged)]
     return [one for _, one in groups]
-
-
-def _variables(part: Conjunction) -> Iterator[str]:
-    for pattern in part.present:
-        yield from [arg.name for arg in pattern.args if isinstance(arg, nodes.Var)]
-    for inner in part.absent:
-        yield from _variables(inner)
-    for _, left, right in part.equalities:
-        yield from [one.name for one in (left, right) if isinstance(one, nodes.Var)]
 
 
 def _texts(part: Conjunction) -> Iterator[str]:

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 from rapc.base.values import format_atom, format_list
 from rapc.base.visible import visible
+from rapc.library.operators import FRESH
 from rapc.planning.ground import Action, Problem
 from rapc.planning.search import Goal, reduced
 
@@ -87,14 +88,21 @@ def written(problem: Problem, *, costs: bool = True) -> Pddl:
         predicates[terms[at]] = str(problem.literals[at])
     found: dict[str, Action | None] = {}
     rows: dict[str, _Row] = {}
-    counts = {one.operator.cost for one in actions}
+    counts = {one.cost for one in actions}
     costs = costs and len(counts) > 1 and all(float(one).is_integer() for one in counts)
     for one in actions:
         effects = [f"(not {terms[at]})" for at in one.deletes if at in terms]
         effects += [terms[at] for at in one.adds if at in terms]
         if costs:
-            effects.append(f"(increase (total-cost) {int(one.operator.cost)})")
-        name = names.new(*map(format_atom, one.goal))
+            effects.append(f"(increase (total-cost) {int(one.cost)})")
+        rap = one.operator.rap
+        given = {arg.name for arg in (*rap.inputs, *rap.outputs)}
+        others = [
+            value
+            for name, value in sorted(one.values.items())
+            if name not in given and not name.startswith(FRESH)
+        ]
+        name = names.new(*map(format_atom, (*one.goal, *others)))
         found[name] = one
         needs = [terms[at] for at in one.needs if at in terms]
         rows[name] = _Row(needs, effects, format_list(one.goal))
@@ -112,7 +120,16 @@ def written(problem: Problem, *, costs: bool = True) -> Pddl:
         found.update(dict.fromkeys(tests))
         added = [row.effects[0] for row in tests.values()]
         predicates.update(dict.fromkeys([acting, done, *added], "a test of the goal"))
-    return Pddl(_domain(predicates, rows, costs), _problem(start, wanted, costs), found)
+    domain = "".join(_limits(problem, terms)) + _domain(predicates, rows, costs)
+    return Pddl(domain, _problem(start, wanted, costs), found)
+
+
+def _limits(problem: Problem, terms: Mapping[int, str]) -> Iterator[str]:
+    """Yield a comment for each limit that a plan of the text may exceed."""
+    for limit in problem.limits:
+        counted = [terms[at] for at in sorted(limit.atoms) if at in terms]
+        if len(counted) > limit.most:
+            yield f"; left out: at most {limit.most} of {' '.join(counted)}\n"
 
 
 def _tests(

@@ -9,12 +9,13 @@ from msgspec.structs import replace
 
 from rapc.base.names import plural
 from rapc.base.source import place
-from rapc.base.values import Number
+from rapc.base.values import Number, readable
 from rapc.compiler.program import Program
 from rapc.events import PlanStep
 from rapc.ir import nodes
 from rapc.ir.printer import format_node
 from rapc.library.operators import Model
+from rapc.planning.ground import Computing
 from rapc.planning.pddl import written
 from rapc.planning.sketch import achieved, method
 from rapc.planning.solver import Engine, Solution, situation, solve
@@ -94,7 +95,10 @@ class Plan:
         if self:
             steps, states = plural(len(self.steps), "step"), self.expanded
             size = f"{steps} of {plural(self.operators, 'operator')}"
-            return f"{size}, {plural(states, 'state')}"
+            cost = (
+                f", cost {readable(self.cost)}" if self.cost != len(self.steps) else ""
+            )
+            return f"{size}, {plural(states, 'state')}{cost}"
         if self.unreachable:
             said = f"no plan: nothing brings about {', '.join(self.unreachable)}"
             return said if self.operators else f"{said}: no RAP is an operator"
@@ -123,11 +127,18 @@ def plan(  # each goes by name
     limit: int,
     tries: int,
     engine: Engine | None,
+    compute: Computing,
 ) -> Plan:
     """Return a plan for the goal of a RAP in the situation of a memory."""
     model = Model(program.library, program.signatures, use or None)
     goal = model.goal(rap, {})
     found = solve(
-        model, situation(memory), goal, limit=limit, tries=tries, engine=engine
+        model,
+        situation(memory),
+        goal,
+        limit=limit,
+        tries=tries,
+        engine=engine,
+        compute=compute,
     )
     return Plan(program, rap, model, found)

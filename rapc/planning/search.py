@@ -7,7 +7,7 @@ each atom that can change.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from heapq import heappop, heappush
 from typing import Literal, NamedTuple
 
@@ -16,6 +16,9 @@ from rapc.ir import nodes
 from rapc.planning.ground import Action, Problem, Way
 
 Outcome = Literal["solved", "unsolvable", "limit"]
+
+MOST_ORDERS = 40_000
+"""The greatest number of states to look at for a cheaper order, approximately."""
 
 
 class Found(NamedTuple):
@@ -35,6 +38,8 @@ class _Operation(NamedTuple):
     adds: int
     keeps: int
     cost: Number
+    #: The facts with a greatest number of which the action brings some about.
+    limits: tuple[tuple[int, int], ...]
 
 
 class _Node(NamedTuple):
@@ -71,7 +76,13 @@ class Search:
         self._goal, actions, always = reduced(problem)
         atoms = [at for part in self._goal for ways in part for w in ways for at in w]
         needed = [at for one in actions for at in one.needs if at not in always]
-        numbers = {at: n for n, at in enumerate(dict.fromkeys([*atoms, *needed]))}
+        counted = [at for limit in problem.limits for at in sorted(limit.atoms)]
+        known = dict.fromkeys([*atoms, *needed, *counted])
+        numbers = {at: n for n, at in enumerate(known)}
+        limits = [
+            (_bits([numbers[at] for at in one.atoms]), one.most)
+            for one in problem.limits
+        ]
         self._size = len(numbers)
         self._operations: list[_Operation] = []
         self._needs: list[tuple[int, ...]] = []
@@ -82,9 +93,9 @@ class Search:
             gone = [numbers[at] for at in one.deletes if at in numbers]
             self._needs.append(tuple(needs))
             self._adds.append(tuple(adds))
-            cost = one.operator.cost
             bits = _bits(needs), _bits(adds), ~_bits(gone)
-            self._operations.append(_Operation(one, *bits, cost))
+            counts = tuple([row for row in limits if row[0] & bits[1]])
+            self._operations.append(_Operation(one, *bits, one.cost, counts))
         self._users: list[list[int]] = [[] for _ in numbers]
         for at, own in enumerate(self._needs):
             for atom in own:
@@ -118,7 +129,7 @@ class Search:
         if node is None:
             return Found("unsolvable", (), self.expanded)
         rest = self._finished(node.state) or []
-        path = self._shortened([*_path(node), *rest])
+        path = self._ordered(self._shortened([*_path(node), *rest]))
         if tries:
             path = self._cheaper(path, tries)
         actions = tuple([self._operations[at].action for at in path])
@@ -157,8 +168,8 @@ class Search:
         return taken if self._reached(state) else None
 
     def _applicable(self, state: int) -> Iterator[int]:
-        for at, one in enumerate(self._operations):
-            if one.needs & state == one.needs:
+        for at in range(len(self._operations)):
+            if self._is_applicable(at, state):
                 yield at
 
     def _after(self, state: int, at: int) -> int:
@@ -200,8 +211,18 @@ class Search:
         return _Estimate(total, tuple(sorted(begun)))
 
     def _is_applicable(self, at: int, state: int) -> bool:
-        needs = self._operations[at].needs
-        return needs & state == needs
+        one = self._operations[at]
+        if one.needs & state != one.needs:
+            return False
+        return not one.limits or self._is_allowed(one, state)
+
+    def _is_allowed(self, one: _Operation, state: int) -> bool:
+        """Return whether there are not too many facts after an action."""
+        after = state & one.keeps | one.adds
+        return all(
+            (after & mask).bit_count() <= max(most, (state & mask).bit_count())
+            for mask, most in one.limits
+        )
 
     def _relaxed_costs(self, state: int) -> tuple[list[Number], list[int | None]]:
         """Return the cost of each atom, and the operation that brings it about.
@@ -358,13 +379,61 @@ class Search:
             for operation in kept:
                 state = self._after(state, operation)
             for operation in path[at + 1 :]:
-                if self._is_applicable(operation, state):
-                    state = self._after(state, operation)
-                    kept.append(operation)
+                alike = self._alike(operation)
+                for instance in (operation, *alike):
+                    if self._is_applicable(instance, state):
+                        state = self._after(state, instance)
+                        kept.append(instance)
+                        break
             if self._reached(state):
                 path = kept
             else:
                 at += 1
+        return path
+
+    def _alike(self, at: int) -> list[int]:
+        """Return the instances of a step whose cost depends on the state."""
+        action = self._operations[at].action
+        if not action.weighed:
+            return []
+        return [
+            other
+            for other, one in enumerate(self._operations)
+            if one.action.step == action.step
+        ]
+
+    def _ordered(self, path: list[int]) -> list[int]:
+        """Return the steps of a path in a cheaper order, if there is one.
+
+        The orders are built step by step; of the beginnings with the same length those
+        are kept that have cost least beyond the least cost of their steps.
+        """
+        families = [self._alike(at) or [at] for at in path]
+        if all(len(family) == 1 for family in families):
+            return path
+        costs = [one.cost for one in self._operations]
+        least = [min([costs[at] for at in family]) for family in families]
+        width = max(1, MOST_ORDERS // len(path) ** 2)
+        rows: list[tuple[Number, int, int, tuple[int, ...]]] = [(0, 0, self._start, ())]
+        for _ in path:
+            found: dict[tuple[int, int], tuple[Number, tuple[int, ...]]] = {}
+            for cost, done, state, taken in rows:
+                for number, family in enumerate(families):
+                    if done >> number & 1:
+                        continue
+                    for at in family:
+                        if not self._is_applicable(at, state):
+                            continue
+                        key = done | 1 << number, self._after(state, at)
+                        more = cost + costs[at] - least[number]
+                        if key not in found or more < found[key][0]:
+                            found[key] = more, (*taken, at)
+            ranked = sorted(found.items(), key=lambda row: row[1][0])[:width]
+            rows = [(cost, *key, taken) for key, (cost, taken) in ranked]
+        best = sum([costs[at] for at in path]) - sum(least)
+        for cost, _, state, taken in rows:
+            if cost < best and self._reached(state):
+                return list(taken)
         return path
 
 
@@ -396,7 +465,7 @@ def reduced(problem: Problem) -> tuple[Goal, list[Action], frozenset[int]]:
     never = frozenset(range(len(problem.literals))) - problem.state - added
     goal = _simplified(problem.goal, always, never)
     actions = [one for one in problem.actions if never.isdisjoint(one.needs)]
-    return goal, _relevant(actions, goal, always), always
+    return goal, _relevant(actions, goal, always, problem), always
 
 
 def _simplified(goal: Goal, always: frozenset[int], never: frozenset[int]) -> Goal:
@@ -418,21 +487,34 @@ def _simplified(goal: Goal, always: frozenset[int], never: frozenset[int]) -> Go
 
 
 def _relevant(
-    actions: Sequence[Action], goal: Goal, always: frozenset[int]
+    actions: Sequence[Action], goal: Goal, always: frozenset[int], problem: Problem
 ) -> list[Action]:
-    """Return the actions that bring about anything on a way to the goal."""
+    """Return the actions that bring about anything on a way to the goal.
+
+    An action that erases a fact with a greatest number makes room for another one.
+    """
+    limited = {at for limit in problem.limits for at in limit.atoms}
     makers: dict[int, list[int]] = {}
+    erasers: dict[int, list[int]] = {}
     for number, action in enumerate(actions):
         for at in action.adds:
             makers.setdefault(at, []).append(number)
-    stack = [at for branch in goal for ways in branch for w in ways for at in w]
-    seen = set(stack)
-    kept = set[int]()
-    while stack:
-        for number in makers.get(stack.pop(), ()):
-            if number not in kept:
-                kept.add(number)
-                new = [at for at in actions[number].needs if at not in always]
-                stack.extend([at for at in new if at not in seen])
-                seen.update(new)
+        for at in limited.intersection(action.deletes):
+            erasers.setdefault(at, []).append(number)
+    kept = dict[int, None]()
+    seen = set[int]()
+
+    def keep(atoms: Iterable[int], causes: Mapping[int, list[int]]) -> None:
+        for at in atoms:
+            kept.update(dict.fromkeys(causes.get(at, ())))
+
+    keep([at for branch in goal for ways in branch for w in ways for at in w], makers)
+    keep(sorted(limited & problem.state) if kept else (), erasers)
+    while len(seen) < len(kept):
+        for number in [one for one in kept if one not in seen]:
+            seen.add(number)
+            action = actions[number]
+            new = [at for at in action.needs if at not in always]
+            keep([at for at in new if at not in action.weighed], makers)
+            keep([at for at in action.adds if at in limited], erasers)
     return [actions[number] for number in sorted(kept)]

@@ -8,7 +8,8 @@ consumer.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 from rapc.base.values import Atom
@@ -45,6 +46,7 @@ def sketch(problem: Problem, actions: Sequence[Action]) -> Sketch:
     before = [set[int]() for _ in actions]
     links: list[Link] = []
     relied_on: dict[Literal, None] = {}
+    # A fact that only gives a cost its value orders the steps; nobody relies on it.
     for consumer, needs in [*ends, (len(actions), goal)]:
         for atom in needs:
             if atom in problem.counters:
@@ -52,11 +54,13 @@ def sketch(problem: Problem, actions: Sequence[Action]) -> Sketch:
             made = [at for at in range(consumer) if atom in actions[at].adds]
             producer = made[-1] if made else None
             is_goal = consumer == len(actions)
+            weighed = not is_goal and atom in actions[consumer].weighed
             literal = problem.literals[atom]
-            if producer is None and atom in problem.changing:
+            if producer is None and atom in problem.changing and not weighed:
                 relied_on[literal] = None
             if producer is not None:
-                links.append(Link(producer, None if is_goal else consumer, literal))
+                if not weighed:
+                    links.append(Link(producer, None if is_goal else consumer, literal))
                 if not is_goal:
                     before[consumer].add(producer)
             for at, action in enumerate(actions):
@@ -66,8 +70,23 @@ def sketch(problem: Problem, actions: Sequence[Action]) -> Sketch:
                     before[producer].add(at)
                 elif not is_goal:
                     before[at].add(consumer)
+    for first, second in _limited(problem, actions):
+        before[second].add(first)
     rest = tuple(links), tuple(relied_on), _reduced(before)
     return Sketch(tuple(actions), *rest)
+
+
+def _limited(problem: Problem, actions: Sequence[Action]) -> Iterator[tuple[int, int]]:
+    """Yield the pairs of steps that keep their order because of a limit."""
+    for limit in problem.limits:
+        added = [at for one in actions for at in one.adds if at in limit.atoms]
+        if len(limit.atoms & problem.state) + len(added) > limit.most:
+            counted = [
+                at
+                for at, one in enumerate(actions)
+                if not limit.atoms.isdisjoint((*one.adds, *one.deletes))
+            ]
+            yield from pairwise(counted)
 
 
 def goal_atoms(problem: Problem, actions: Sequence[Action]) -> tuple[int, ...] | None:
@@ -75,12 +94,13 @@ def goal_atoms(problem: Problem, actions: Sequence[Action]) -> tuple[int, ...] |
 
     Return None if an action cannot start, or the actions do not reach the goal.
     """
-    state = set(problem.state)
+    state = problem.state
     for action in actions:
-        if not state.issuperset(action.needs):
+        after = state.difference(action.deletes).union(action.adds)
+        allowed = all(limit.allows(state, after) for limit in problem.limits)
+        if not (allowed and state.issuperset(action.needs)):
             return None
-        state.difference_update(action.deletes)
-        state.update(action.adds)
+        state = after
     for branch in problem.goal:
         chosen = [
             next((way for way in ways if state.issuperset(way)), None)

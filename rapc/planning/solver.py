@@ -9,7 +9,14 @@ from rapc.base.values import Fact, Number
 from rapc.ir import nodes
 from rapc.library.library import usable_in_plans
 from rapc.library.operators import Conjunction, LeftOut, Model, constants_of
-from rapc.planning.ground import Action, Grounding, Problem, Situation, TooLargeError
+from rapc.planning.ground import (
+    Action,
+    Computing,
+    Grounding,
+    Problem,
+    Situation,
+    TooLargeError,
+)
 from rapc.planning.search import Found, Search
 from rapc.planning.sketch import Sketch, achieved, goal_atoms, method, sketch
 from rapc.runtime.memory.access import MemoryView
@@ -53,7 +60,7 @@ def situation(memory: MemoryView) -> Situation:
     return found
 
 
-def solve(  # all but three have defaults and go by name
+def solve(  # noqa: PLR0913  # all but three have defaults and go by name
     model: Model,
     facts: Situation,
     goal: Sequence[Conjunction],
@@ -61,6 +68,7 @@ def solve(  # all but three have defaults and go by name
     limit: int,
     tries: int = 0,
     excluded: Collection[Fact] = (),
+    compute: Computing | None = None,
     last: nodes.Method | None = None,
     engine: Engine | None = None,
 ) -> Solution:
@@ -73,12 +81,13 @@ def solve(  # all but three have defaults and go by name
         limit: the greatest number of states to look at.
         tries: the number of further states to look at for a cheaper plan.
         excluded: the goals of steps that must not be used.
+        compute: computes the costs of steps in memory; without it each cost is 1.
         last: an earlier plan, whose steps are used where they still apply.
         engine: asked before the search; the search is asked if the engine fails.
     """
     left_out = tuple(model.left_out)
     try:
-        problem = Grounding(model, facts, goal, excluded).problem()
+        problem = Grounding(model, facts, goal, excluded, compute).problem()
     except TooLargeError:
         return Solution("limit", None, 0, 0, left_out, (), None)
     name, refused, found = BUILT_IN, "", None
@@ -95,7 +104,7 @@ def solve(  # all but three have defaults and go by name
     return Solution(
         found.outcome,
         sketch(problem, found.actions) if solved else None,
-        sum([action.operator.cost for action in found.actions]),
+        sum([action.cost for action in found.actions]),
         found.expanded,
         left_out,
         () if solved else problem.unreachable,
@@ -129,6 +138,7 @@ def plan_for_task(request: PlanRequest, engine: Engine | None = None) -> Planned
                 limit=request.limit,
                 tries=request.tries,
                 excluded=excluded,
+                compute=request.compute,
                 last=request.last,
                 engine=engine,
             )

@@ -11,12 +11,14 @@ from typing import NamedTuple
 import msgspec
 
 from rapc.base.resources import Value
-from rapc.base.values import Fact
+from rapc.base.values import Fact, Number
 from rapc.compiler.program import Program
+from rapc.compiler.query.term_value import TermValue
 from rapc.events import PlanLink, PlanStep
 from rapc.ir import nodes, walk
 from rapc.ir.printer import format_node
 from rapc.runtime.memory.access import MemoryView
+from rapc.runtime.query_context import QueryContext
 
 BUILT_IN = "builtin"
 """The name of the planner that is a part of rapc."""
@@ -33,6 +35,8 @@ class PlanRequest(NamedTuple):
     #: The values of the inputs.
     values: Mapping[str, Value]
     memory: MemoryView
+    #: Computes a term with some variables bound; None for a value that is no number.
+    compute: Callable[[nodes.Term, Mapping[str, Value]], Number | None]
     #: The name of the new method.
     name: str
     #: The last plan of the task, whose steps may still be useful.
@@ -93,6 +97,14 @@ def steps_of(
         goal = format_node(step.goal)
         found.append(PlanStep(step.tag, goal, tuple(links), tuple(before)))
     return tuple(found)
+
+
+def computed(
+    context: QueryContext, term: nodes.Term, values: Mapping[str, Value]
+) -> Number | None:
+    """Return a term as a number; None if it has no value, or one of another kind."""
+    found = TermValue(term, "duration").value(context, values)
+    return found if isinstance(found, int | float) else None
 
 
 Planner = Callable[[PlanRequest], Planned]

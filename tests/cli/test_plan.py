@@ -21,7 +21,7 @@ def test_plan_is_printed_as_steps_with_links() -> None:
         "before t3",
         "t3 (travel-to base)         for t4: (robot-at base)",
         "t4 (go-into-dock)           for the goal: (docked)",
-        "4 steps of 5 operators, 4 states",
+        "4 steps of 5 operators, 6 states, cost 78",
     ]
 
 

@@ -12,10 +12,10 @@ import sys
 import time
 from pathlib import Path
 
-PLAN = """(fetch_medicine_ward-3)
-(BRING_medicine_ward-3 ) ; the case of letters does not matter
+PLAN = """(fetch_medicine_ward-3_base_pharmacy)
+(BRING_medicine_ward-3_pharmacy ) ; the case of letters does not matter
 
-(travel-to_base)
+(travel-to_base_ward-3)
 (go-into-dock)
 ; cost = 4 (unit cost)
 """
@@ -46,11 +46,10 @@ def main(deed: str, plan: Path) -> None:
         hang()
     plan.write_bytes(
         {
-            "half": PLAN[:30].encode(),
+            "half": PLAN[:44].encode(),
             "too-short": PLAN.encode()[: PLAN.index("(travel")],
-            "wrong-order": b"(travel-to_base)\n(bring_medicine_ward-3)\n"
-            + PLAN.encode(),
-            "unknown": b"(fetch_medicine_ward-3)\n(fly)\n",
+            "wrong-order": b"(travel-to_base_ward-3)\n" * 2 + PLAN.encode(),
+            "unknown": b"(fetch_medicine_ward-3_base_pharmacy)\n(fly)\n",
             "no-steps": b"",
             "rubbish": bytes(range(256)) * 20,
             "write-much": b"(go-into-dock)\n" * (MUCH // 15),

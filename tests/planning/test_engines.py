@@ -52,7 +52,7 @@ def fake(deed: str, timeout: float = LIMIT) -> rapc.Engine:
 
 
 def plan(engine: rapc.Engine | None) -> rapc.Plan:
-    facts = ["(robot-at base)"]
+    facts = ["(robot-at base)", "(gives-out pharmacy medicine)"]
     return rapc.plan(rapc.load(COURIER), GOAL, facts=facts, engine=engine)
 
 
@@ -238,8 +238,9 @@ def test_run_emits_the_engine_of_a_plan(deed: str) -> None:
 
 def test_command_asks_an_engine_and_reports_a_failure() -> None:
     for deed, note in (("solve", ""), ("fail", "note: engine-failed: no plan, ")):
-        options = ("--world", "courier", "--engine", fake(deed).name, "--run")
-        done = command("plan", GOAL, COURIER, *options)
+        options = ("--world", "courier", "--after", "1", "--run")
+        engine = ("--engine", fake(deed).name)
+        done = command("plan", GOAL, COURIER, *options, *engine)
         assert done.returncode == 0
         assert done.stdout.endswith(f"{GOAL}: succeeded\n")
         assert done.stderr.startswith(note)

@@ -20,6 +20,7 @@ from tests.planning.test_plans import Literals, Row, Strips, literal, literals, 
 
 COURIER = "examples/courier"
 GOAL = "(and (delivered medicine ward-3) (docked))"
+FACTS = ("(robot-at base)", "(gives-out pharmacy medicine)")
 CHOICE = "(and (delivered ?goods ward-3) (or (docked) (robot-at ward-2)))"
 
 State = frozenset[str]
@@ -143,7 +144,7 @@ def test_costs_are_written_if_they_differ() -> None:
 
 
 def exported(tmp_path: Path, goal: str) -> tuple[Path, Path]:
-    texts = rapc.plan(rapc.load(COURIER), goal, facts=["(robot-at base)"]).pddl()
+    texts = rapc.plan(rapc.load(COURIER), goal, facts=FACTS).pddl()
     assert texts is not None
     files = tmp_path / "domain.pddl", tmp_path / "problem.pddl"
     for file, text in zip(files, texts, strict=True):
@@ -158,7 +159,7 @@ def test_pyperplan_solves_the_text(tmp_path: Path, goal: str) -> None:
     command = [sys.executable, "-m", "pyperplan", "-s", "gbf", "-H", "hff"]
     command += [str(domain), str(problem)]
     subprocess.run(command, check=True, capture_output=True)
-    plan = rapc.plan(rapc.load(COURIER), goal, facts=["(robot-at base)"])
+    plan = rapc.plan(rapc.load(COURIER), goal, facts=FACTS)
     texts = plan.pddl()
     assert texts is not None
     names = re.findall(r"\((\S+)\)", Path(f"{problem}.soln").read_text())

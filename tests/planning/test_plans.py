@@ -72,7 +72,7 @@ class Strips:
         forms = [
             f"(declare-kind object ({' '.join(OBJECTS)}))",
             "(declare-memory-proposition p0 ())",
-            "(declare-memory-proposition p1 ((?a object)))",
+            "(declare-memory-proposition p1 ((?a object)) :at-most 2)",
             "(declare-memory-proposition p2 ((?a object)))",
             "(declare-memory-proposition p3 ((?a object) (?b object)))",
             "(declare-memory-property q ((?value object)) a)",
@@ -118,7 +118,7 @@ class Strips:
             for _, needs, effects in self.actions:
                 if holds(state, needs):
                     after = changed(state, effects)
-                    if after not in seen:
+                    if after not in seen and allowed(state, after):
                         seen.add(after)
                         queue.append((after, depth + 1))
         return None
@@ -138,6 +138,12 @@ def changed(
     if any(fact[0] == "q" for fact in added):
         erased |= {fact for fact in state if fact[0] == "q"}
     return (state - erased) | set(added)
+
+
+def allowed(state: frozenset[Fact], after: frozenset[Fact]) -> bool:
+    """Return whether there are not too many facts of `p1`."""
+    before, now = (sum(f[0] == "p1" for f in one) for one in (state, after))
+    return now <= max(2, before)
 
 
 def orders(made: Sketch) -> Iterator[list[int]]:
@@ -193,7 +199,8 @@ def checked(strips: Strips) -> int | None:
         for at in order:
             needs, effects = steps[at]
             assert holds(state, needs)
-            state = changed(state, effects)
+            before, state = state, changed(state, effects)
+            assert allowed(before, state)
         assert holds(state, strips.goal)
     return len(steps)
 

@@ -119,7 +119,8 @@ def test_run_achieves_a_goal_without_a_rap() -> None:
 
 def test_plan_is_false_without_steps_to_the_goal() -> None:
     library = rapc.load("examples/courier")
-    plan = rapc.plan(library, GOAL, facts=["(robot-at kitchen)"])
+    facts = ["(robot-at kitchen)", "(gives-out pharmacy medicine)"]
+    plan = rapc.plan(library, GOAL, facts=facts)
     assert plan
     assert plan.steps[0].goal == "(fetch medicine ward-3)"
     assert plan.steps[-1].purpose == "for the goal: (docked)"

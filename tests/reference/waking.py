@@ -10,6 +10,7 @@ from rapc.base.resources import Counter, SetResource, Value, frozen
 from rapc.base.values import format_atom, is_number, number
 from rapc.ir import nodes
 from rapc.ir.printer import format_formula
+from rapc.ir.walk import variable_names
 from rapc.world import Time
 from tests.reference.deadlocks import circle_through
 from tests.reference.run import Run, unbound
@@ -63,7 +64,13 @@ def duration(run: Run, task: Task) -> int | float:
     term = task.rap.duration
     if term is None:
         return 0
-    value, why = run.value(task, term, task.own)
+    own, asked = task.own, task.rap.preconditions
+    if asked is not None and uses(term, {*variable_names(term)} - own.keys()):
+        found = run.holds(task, asked, own, "preconditions")
+        if found is None:
+            return 0
+        own = {**own, **found}
+    value, why = run.value(task, term, own)
     if not isinstance(value, int | float):
         why = why or f"`{format_atom(value)}` is not a number"
         run.fault(task, "duration", task.rap, why)

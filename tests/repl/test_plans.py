@@ -31,7 +31,9 @@ def test_plan_is_shown_and_changes_nothing() -> None:
         ("t3", "(travel-to base)", "for t4: (robot-at base)"),
         ("t4", "(go-into-dock)", "for the goal: (docked)"),
     ]
-    assert said(shell, f":plan {GOAL}").endswith("4 steps of 5 operators, 4 states\n")
+    assert said(shell, f":plan {GOAL}").endswith(
+        "4 steps of 5 operators, 6 states, cost 78\n"
+    )
     assert shell.history.run.save() == before
     shell.answer(":assert (on-tray medicine ward-3)")
     assert rows(shell, f":plan {GOAL}")[0][1] == "(bring medicine ward-3)"

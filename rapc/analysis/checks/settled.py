@@ -277,6 +277,10 @@ def _always_met(
     asked, bound = rap.preconditions, set(given)
     if asked is None or isinstance(asked, nodes.Truth) or first.fails(asked):
         return
+    used = [one.pattern for one in rap.effects]
+    values = [*used, rap.duration] if rap.duration is not None else used
+    if not set(variable_names(*values)).isdisjoint({*variable_names(asked)} - given):
+        return  # the precondition gives a variable its value
     own = {
         resource.variable.name
         for resource in rap.resources

@@ -52,10 +52,10 @@ _SHOWN = 3
 """The maximum number of places to show after the first use."""
 
 _SEES = {
-    "duration": "inputs and resources",
+    "duration": "inputs, resources and variables of preconditions",
     "monitor-time": "inputs and resources",
     "resources": "inputs and the preceding resources",
-    "effects": "inputs, outputs and resources",
+    "effects": "inputs, outputs, resources and variables of preconditions",
 }
 """By clause without bindings of its own, the variables that the clause can use."""
 

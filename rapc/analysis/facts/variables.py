@@ -184,22 +184,23 @@ def _rap(walk: _Walk, rap: nodes.DefineRap) -> None:
         if resource.initial is not None:
             walk.values((resource.initial,), base, "resources")
         base.names.add(resource.variable.name)
-    if rap.duration is not None:
-        walk.values((rap.duration,), base, "duration")
     if rap.monitor_time is not None:
         times = (rap.monitor_time.start, rap.monitor_time.stop)
         walk.values(times, base, "monitor-time")
-    known = Bound(base, (v.name for v in rap.outputs))
-    for arg in _arguments(effect.pattern for effect in rap.effects):
-        if not isinstance(arg, nodes.Var) or not arg.anonymous:
-            walk.values((arg,), known, "effects")
-    handed = Bound(base)
+    handed, asked = Bound(base), Bound(base)
     for clause, formula in clauses.held(clauses.RAP, rap):
         walker.findings.ages.clear()
-        walker.formula(formula, handed if clause.hands_on else Bound(base))
+        own = asked if clause.word == "preconditions" else Bound(base)
+        walker.formula(formula, handed if clause.hands_on else own)
         walk.note(clause.word)
         if clause.when == "wake":
             walk.ages.extend(walker.findings.ages)
+    if rap.duration is not None:
+        walk.values((rap.duration,), asked, "duration")
+    known = Bound(asked, (v.name for v in rap.outputs))
+    for arg in _arguments(effect.pattern for effect in rap.effects):
+        if not isinstance(arg, nodes.Var) or not arg.anonymous:
+            walk.values((arg,), known, "effects")
     for method in rap.methods:
         _method(walk, method, Bound(handed))
 

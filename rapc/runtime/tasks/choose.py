@@ -19,7 +19,7 @@ from rapc.events import PlanMade, SolverCalled
 from rapc.ir import nodes
 from rapc.ir.printer import format_node
 from rapc.library.saved_check import UnsoundError
-from rapc.runtime.planner import PLAN, PlanRequest
+from rapc.runtime.planner import PLAN, PlanRequest, computed
 from rapc.runtime.run import Run
 from rapc.runtime.state.task import Env, Task
 from rapc.runtime.tasks.hold_things import must_wait
@@ -176,6 +176,7 @@ def _ask_planner(run: Run, task: Task) -> bool:
         rap=rap.node,
         values={name: task.env[name] for name in rap.inputs},
         memory=view,
+        compute=partial(computed, run.new_context(quiet=True)),
         name=next(n for at in count(1) if (n := f"plan-{at}") not in taken),
         last=next(
             (

@@ -18,6 +18,7 @@ from rapc.runtime.state.states import ELIGIBLE
 from rapc.runtime.state.task import Env, MethodRun, Task, TopLevelTask
 from rapc.runtime.state.wait_state import WaitState
 from rapc.runtime.task_request import TaskRequest
+from rapc.world import Time
 
 
 def create_top(run: Run, submission: TaskRequest) -> None:
@@ -78,8 +79,22 @@ def _prepare(run: Run, task: Task, wait: WaitState) -> None:
             task.env[resource.variable.name] = made
             run.state.resources += 1
     if plan.duration is not None:
-        wait.duration = time_of(run.context, plan.duration, task.env) or 0
+        wait.duration = _duration(run, task, plan.duration)
     run.monitors.arm(task, wait.made)
+
+
+def _duration(run: Run, task: Task, term: TermValue) -> Time:
+    """Return the duration of a task; 0 if the preconditions that it needs do not hold.
+
+    The first solution of the preconditions gives its variables a value [L 4.49].
+    """
+    env = task.env
+    if task.plan.duration_asks:
+        found = run.context.bound[task.plan.preconditions].first(env)
+        if found is None:
+            return 0
+        env = {**env, **found}
+    return time_of(run.context, term, env) or 0
 
 
 def _make(
