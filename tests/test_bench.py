@@ -39,6 +39,7 @@ def test_every_construct_is_one_that_can_be_checked() -> None:
     assert {"RAPs", "steps in a chain", "methods of one RAP"} <= set(clean)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_benchmarks_run_and_the_page_has_their_figures() -> None:
     done = subprocess.run(

@@ -29,6 +29,7 @@ def test_change_leaves_a_library_without_errors(change: Change, tmp_path: Path) 
     assert digest(before.program.library) != digest(after.program.library)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_comparison_of_courier_libraries_names_faults_alone() -> None:
     listed = [one for one in EVERY if one.setting == "courier"]

@@ -113,6 +113,7 @@ def test_names_are_renamed_without_new_findings(folder: str, count: int) -> None
     hold(folder, count)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.parametrize("folder", FOLDERS)
 def test_names_of_a_kind_are_renamed_with_equal_runs(

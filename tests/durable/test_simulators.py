@@ -269,6 +269,7 @@ def test_full_disk_ends_the_command_and_loses_nothing(
     assert trace.read_bytes() == whole.read_bytes()
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_killed_and_cut_runs_have_the_same_trace(tmp_path: Path) -> None:
     found = kills.measured(["courier"], 20, 20, 2, tmp_path)
