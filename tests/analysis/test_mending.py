@@ -7,6 +7,13 @@ import pytest
 from tests.analysis.mending import run
 
 
-@pytest.mark.parametrize("count", [60, pytest.param(1000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "count",
+    [
+        60,
+        pytest.param(250, marks=pytest.mark.slow),
+        pytest.param(1000, marks=pytest.mark.nightly),
+    ],
+)
 def test_fixes_leave_no_damaged_text_worse(count: int) -> None:
     assert list(run(count)) == []
