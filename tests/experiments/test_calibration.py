@@ -16,7 +16,7 @@ from rapc.experiments.run import measure
 
 from .test_chapter6 import chapter6
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("calibration")]
 
 SEEDS = range(1000, 1030)
 
