@@ -150,7 +150,7 @@ def _asked(shell: Shell, chance: random.Random) -> bool:
     return refused
 
 
-@pytest.mark.parametrize("seed", first(2, range(40)))
+@pytest.mark.parametrize("seed", first(2, range(40), 12))
 def test_damaged_recording_has_an_answer_to_every_command(
     seed: int, recordings: list[Lines], tmp_path: Path
 ) -> None:
@@ -163,7 +163,7 @@ def test_damaged_recording_has_an_answer_to_every_command(
     assert 5 < refused < 40
 
 
-@pytest.mark.parametrize("seed", first(1, range(10)))
+@pytest.mark.parametrize("seed", first(1, range(10), 4))
 def test_run_beside_a_damaged_recording_goes_on(
     seed: int, recordings: list[Lines], tmp_path: Path
 ) -> None:
@@ -181,7 +181,7 @@ def test_run_beside_a_damaged_recording_goes_on(
     assert parted
 
 
-@pytest.mark.parametrize("seed", first(1, range(10)))
+@pytest.mark.parametrize("seed", first(1, range(10), 4))
 def test_damaged_beginning_of_a_recording_is_refused_or_looked_at(
     seed: int, recordings: list[Lines], tmp_path: Path
 ) -> None:
