@@ -187,7 +187,11 @@ def test_experiments_and_options_are_not_read_from_there_either(
     no_file = "`{}` is neither a file nor a folder; use `-` for standard input"
     for args, path, said in (
         (("experiment", "pipe.toml"), "pipe.toml", no_file),
-        (("experiment", "folder.toml"), "folder.toml", "cannot read `{}`: is a dir"),
+        (
+            ("experiment", "folder.toml"),
+            "folder.toml",
+            "cannot read `{}`: it is a folder",
+        ),
         ((*run, "--set", "truck.map=@pipe.toml"), "pipe.toml", no_file),
         ((*run, "--set", "truck.map=@/dev/zero"), "/dev/zero", no_file),
         ((*run, "--set", "truck.map=@"), "", "`{}` does not exist"),
