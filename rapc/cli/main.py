@@ -175,8 +175,13 @@ def _message(error: click.ClickException) -> str:
         name = error.option_name
         return f"unknown option `{name}`{hint(name, error.possibilities or ())}"
     text = " ".join(error.format_message().split()).removesuffix(".")
-    if text.startswith("Missing "):
-        text = re.sub(r"(argument|option) |'", "", text)
+    if found := re.fullmatch(r"Missing (?:argument|option) (.+)", text):
+        return f"missing {found[1]}".replace("'", "")
+    if found := re.fullmatch(r"Invalid value for '(.+?)': (.+)", text):
+        quoted = re.sub(r"'([^']*)'", r"`\1`", found[2])
+        return f"{found[1]}: {quoted}".replace("' / '", " / ")
+    if found := re.fullmatch(r"Got unexpected extra arguments? \((.+)\)", text):
+        return f"unexpected argument `{found[1]}`"
     return text[:1].lower() + text[1:]
 
 

@@ -359,9 +359,9 @@ def test_the_network_of_skills_at_a_moment_is_drawn(tmp_path: Path) -> None:
         (("--task", "(follow-hall)"), "require --skills"),
         (("--skills", "1", *WORLD, "--claims"), "cannot combine options"),
         (("--skills", "-1", *WORLD), "-1"),
-        (("--skills", "nan", *WORLD), "'nan' is not a finite number"),
-        (("--skills", "inf", *WORLD), "'inf' is not a finite number"),
-        (("--skills", "soon", *WORLD), "'soon' is not a valid number"),
+        (("--skills", "nan", *WORLD), "`nan` is not a finite number"),
+        (("--skills", "inf", *WORLD), "`inf` is not a finite number"),
+        (("--skills", "soon", *WORLD), "`soon` is not a valid number"),
         (("--skills", "1", *WORLD, "--task", "(gone)"), "unknown RAP `gone`"),
     ],
 )

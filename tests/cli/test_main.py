@@ -122,7 +122,14 @@ def test_version_is_told() -> None:
             ("--colour", "always"),
             "unknown option `--colour`; did you mean `--color`?",
         ),
-        (("check", "--fail-level", "fatal", "."), "invalid value for '--fail-level'"),
+        (
+            ("check", "--fail-level", "fatal", "."),
+            "--fail-level: `fatal` is not one of `error`, `warning`, `info`",
+        ),
+        (("test", "--seeds", "0", "."), "--seeds: 0 is not in the range"),
+        (("graph",), "missing PATH"),
+        (("bug", "x.rap"), "missing -o / --output"),
+        (("worlds", "truck", "lake"), "unexpected argument `lake`"),
     ],
 )
 def test_slips_get_one_line_and_one_suggestion(

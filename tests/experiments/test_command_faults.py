@@ -184,7 +184,7 @@ def test_unwritable_or_unreadable_results(copied: Path) -> None:
             "error: the experiment `truck` has no part `drop`\n"
             "  did you mean `drops`?\n",
         ),
-        (["truck.toml", "--seeds", "0"], "error: invalid value for '--seeds': "),
+        (["truck.toml", "--seeds", "0"], "error: --seeds: 0 is not in the range"),
         (
             ["truck.toml", "--out", "truck.toml"],
             "error: cannot create `truck.toml`: the file exists\n",
