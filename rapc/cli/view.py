@@ -7,7 +7,7 @@ import signal
 import webbrowser
 from collections.abc import Mapping, Sequence
 from importlib.util import find_spec
-from io import BytesIO, StringIO
+from io import BytesIO, TextIOWrapper
 from pathlib import Path
 from typing import Any
 
@@ -312,7 +312,8 @@ def _run(
     """
     notes = _unknown(history)
     history.branch.events.keep(_MOST_EVENTS)
-    trace = StringIO()
+    data = BytesIO()
+    trace = TextIOWrapper(data, encoding="utf-8", newline="\n")
     stream_trace(history, trace)
     pictures = Pictures(history)  # it may leave the end of the run
     before = signal.signal(signal.SIGINT, lambda *_: history.pause())
@@ -326,8 +327,9 @@ def _run(
         signal.signal(signal.SIGINT, before)
     if stop.kind == "broken":
         notes.append(stop.said)
-    text, program = trace.getvalue().encode(), history.run.library
-    return Viewed(name, "; ".join(notes), text, history, program, pictures)
+    trace.flush()
+    note, program = "; ".join(notes), history.run.library
+    return Viewed(name, note, data.getvalue(), history, program, pictures)
 
 
 def _unknown(history: History) -> list[str]:
