@@ -47,6 +47,11 @@ function ageText(now, then) {
   return now === then ? "now" : `${readable(now - then)} ago`;
 }
 
+/** Return a number with a noun, which is in the plural unless the number is 1. */
+function plural(count, noun) {
+  return `${count} ${noun}${count === 1 ? "" : "s"}`;
+}
+
 /** Return the last part of a path. */
 function lastPart(path) {
   return path.replace(/^.*[/\\](?=[^/\\]+[/\\]?$)/, "");

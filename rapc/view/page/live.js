@@ -80,10 +80,11 @@ function control(commands, source) {
     byId("answer").classList.toggle("failed", answer.failed);
     return !answer.failed;
   };
+  const chosen = () => commands.find((one) => one.name === byId("command").value);
   const choose = () => {
-    const found = commands.find((one) => one.name === byId("command").value);
-    byId("argument").placeholder = found.takes;
-    byId("command").title = found.doc;
+    const { takes, doc } = chosen();
+    byId("argument").placeholder = takes === "[TASK]" ? "TASK: default the selected task" : takes;
+    byId("command").title = doc;
   };
   const keys = {
     p: () => byId("pause").click(),
@@ -103,7 +104,9 @@ function control(commands, source) {
   byId("step").addEventListener("click", () => perform("step"));
   byId("act").addEventListener("submit", async (event) => {
     event.preventDefault();
-    const done = await perform(byId("command").value, byId("argument").value);
+    const { name, takes } = chosen();
+    const selected = takes === "[TASK]" && app && app.task ? String(app.task.number) : "";
+    const done = await perform(name, byId("argument").value || selected);
     if (done) byId("argument").value = "";
     byId("argument").focus();
   });

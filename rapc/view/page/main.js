@@ -215,7 +215,7 @@ class App {
   begin() {
     const { run } = this;
     const { spec } = run;
-    const library = lastPart(asText(spec.library)) || "library";
+    const library = lastPart(asText(spec.library)).replace(/^[.]+$/, "") || "library";
     const name = `${library} in ${asText(spec.world) || "no world"}`;
     byId("title").textContent = visible(name);
     byId("title").title = visible(`${name}, seed ${asText(spec.seed)}`);
@@ -265,8 +265,9 @@ function verdictOf(app) {
   if (failed.length > 3) parts.push(`, and ${failed.length - 3} more`);
   const bad = run.requests.filter((one) => one.result && one.result !== "okay").length;
   const requests = run.requests.filter((one) => !one.skill).length;
-  const counted = `${requests} requests, ${bad} not okay · ${run.events.length} events`;
-  parts.push(el("span.dim", {}, ` · ${counted}`));
+  const counted = [plural(run.events.length, "event")];
+  if (requests) counted.unshift(`${plural(requests, "request")}, ${bad} not okay`);
+  parts.push(el("span.dim", {}, ` · ${counted.join(" · ")}`));
   return parts;
 }
 
@@ -332,6 +333,7 @@ function showMap(app) {
     const drawn = drawing.draw(picture, { facts, now: run.timeOf(at), before });
     if (!drawn) byId("map").replaceChildren("no place is known");
     else if (!drawing.svg.isConnected) byId("map").replaceChildren(drawing.svg);
+    if (drawing.isWide) byId("panels").classList.add("wide"); // and stays: no panel jumps
   } catch (error) {
     byId("map").textContent = visible(`cannot draw the picture: ${error.message}`);
   }

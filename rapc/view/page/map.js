@@ -591,6 +591,8 @@ class Drawing {
     this.svg.setAttribute("class", "map");
     this.svg.setAttribute("role", "img");
     this.svg.setAttribute("aria-labelledby", "h-map");
+    /** Whether the last drawing is much wider than high. */
+    this.isWide = false;
     /** The elements by the text of their shape, in the order of the drawing. */
     this._drawn = new Map();
   }
@@ -620,6 +622,7 @@ class Drawing {
       if (element === here) here = here.nextElementSibling;
       else this.svg.insertBefore(element, here);
     this.svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
+    this.isWide = width > 1.5 * height;
     this._drawn = next;
     return true;
   }

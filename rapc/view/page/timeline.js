@@ -106,9 +106,12 @@ function drawCross(context, colour, x, y, size) {
   context.stroke();
 }
 
+/** The least time between two labels of the axis, which have six decimals. */
+const SHORTEST = 1e-6;
+
 /** Return round times for an axis, about one for each 90 pixels. */
 function ticksOf(from, to, width) {
-  const rough = ((to - from) * 90) / Math.max(width, 1) || 1;
+  const rough = Math.max(((to - from) * 90) / Math.max(width, 1), SHORTEST);
   const power = 10 ** Math.floor(Math.log10(rough));
   const step = [1, 2, 5, 10].map((one) => one * power).find((one) => one >= rough) || rough;
   const found = [];
@@ -163,8 +166,8 @@ class Timeline {
       role: "slider", tabindex: 0, "aria-label": "Time", "aria-orientation": "horizontal",
     });
     this.names = el("div.names", { role: "group", "aria-label": "Top-level tasks" });
-    const name = app.runs.length > 1 ? app.names[index] : "top-level tasks";
-    this.names.append(el("div.run", {}, `${name} · time (time units) →`));
+    const name = app.runs.length > 1 ? app.names[index] : "tasks";
+    this.names.append(el("div.run", {}, `${name} · time units →`));
     this.buttons = this.lanes.map((lane) => this._name(lane));
     this.names.append(...this.buttons);
     this.cursor = el("div.cursor", { "aria-hidden": "true" });
