@@ -223,7 +223,11 @@ def _map(
         return _SIDE + (x - left) * across, _TOP + (y - top) * down
 
     at = {s.spot["name"]: placed(s.spot) for s in around}
-    width = max([x for x, _ in at.values()] + [_SIDE]) + _SIDE
+    width = 2.0 * _SIDE
+    for sight in around:
+        x, note = at[sight.spot["name"]][0], sight.spot.get("note", "")
+        end = min(x + 13 + len(note) * _LETTER, _WIDE)
+        width = max(width, x + _SIDE, end)
     lowest = max([y for _, y in at.values()] + [_TOP])
     shapes: list[Shape] = []
     for one, other in picture.get("roads", ()):

@@ -251,7 +251,11 @@ function mapScene(picture, beliefs, before, alone) {
   const top = around.length ? Math.min(...around.map((sight) => sight.spot.at[1])) : 0;
   const placed = (spot) => [SIDE + (spot.at[0] - left) * across, TOP + (spot.at[1] - top) * down];
   const at = new Map(around.map((sight) => [sight.spot.name, placed(sight.spot)]));
-  let width = Math.max(...[...at.values()].map(([x]) => x), SIDE) + SIDE;
+  let width = 2 * SIDE;
+  for (const { spot } of around) {
+    const [x] = at.get(spot.name);
+    width = Math.max(width, x + SIDE, Math.min(x + 13 + lengthOf(spot.note ?? "") * LETTER, WIDE));
+  }
   const lowest = Math.max(...[...at.values()].map(([, y]) => y), TOP);
   const shapes = [];
   for (const [one, other] of picture.roads || [])
