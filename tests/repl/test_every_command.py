@@ -34,7 +34,7 @@ ONE_OF_A_GROUP = list({one.group: one for one in ON_TERMINAL}.values())
 
 @pytest.mark.parametrize(
     "case",
-    first(1, [(80, ONE_OF_A_GROUP), *((n, ON_TERMINAL) for n in (40, 80, 200))]),
+    first(1, [(80, ONE_OF_A_GROUP), *((n, ON_TERMINAL) for n in (40, 80, 200))], 3),
     ids=["80, one of each group", "40", "80", "200"],
 )
 def test_every_command_answers_on_a_terminal(
