@@ -89,13 +89,17 @@ def test_the_opposite_of_a_denied_formula_is_the_formula() -> None:
     assert text == {"(can empty)", "(not (can empty))"}
 
 
+@pytest.mark.long
 @pytest.mark.slow
-def test_slips_of_the_visible_kinds_are_found(benches: Sequence[Bench]) -> None:
+@pytest.mark.parametrize("each", [1, pytest.param(2, marks=pytest.mark.nightly)])
+def test_slips_of_the_visible_kinds_are_found(
+    benches: Sequence[Bench], each: int
+) -> None:
     made: list[Outcome] = []
     missed = []
     for kind in KINDS:
         if kind not in NOT_SURE:
-            there = [one for _, one in outcomes(kind, benches, 2, 1)]
+            there = [one for _, one in outcomes(kind, benches, each, 1)]
             made += there
             missed += [kind for one in there if not one.found]
     assert len(missed) <= len(made) // 20, missed
