@@ -18,8 +18,8 @@ from rapc.cli.repl import opened_journal
 from rapc.debug.recorded import write_trace
 from rapc.durable import folder as files
 from rapc.durable.folder import Lock, Stored
-from rapc.durable.records import Asking, Told
-from rapc.durable.runs import Past, past_of
+from rapc.durable.past import Past, past_of
+from rapc.durable.records import Answered, Requested
 from rapc.errors import LoadError
 from rapc.world import Finished, Lost
 
@@ -85,9 +85,8 @@ def journal(
 
 def _described(folder: Path) -> Iterator[str]:
     stored = files.read(folder, whole=True)
-    meta, snapshot = stored.meta, stored.snapshot
-    spec = meta.spec
-    past = past_of(stored.records, snapshot.cycle if snapshot else 0)
+    meta, spec = stored.meta, stored.meta.spec
+    past = past_of(stored.records, stored.first_cycle)
     yield f"library   {spec.library}"
     yield f"world     {spec.world_class or spec.world}"
     if meta.engine is not None:
@@ -104,8 +103,7 @@ def _described(folder: Path) -> Iterator[str]:
         f"files     {plural(len(parts), 'part')}, "
         f"{plural(len(snapshots), 'snapshot')}, {readable(size / 1e6)} MB"
     )
-    begins = 0 if snapshot is None else snapshot.cycle
-    yield f"cycles    {begins} to {past.cycle}"
+    yield f"cycles    {stored.first_cycle} to {past.cycle}"
     yield (
         f"records   {plural(len(past.answers), 'answer')} of the world, "
         f"{plural(len(past.acts), 'act')} of the host"
@@ -130,14 +128,14 @@ def _under_way(stored: Stored) -> dict[int, str]:
     """Return the requests and activations under way, by ticket."""
     found: dict[int, str] = {}
     for record in stored.records:
-        if isinstance(record, Asking):
+        if isinstance(record, Requested):
             found[record.asked[0]] = _in_words(record.asked)
-        elif isinstance(record, Told) and record.call in ("perform", "activate"):
+        elif isinstance(record, Answered) and record.call in ("perform", "activate"):
             if record.told is not None:
                 found.pop(record.asked[0], None)
-        elif isinstance(record, Told) and record.call in ("cancel", "deactivate"):
+        elif isinstance(record, Answered) and record.call in ("cancel", "deactivate"):
             found.pop(record.asked[0], None)
-        elif isinstance(record, Told) and record.call == "messages":
+        elif isinstance(record, Answered) and record.call == "messages":
             for one in record.told:
                 if isinstance(one, Finished | Lost):
                     found.pop(one.ticket, None)

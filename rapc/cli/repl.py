@@ -175,10 +175,10 @@ def opened_journal(
     from rapc.durable.opening import Opened
 
     opened = Opened(path, follow=follow)
-    spec, damage = opened.spec, opened.stored.damage
-    if damage is not None:
-        told = f"{damage.message}; the history begins at cycle {opened.first_cycle}"
-        click.echo(visible(f"note: {told}"), err=True)
+    spec, stored = opened.spec, opened.stored
+    if stored.damage is not None:
+        begins = f"the history begins at cycle {stored.first_cycle}"
+        click.echo(visible(f"note: {stored.damage.message}; {begins}"), err=True)
     missing = _missing_world(spec, world_name, path)
     if missing:
         fail(f"cannot open `{path}`: {missing}")

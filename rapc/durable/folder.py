@@ -128,6 +128,11 @@ class Stored(msgspec.Struct, frozen=True):
             yield from part.records
 
     @property
+    def first_cycle(self) -> int:
+        """Return the cycle at which the contents begin."""
+        return 0 if self.snapshot is None else self.snapshot.cycle
+
+    @property
     def last(self) -> Part:
         """Return the last part."""
         return self.parts[-1]

@@ -27,13 +27,13 @@ from rapc.durable.folder import (
 )
 from rapc.durable.records import (
     Acted,
-    Asking,
+    ActFailed,
+    Answered,
     Ended,
     Reached,
     Record,
+    Requested,
     Solved,
-    Told,
-    Void,
     framed,
 )
 from rapc.errors import StateError, WriteError
@@ -154,7 +154,7 @@ class Journal:
 
     def asking(self, readings: int, call: str, asked: tuple[Any, ...]) -> None:
         """Write a request, before the world receives the request."""
-        self._write(Asking(readings, call, asked))
+        self._write(Requested(readings, call, asked))
         if self._sync != "off":
             self._synced()
 
@@ -165,7 +165,7 @@ class Journal:
         """
         call = answer.call
         try:
-            data = framed(Told(answer.readings, call, answer.asked, answer.told))
+            data = framed(Answered(answer.readings, call, answer.asked, answer.told))
         except (TypeError, ValueError, OverflowError):
             return
         self._writer.write(data)
@@ -199,7 +199,7 @@ class Journal:
 
     def void(self) -> None:
         """Write that the last act has failed."""
-        self._write(Void())
+        self._write(ActFailed())
 
     def ended(self) -> None:
         """Write the end of the run."""

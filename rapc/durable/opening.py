@@ -20,8 +20,8 @@ from rapc.debug import act_lines
 from rapc.debug.history import History
 from rapc.debug.log import EventLog
 from rapc.durable.folder import Stored, is_running, part_file, read, read_part
+from rapc.durable.past import fill, past_of
 from rapc.durable.records import Record
-from rapc.durable.runs import fill, past_of
 from rapc.runtime.answers import Answers, UnknownAnswerError
 from rapc.runtime.interpreter import Interpreter
 from rapc.world import Drawable, Savable, Skilled, Time, Timed, World, methods_of
@@ -52,10 +52,7 @@ class Opened:
         self.spec = self.stored.meta.spec
         self._folder, self._follow = folder, follow
         self._part, self._offset = self.stored.last.number, self.stored.last.end
-        snapshot = self.stored.snapshot
-        #: The first cycle of the history.
-        self.first_cycle = snapshot.cycle if snapshot else 0
-        self._past = past_of(self.stored.records, self.first_cycle)
+        self._past = past_of(self.stored.records, self.stored.first_cycle)
         #: The last cycle that the run is known to have reached.
         self.cycle, self.reason = self._past.cycle, self._past.reason
         self._answers = Answers()

@@ -35,7 +35,7 @@ class Record(
     """A record of a journal."""
 
 
-class Asking(Record, tag="ask", frozen=True):
+class Requested(Record, tag="ask", frozen=True):
     """A request, before the world receives the request."""
 
     readings: Natural
@@ -43,7 +43,7 @@ class Asking(Record, tag="ask", frozen=True):
     asked: Any
 
 
-class Told(Record, tag="told", frozen=True):
+class Answered(Record, tag="told", frozen=True):
     """An answer of the world, before its use."""
 
     readings: Natural
@@ -72,7 +72,7 @@ class Acted(Record, tag="act", frozen=True):
     act: Any
 
 
-class Void(Record, tag="void", frozen=True):
+class ActFailed(Record, tag="void", frozen=True):
     """The failure of the preceding act, which changed nothing."""
 
 
@@ -93,7 +93,7 @@ class Ended(Record, tag="end", frozen=True):
     reason: str
 
 
-_KINDS: Any = Union[Asking, Told, Solved, Acted, Void, Reached, Ended]  # noqa: UP007
+_KINDS: Any = Union[Requested, Answered, Solved, Acted, ActFailed, Reached, Ended]  # noqa: UP007
 _encode = msgspec.json.Encoder().encode
 _decode = msgspec.json.Decoder(_KINDS).decode
 
@@ -134,7 +134,7 @@ def framed(record: Record) -> bytes:
     Raises:
         TypeError: for a value that is no answer of a world.
     """
-    if isinstance(record, Told) and record.told == NOT_KNOWN:
+    if isinstance(record, Answered) and record.told == NOT_KNOWN:
         record = msgspec.structs.replace(record, told=_NOT_KNOWN)
     body = _encode(record)
     return _HEAD.pack(len(body), zlib.crc32(body)) + body
@@ -147,13 +147,13 @@ def decoded(body: bytes) -> Record:
         UNREADABLE: if `body` is not a record.
     """
     record: Record = _decode(body)
-    if isinstance(record, Asking | Told):
+    if isinstance(record, Requested | Answered):
         call = CALLS.get(record.call)
         if call is None:
             raise msgspec.DecodeError(f"unknown method `{record.call:.60}`")
         asked = msgspec.convert(record.asked, call.asked)
         record = msgspec.structs.replace(record, asked=asked)
-    if isinstance(record, Told):
+    if isinstance(record, Answered):
         told = _answer(record.call, record.told)
         record = msgspec.structs.replace(record, told=told)
     return record

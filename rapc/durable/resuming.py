@@ -83,8 +83,8 @@ class ResumedWorld(Wrapper):
         #: The answers to requests that the first process may have sent, by ticket.
         self.settled: dict[int, Reply | Refused | None] = {}
 
-    def go_on(self, last: Time) -> None:
-        """Begin to ask the world, after the time `last` of the run."""
+    def ask_from(self, last: Time) -> None:
+        """Ask the world from now on, whose clock goes on from the time `last`."""
         self._begun = None
         behind = super().now()
         self._offset = number(last - behind) if behind < last else 0
@@ -146,7 +146,7 @@ class ResumedWorld(Wrapper):
         return found
 
 
-def go_on(
+def settle_requests(
     run: Interpreter,
     question: tuple[str, tuple[Any, ...]],
     sent: Sent | None,
@@ -154,7 +154,7 @@ def go_on(
     decide: Decide,
     seconds: float,
 ) -> None:
-    """Find out what became of the requests under way, and let the run go on.
+    """Settle the requests under way; from now on the run asks the world itself.
 
     Args:
         run: a run from a journal, at the end of the journal.
@@ -185,7 +185,7 @@ def go_on(
             raise StateError(
                 f"cannot resume: the world `{world.name}` refuses: {error}"
             ) from error
-        world.go_on(run.now)
+        world.ask_from(run.now)
         if sent is not None and sent.ticket in known:
             world.settled[sent.ticket] = known[sent.ticket]
         for ticket, asked in under_way.items():
@@ -194,7 +194,7 @@ def go_on(
             else:
                 first += _sent_again(world, ticket, asked)
     else:
-        world.go_on(run.now)
+        world.ask_from(run.now)
         chosen = _Choice(world.kit.offer, treatments, decide)
         if sent is not None and not chosen.repeats(sent.asked[1]):
             world.settled[sent.ticket] = Refused(reason=LOST)

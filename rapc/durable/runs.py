@@ -6,10 +6,9 @@ Not here: runs in the debugger (`rapc.durable.opening`).
 from __future__ import annotations
 
 import time
-from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 
@@ -29,20 +28,12 @@ from rapc.debug.reload import TakeUp, changed
 from rapc.durable import folder as files
 from rapc.durable.folder import META, KeptEngine, Lock, Meta, Options, Stored, Writer
 from rapc.durable.journal import Journal, Report, Trace
-from rapc.durable.records import (
-    Acted,
-    Asking,
-    Ended,
-    Reached,
-    Record,
-    Solved,
-    Told,
-)
-from rapc.durable.resuming import Decide, ResumedWorld, Sent, go_on
-from rapc.errors import Error, LoadError, StateError
+from rapc.durable.past import fill, past_of
+from rapc.durable.resuming import Decide, ResumedWorld, settle_requests
+from rapc.errors import Error, StateError
 from rapc.host import engine as find_engine
 from rapc.host import engine_of, planner_of
-from rapc.runtime.answers import Answer, Answers, Position
+from rapc.runtime.answers import Position
 from rapc.runtime.events.recorder import Listener
 from rapc.runtime.events.trace import JsonTrace
 from rapc.runtime.interpreter import Interpreter
@@ -52,67 +43,6 @@ from rapc.world import Atom, Fact, Savable, Time, World
 
 if TYPE_CHECKING:
     from rapc.planning.engines import Engine
-
-
-class Past(NamedTuple):
-    """The contents of some records, in the form of a run."""
-
-    answers: list[Answer]
-    #: The readings after the last answer.
-    readings: int
-    #: The request after the last answer, if any.
-    sent: Sent | None
-    #: The methods of solvers: the cycle, the RAP and the methods.
-    solved: list[tuple[int, str, Any]]
-    acts: list[Done]
-    #: The last cycle that the run is known to have reached.
-    cycle: int
-    #: The reason for the end of the run, or an empty text.
-    reason: str
-
-
-def past_of(records: Iterable[Record], cycle: int = 0) -> Past:
-    """Return the contents of records; the run has reached `cycle` before.
-
-    Raises:
-        LoadError: for an act that cannot be read.
-    """
-    answers: list[Answer] = []
-    solved: list[tuple[int, str, Any]] = []
-    acts: list[Done] = []
-    readings, sent, reason = 0, None, ""
-    for record in records:
-        if isinstance(record, Told):
-            answers.append(
-                Answer(record.readings, record.call, record.asked, record.told)
-            )
-            readings, sent = 0, None
-        elif isinstance(record, Asking):
-            readings, sent = record.readings, Sent(record.call, record.asked)
-        elif isinstance(record, Solved):
-            found = record.planned or record.methods
-            solved.append((record.cycle, record.rap, found))
-        elif isinstance(record, Acted):
-            readings = max(readings, record.readings)
-            act = _act(record.act)
-            acts.append(Done(record.cycle, record.arrivals, record.time, act))
-        elif isinstance(record, Reached):
-            readings, cycle = max(readings, record.readings), record.cycle
-        elif isinstance(record, Ended):
-            readings = max(readings, record.readings)
-            cycle, reason = record.cycle, record.reason
-        elif acts:
-            acts.pop()
-    return Past(answers, readings, sent, solved, acts, cycle, reason)
-
-
-def _act(line: Any) -> Act:
-    try:
-        return act_lines.read(msgspec.convert(line, act_lines.line_types()))
-    except (Error, ValueError, RecursionError) as error:
-        raise LoadError(f"the journal has an act that cannot be read: {error}") from (
-            error
-        )
 
 
 def enclosed(meta: Meta) -> Callable[[World], World]:
@@ -410,9 +340,7 @@ class Resumption:
     def _read(self, folder: Path, loaded: Program, take_up: bool) -> None:
         self.stored: Stored = files.read(folder)
         snapshot = self.stored.snapshot
-        self._past = past_of(
-            self.stored.records, 0 if snapshot is None else snapshot.cycle
-        )
+        self._past = past_of(self.stored.records, self.stored.first_cycle)
         self._loaded = loaded
         first = snapshot.library if snapshot else None
         #: The library of the run at the snapshot.
@@ -472,7 +400,9 @@ class Resumption:
                 )
             answers.at_end = None
             treatments = options.after_crash
-            go_on(durable.run, question, past.sent, treatments, decide, seconds)
+            settle_requests(
+                durable.run, question, past.sent, treatments, decide, seconds
+            )
             return False
 
         if not isinstance(run.world, Savable):
@@ -495,15 +425,6 @@ class Resumption:
             before, after = durable.run.library.library, self._loaded.library
             durable.act(TakeUp(self._loaded, changed(before, after)))
         return durable
-
-
-def fill(answers: Answers, stored: Stored, past: Past) -> None:
-    """Fill the store of a run with the answers of a journal."""
-    first = stored.snapshot.answers if stored.snapshot else 0
-    answers.kept, answers.first = past.answers, first
-    answers.readings = past.readings
-    answers.position = Position(first)
-    answers.coming = deque(past.solved)
 
 
 def _program(library: act_lines.Library, loaded: Program) -> Program:

@@ -294,7 +294,7 @@ def test_clock_that_begins_again_comes_to_each_time_exactly() -> None:
         behind = Clock(sorted(chance.random() * 100 for _ in range(10)))
         world = ResumedWorld(behind, 0)
         before = chance.random() * 1000
-        world.go_on(before)
+        world.ask_from(before)
         assert world.now() == before
         for due in behind.dues:
             found = world.next_time()

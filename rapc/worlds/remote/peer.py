@@ -29,8 +29,6 @@ TIMEOUT = 10.0
 _LOCAL = ("127.0.0.1", "localhost", "[::1]")
 _GRACE = 2.0
 """The seconds that a process gets to end, and an interrupted call to be answered."""
-_BEATS = 4
-"""The number of heartbeats in the period of the peer's watchdog."""
 _MOST_NOTICES = 100_000
 """The highest number of notifications of a peer during a call."""
 _CHUNK = 2**18

@@ -52,6 +52,7 @@ from rapc.world import (
     Truth,
     World,
 )
+from rapc.worlds.registry import plain_values
 from rapc.worlds.remote import protocol
 from rapc.worlds.remote.protocol import (
     LINE_LIMIT,
@@ -314,10 +315,13 @@ class Connection:
             error = {"code": -32600, "message": f"invalid call: {flaw(invalid)}"}
         except (_Refusal, ValueError) as refused:
             said = str(refused) or type(refused).__name__
-            error = {"code": -32000, "message": said + _place(refused)}
+            error = {"code": -32000, "message": said + place_of_error(refused)}
         except Exception as broken:  # any exception of the world's code is reported
             traceback.print_exc()
-            error = {"code": -32000, "message": said_by(broken) + _place(broken)}
+            error = {
+                "code": -32000,
+                "message": said_by(broken) + place_of_error(broken),
+            }
         finally:
             self._busy = None
         return msgspec.json.encode({"jsonrpc": "2.0", "id": number, "error": error})
@@ -427,19 +431,11 @@ class Connection:
         return protocol.Resumed, {"requests": requests, "facts": tuple(world.facts())}
 
     def _adjustable(self, world: Any, params: Any) -> Any:
-        return protocol.Adjusted, {"options": _plain(world.adjustable())}
+        return protocol.Adjusted, {"options": plain_values(world.adjustable())}
 
     def _adjust(self, world: Any, params: protocol.AdjustParams) -> Any:
         world.adjust(params.name, params.value)
         return protocol.Answer, {}
-
-
-def _place(error: BaseException) -> str:
-    return place_of_error(error)
-
-
-def _plain(options: Mapping[str, Any]) -> dict[str, Any]:
-    return {n: v.value if isinstance(v, Text) else v for n, v in options.items()}
 
 
 def _outcome(told: Reply | Refused | None) -> dict[str, Any]:

@@ -44,6 +44,9 @@ from rapc.worlds.remote import protocol
 from rapc.worlds.remote.peer import Peer, RefusedCall, words_of
 from rapc.worlds.remote.protocol import PROTOCOL, TOKEN, Description, WireMessage
 
+_BEATS = 4
+"""The number of heartbeats in the period of the peer's watchdog."""
+
 
 class RemoteWorld(World):
     """A world behind a connection; `world_at` makes a class for each address."""
@@ -459,7 +462,7 @@ def _described(peer: Peer) -> Description:
             f"the peer `{peer.address}` answered `describe` with {versions}"
         )
     peer.timeouts = told.timeouts
-    peer.beat = told.heartbeat / 4 if told.heartbeat is not None else None
+    peer.beat = told.heartbeat / _BEATS if told.heartbeat is not None else None
     return told
 
 
