@@ -139,6 +139,7 @@ class Prompt:
             key_bindings=_keys(),
             input_processors=[HighlightMatchingBracketProcessor()],
             bottom_toolbar=self._toolbar,
+            interrupt_exception=_ClearedError,
             style=_STYLE,
         )
         self._typed = False
@@ -204,6 +205,10 @@ class Prompt:
         return visible("  ".join([*words, *more]))[: max(width, 1)]
 
 
+class _ClearedError(Exception):
+    """An input cleared by Ctrl-C. KeyboardInterrupt would end the event loop early."""
+
+
 class _Interrupts:
     """The handling of Ctrl-C in a session.
 
@@ -244,6 +249,8 @@ class _Interrupts:
         self._prompts = True
         try:
             text = session.prompt(pre_run=self._forget, handle_sigint=False)
+        except _ClearedError:
+            raise KeyboardInterrupt from None
         finally:
             self._prompts = False
         if self._times > 1:
@@ -264,7 +271,7 @@ class _Interrupts:
 
     def _clear(self, prompt: Application[str]) -> None:
         if _is_typed(prompt):
-            prompt.exit(exception=KeyboardInterrupt(), style="class:aborting")
+            prompt.exit(exception=_ClearedError(), style="class:aborting")
         else:
             self._pause()
 
