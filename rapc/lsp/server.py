@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 import os
 import signal
 import sys
@@ -582,6 +583,12 @@ def _add_files(server: Server) -> None:
         server.client_register_capability(types.RegistrationParams([registration]))
 
 
+def is_fault(record: logging.LogRecord) -> bool:
+    """Return whether a record is to be logged: a refused request is no fault."""
+    error = record.exc_info[1] if record.exc_info else None
+    return not isinstance(error, navigation.RefusedRequestError)
+
+
 def serve() -> None:
     """Serve the editor on standard input and output until it ends the session.
 
@@ -589,6 +596,7 @@ def serve() -> None:
     """
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
+    logging.getLogger("pygls.protocol.json_rpc").addFilter(is_fault)
     sys.setswitchinterval(0.0002)  # requests do not wait long for the worker
     with os.fdopen(os.dup(1), "wb") as output:
         os.dup2(2, 1)  # what is printed by mistake must not reach the editor
