@@ -409,7 +409,7 @@ class Worker:
         unreadable: dict[str, str] = {}
         try:
             return list(loaded_libraries(spec.paths, texts, self._units, names)), {}
-        except LoadError:
+        except LoadError as error:
             left = {name: text for name, text in texts.items() if name in spec.paths}
             every = [*names.values(), *left]
             texts = dict(texts)
@@ -421,6 +421,9 @@ class Worker:
                         unreadable[name] = error.message
                         texts[name] = ""
             paths = [one for one in spec.paths if one in texts or _exists(one)]
+            configured = configuration(spec.paths[0])
+            if not paths and configured.config.libraries is not None:
+                unreadable[str(configured.file)] = error.message
             return list(loaded_libraries(paths, texts, self._units, names)), unreadable
 
 

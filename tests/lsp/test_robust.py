@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import logging
 import random
 import shutil
 import signal
@@ -18,7 +19,8 @@ from tests.lsp.client import PATIENCE, Editor  # before lsprotocol: it skips wit
 
 from lsprotocol import types  # isort: skip
 
-from rapc.lsp.server import make_server
+from rapc.lsp.navigation import RefusedRequestError
+from rapc.lsp.server import is_fault, make_server
 from tests.lsp.edits import assert_findings_are_fresh, type_keys
 from tests.lsp.programs import RAPS, WORLD
 
@@ -111,6 +113,25 @@ def test_removed_files_are_forgotten(editor: Editor) -> None:
     editor.shut(uri)
     other = editor.open(editor.folders[0] / "new.rap", "(define-rap (wait))")
     assert editor.findings(other) == []
+
+
+def test_missing_library_of_the_configuration_is_reported(tmp_path: Path) -> None:
+    file = tmp_path / "rapc.toml"
+    file.write_text('libraries = ["nowhere"]\n')
+    editor = Editor(tmp_path)
+    (message,) = editor.messages(file.as_uri())
+    assert message == f"`{tmp_path / 'nowhere'}` does not exist"
+    assert editor.close() == 0
+
+
+def test_refused_request_logs_no_fault(caplog: pytest.LogCaptureFixture) -> None:
+    log = logging.getLogger("rapc-lsp-refusals")
+    log.addFilter(is_fault)
+    for error in (RefusedRequestError("no name"), ValueError("a fault")):
+        log.error("request failed", exc_info=error)
+    (record,) = caplog.records
+    assert record.exc_info is not None
+    assert isinstance(record.exc_info[1], ValueError)
 
 
 def test_folders_of_one_name_are_apart(tmp_path: Path) -> None:
