@@ -78,7 +78,7 @@ class Text(SourceFile):
         """Return the position of an offset."""
         place = self.position(offset)
         column = place.column - 1
-        if self.wide:
+        if self.wide and not self.text.isascii():
             start = self.line_starts[place.row - 1]
             column += len(_WIDE.findall(self.text, start, start + column))
         return types.Position(place.row - 1, column)
