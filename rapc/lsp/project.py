@@ -417,8 +417,8 @@ class Worker:
                 if name not in texts:
                     try:
                         read_text(path_of(name))
-                    except LoadError as error:
-                        unreadable[name] = error.message
+                    except LoadError as other:
+                        unreadable[name] = other.message
                         texts[name] = ""
             paths = [one for one in spec.paths if one in texts or _exists(one)]
             configured = configuration(spec.paths[0])
