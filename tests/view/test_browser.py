@@ -233,17 +233,17 @@ def test_plan_is_shown_with_its_links(opened: Browser, tmp_path: Path) -> None:
     shown = Shown(opened, file, link="#n=150&task=1")
     rows = shown.page.locator("#why .plan li").all_inner_texts()
     assert len(rows) == 6
-    assert "t1 (fetch meals ward-4)" in rows[0]
-    assert "for t2: (on-tray meals ward-4)" in rows[0]
+    assert "t1 (fetch medicine ward-3)" in rows[0]
+    assert "for t3: (on-tray medicine ward-3)" in rows[0]
     assert rows[-1].endswith("for the goal: (docked)")
     signs = shown.page.locator("#why .plan .sign").evaluate_all(
         "all => all.map((one) => one.title)"
     )
     assert signs[0] == "succeeded"
     assert signs[-1] == "has not been selected"
-    shown.page.click("#why .plan button:has-text('(fetch meals ward-4)')")
+    shown.page.click("#why .plan button:has-text('(fetch medicine ward-3)')")
     assert "for step t1 of (round)" in shown.text("#why")
-    assert "for t2: (on-tray meals ward-4)" in shown.text("#why")
+    assert "for t3: (on-tray medicine ward-3)" in shown.text("#why")
     shown.close()
 
 

@@ -53,7 +53,7 @@ QUESTIONS = (
     Question(
         "Why do three orders never end?",
         "drives-off-while-loading",
-        ("#symptoms button:has-text('orders.rap:34')",),
+        ("#symptoms button:has-text('orders.rap:37')",),
         {
             "#symptoms": ("`from-a-store` of `fetch` does not claim wheels",),
             "#source .place": ("method from-a-store",),
@@ -114,7 +114,7 @@ QUESTIONS = (
             "#why": (
                 "(deliver meals ward-4) [8]",
                 "methods that were excluded: 1",
-                "context of method `from-a-store` orders.rap:36",
+                "context of method `from-a-store` orders.rap:39",
                 "(sold-out kitchen meals), 800 old asserted at 631",
             )
         },
