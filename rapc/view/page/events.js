@@ -20,7 +20,7 @@ function eventText(run, event) {
     if (key === "bindings" || key === "outputs") {
       const pairs = Object.entries(value && typeof value === "object" ? value : {});
       parts.push(...pairs.map(([name, one]) => `${name} ${asText(one)}`));
-    } else if (key === "steps" && Array.isArray(value)) parts.push(`${value.length} steps`);
+    } else if (key === "steps" && Array.isArray(value)) parts.push(plural(value.length, "step"));
     else parts.push(bare ? asText(value) : `${key} ${asText(value)}`);
   }
   return parts.join(" ");

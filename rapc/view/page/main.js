@@ -440,6 +440,7 @@ function pressed(event) {
 
 /** Show runs in the page. */
 function start(runs, mores, comparison) {
+  byId("panels").classList.remove("wide");
   app = new App(runs, mores, comparison);
   app.begin();
   app.open();

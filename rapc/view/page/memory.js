@@ -1,7 +1,9 @@
 // Memory of a moment, with ages and what has just changed; the history of a fact; belief
 // beside truth.
 
-const MOST_FACTS = 300;
+/** The highest numbers of rows: of a group of facts, and of changes of a cycle. */
+const MOST_FACTS = 300, MOST_CHANGES = 40;
+
 /** The groups of facts that the reader has opened. */
 const opened = new Set();
 
@@ -57,25 +59,24 @@ function factHistory(app) {
     oneLine(event.event === "fact-erased" ? "− erased" : "+ asserted",
       el("span.dim", {}, ` by ${source.text}`), ...[placeLink(app, source.place)].flat()));
   });
-  const title = `${fact}: ${changes.length} changes`;
+  const title = `${fact}: ${plural(changes.length, "change")}`;
   return [el("h3", {}, title), listbox(title, reachable(rows))];
 }
 
-/** Show memory. */
-function showMemory(app) {
-  const { run, at } = app;
-  const memory = run.memoryAt(at);
-  const changed = run.changesAt(at);
-  const wanted = byId("filter").value.toLowerCase();
-  const rows = factHistory(app);
-  const now = [...changed].filter(([fact]) => fact.toLowerCase().includes(wanted));
-  if (now.length) {
-    const shown = now.slice(0, 40).map(([fact, change]) =>
-      factRow(app, fact, memory.get(fact), change));
-    rows.push(el("h3", {}, "Changed in this cycle"));
-    rows.push(listbox("Changed in this cycle", reachable(shown)));
-    if (now.length > 40) rows.push(el("p.dim", {}, `and ${now.length - 40} more`));
-  }
+/** Return the facts that have changed in the cycle of the moment. */
+function changedRows(app, memory, changed) {
+  if (!changed.length) return [];
+  const title = "Changed in this cycle";
+  const shown = changed.slice(0, MOST_CHANGES).map(([fact, change]) =>
+    factRow(app, fact, memory.get(fact), change));
+  const rows = [el("h3", {}, title), listbox(title, reachable(shown))];
+  if (changed.length > MOST_CHANGES)
+    rows.push(el("p.dim", {}, `and ${changed.length - MOST_CHANGES} more`));
+  return rows;
+}
+
+/** Return facts by predicate; only those with a text, if there is one. */
+function factGroups(memory, wanted) {
   const groups = new Map();
   for (const [fact, since] of memory) {
     if (wanted && !fact.toLowerCase().includes(wanted)) continue;
@@ -84,34 +85,55 @@ function showMemory(app) {
     if (known) known.push([fact, since]);
     else groups.set(name, [[fact, since]]);
   }
-  rows.push(el("h3", {}, `All facts: ${memory.size}`));
+  return groups;
+}
+
+/**
+ * Return the facts of a predicate as a group that can be opened.
+ *
+ * @param build returns the rows of the group; called when the reader opens it
+ * @param always whether the group is open, and the reader's choice is not kept
+ */
+function factGroup(name, count, build, always) {
+  const list = listbox(name, []);
+  const show = () => list.replaceChildren(...reachable(build()));
+  const toggle = (event) => {
+    if (always) return;
+    if (event.target.open) opened.add(name);
+    else opened.delete(name);
+    if (event.target.open && !list.childElementCount) show();
+  };
+  const open = always || opened.has(name);
+  if (open) show();
+  return el("details", { open, toggle },
+    el("summary", { "data-key": `g${name}` }, name, el("span.count", {}, ` ${count}`)), list);
+}
+
+/** Show memory. */
+function showMemory(app) {
+  const { run, at } = app;
+  const memory = run.memoryAt(at);
+  const changed = run.changesAt(at);
+  const wanted = byId("filter").value.toLowerCase();
+  const now = [...changed].filter(([fact]) => fact.toLowerCase().includes(wanted));
+  const groups = factGroups(memory, wanted);
   const found = [...groups.values()].reduce((sum, one) => sum + one.length, 0);
-  const few = wanted && found <= MOST_FACTS;
-  for (const name of [...groups.keys()].sort()) {
+  const always = wanted && found <= MOST_FACTS;
+  const details = [...groups.keys()].sort().map((name) => {
     const facts = groups.get(name);
-    const list = listbox(name, []);
     const build = () => {
       const made = facts.slice(0, MOST_FACTS).map(([fact, since]) =>
         factRow(app, fact, since, changed.get(fact)));
       if (facts.length > MOST_FACTS)
         made.push(el("p.dim", {}, `and ${facts.length - MOST_FACTS} more; use the filter`));
-      list.replaceChildren(...reachable(made));
+      return made;
     };
-    const details = el("details", {
-      open: few || opened.has(name),
-      toggle: (event) => {
-        if (few) return;
-        if (event.target.open) opened.add(name);
-        else opened.delete(name);
-        if (event.target.open && !list.childElementCount) build();
-      },
-    },
-    el("summary", { "data-key": `g${name}` }, name, el("span.count", {}, ` ${facts.length}`)),
-    list);
-    if (few || opened.has(name)) build();
-    rows.push(details);
-  }
-  fill(byId("memory"), rows);
+    return factGroup(name, facts.length, build, always);
+  });
+  const all = el("h3", {}, `All facts: ${memory.size}`);
+  fill(byId("memory"), [
+    ...factHistory(app), ...changedRows(app, memory, now), all, ...details,
+  ]);
 }
 
 /** Show the wrong beliefs of the moment, and the next. */

@@ -28,7 +28,7 @@ function showTasks(app) {
     return made;
   });
   if (rows.length > MOST_TASKS)
-    shown.push(el("p.dim", {}, `and ${rows.length - MOST_TASKS} more tasks`));
+    shown.push(el("p.dim", {}, `and ${plural(rows.length - MOST_TASKS, "more task")}`));
   if (!rows.length) shown.push(el("p.dim", {}, "no task at this moment"));
   const body = byId("tasks");
   fill(body, reachable(shown));
