@@ -50,12 +50,13 @@ def completions(view: View, position: types.Position) -> list[types.CompletionIt
     required = _REQUIRE.search(line)
     if required is not None:
         place = text.range(offset - len(required[1]), offset)
-        names = sorted({*names_beside(path_of(view.name)), *standard_libraries()})
+        file = path_of(view.name)
+        others = {*names_beside(file), *standard_libraries()} - {file.stem}
         return [
             types.CompletionItem(
                 name, kind=_Kind.File, text_edit=types.TextEdit(place, name)
             )
-            for name in names
+            for name in sorted(others)
         ]
     part = view.part
     found = completion(part.library, part.signatures, text.text, offset, MOST)
