@@ -13,9 +13,10 @@ from rapc.ir import nodes
 from rapc.language.grammar import GRAMMAR
 from rapc.language.heads import rules_by_head, spelling
 from rapc.language.highlight import tokens
+from rapc.library.library import KINDS
 from rapc.library.signature import Signature
 from rapc.library.signatures import Use
-from rapc.lsp.hover import comment_above
+from rapc.lsp.hover import documentation
 from rapc.lsp.positions import Text
 from rapc.lsp.workspace import View
 from rapc.lsp.worlds import worlds_of
@@ -91,7 +92,13 @@ def _signature(view: View, declared: Signature, argument: int) -> types.Signatur
     for arg in args:
         parameters.append(types.ParameterInformation((at, at + len(arg))))
         at += len(arg) + 1
-    doc = comment_above(view, rap.span) if rap is not None else ""
+    tables = [
+        getattr(view.part.library, field)
+        for field, _, word in KINDS.values()
+        if word == declared.kind
+    ]
+    forms = [one[declared.name] for one in tables if declared.name in one]
+    doc = documentation(view, forms[0]) if forms else ""
     return types.SignatureHelp(
         [types.SignatureInformation(label, doc or declared.kind, parameters)],
         0,

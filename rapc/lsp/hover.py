@@ -106,7 +106,7 @@ def _of_rap(view: View, rap: nodes.DefineRap) -> Iterator[str]:
     inputs = " ".join([rap.name, *(one.name for one in rap.inputs)])
     outputs = " ".join(one.name for one in rap.outputs)
     yield f"```rap\n({inputs}{' => ' + outputs if outputs else ''})\n```"
-    yield comment_above(view, rap.span)
+    yield documentation(view, rap)
     if rap.succeed is not None:
         yield f"succeed: `{format_node(rap.succeed)}`"
     learned = _inferred(view, rap.name)
@@ -146,7 +146,7 @@ def _of_form(view: View, form: Form) -> Iterator[str]:
     if isinstance(form, nodes.DeclareKind | nodes.DefineAgenda):
         line = name
     yield f"```rap\n{line}\n```\n\n{word}"
-    yield getattr(form, "doc", "") or comment_above(view, form.span)
+    yield documentation(view, form)
     if isinstance(form, nodes.DeclarePrimitive):
         on = {one.result: one.effects for one in form.on}
         rows = []
@@ -208,7 +208,12 @@ def _listed(names: Iterable[str]) -> str:
     return ", ".join(known[:_MOST]) + more
 
 
-def comment_above(view: View, span: Span) -> str:
+def documentation(view: View, form: Form) -> str:
+    """Return the documentation of a form, or else the comment above the form."""
+    return getattr(form, "doc", "") or _comment_above(view, form.span)
+
+
+def _comment_above(view: View, span: Span) -> str:
     """Return the comment in the lines directly above a form, without its marks."""
     unit = view.part.units.get(span.file)
     if unit is None:

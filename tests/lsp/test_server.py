@@ -327,7 +327,9 @@ def test_completion_offers_words_and_names(editor: Editor, raps: str) -> None:
     start = editor.texts[raps].index('"') + 1
     params = types.CompletionParams(document(raps), editor.at(raps, start))
     found = editor.ask(types.TEXT_DOCUMENT_COMPLETION, params)
-    assert {"world", "truck"} <= {one.label for one in found.items}
+    labels_of_files = {one.label for one in found.items}
+    assert {"world", "truck"} <= labels_of_files
+    assert "raps" not in labels_of_files  # the file itself
 
 
 def test_signature_help_marks_the_argument(editor: Editor, raps: str) -> None:
@@ -340,6 +342,7 @@ def test_signature_help_marks_the_argument(editor: Editor, raps: str) -> None:
     )
     (shown,) = found.signatures
     assert shown.label == "(at ?thing ?place)"
+    assert shown.documentation == "Where a thing is."
     assert found.active_parameter == 1
 
 
