@@ -146,6 +146,7 @@ def test_control_characters_are_not_acted_upon() -> None:
     for lines in (
         [line.plain for line in render.full(report, 80)],
         list(render.concise(report)),
+        [formats.json_text(report)],
     ):
         assert "\x1b" not in "".join(lines)
-    assert "\\u001b" in formats.json_text(report)
+        assert "\N{REPLACEMENT CHARACTER}[31m" in "".join(lines)
