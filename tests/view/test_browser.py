@@ -588,6 +588,20 @@ def test_page_changes_a_run(opened: Browser) -> None:
     shown.close()
 
 
+def test_failed_task_is_named_after_the_number_of_failures(opened: Browser) -> None:
+    shown = Steered(opened)
+    shown.do("submit", "(rock-order red 1)")
+    shown.wait(".lanes .goal >> nth=1")
+    shown.page.click("#tasks [data-key='2']")
+    assert shown.do("fail", "") == "failed task [2]"
+    shown.wait("#verdict .failed")
+    verdict = shown.page.inner_text("#verdict")
+    assert "1 failed: (rock-order red 1) (interference) · 1 unfinished" in verdict
+    shown.page.click("#verdict button")
+    assert "failed, interference · " in shown.page.inner_text("#why")
+    shown.close()
+
+
 def test_page_shows_why_an_input_is_refused(opened: Browser) -> None:
     shown = Steered(opened)
     before = shown.text.getvalue()

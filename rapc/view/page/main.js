@@ -242,6 +242,19 @@ class App {
   }
 }
 
+/** Return the first failed top-level tasks of a run, after a colon. */
+function failuresOf(app) {
+  const { run } = app;
+  const failed = run.families.filter((task) => task.outcome === "failed");
+  const parts = failed.slice(0, 3).flatMap((task, index) => {
+    const result = asText(run.events[task.ended].result);
+    const told = link(`${task.goal} (${result})`, () => app.choose(task, true));
+    return [index ? ", " : ": ", told];
+  });
+  if (failed.length > 3) parts.push(`, and ${failed.length - 3} more`);
+  return parts;
+}
+
 /** Return how the run ended and what failed, on one line. */
 function verdictOf(app) {
   const { run } = app;
@@ -254,15 +267,10 @@ function verdictOf(app) {
   const reason = run.end ? asText(run.end.reason) : app.more.commands ? "under way" : "cut off";
   parts.push(el("b", {}, reason), ` at time ${readable(last)}`);
   if (run.end && run.end.because) parts.push(`: ${asText(run.end.because)}`);
-  for (const kind of ["succeeded", "failed", "removed", "unfinished"])
+  for (const kind of ["succeeded", "failed", "removed", "unfinished"]) {
     if (counts.get(kind)) parts.push(" · ", el(`span.${kind}`, {}, `${counts.get(kind)} ${kind}`));
-  const failed = run.families.filter((task) => task.outcome === "failed");
-  if (failed.length) parts.push(": ");
-  failed.slice(0, 3).forEach((task, index) => {
-    const result = asText(run.events[task.ended].result);
-    parts.push(index ? ", " : "", link(`${task.goal} (${result})`, () => app.choose(task, true)));
-  });
-  if (failed.length > 3) parts.push(`, and ${failed.length - 3} more`);
+    if (kind === "failed") parts.push(...failuresOf(app));
+  }
   const bad = run.requests.filter((one) => one.result && one.result !== "okay").length;
   const requests = run.requests.filter((one) => !one.skill).length;
   const counted = [plural(run.events.length, "event")];

@@ -117,11 +117,11 @@ function stateLines(app, task, state) {
   const time = (index) => readable(run.timeOf(index));
   const life = until < 0 ? `since ${time(task.made)}` : `${time(task.made)} to ${time(until)}`;
   const event = until < 0 ? {} : run.events[until];
-  const told = [words, asText(event.reason), asText(event.result || event.cause)];
+  const told = new Set([words, asText(event.reason), asText(event.result || event.cause)]);
   const lines = [
     el("div.goal", {}, signOf(state.kind), ` ${task.goal} `,
       el("span.dim", {}, `[${task.number}]`)),
-    el("div", {}, el(`b.${state.kind}`, {}, told.filter(Boolean).join(", ")),
+    el("div", {}, el(`b.${state.kind}`, {}, [...told].filter(Boolean).join(", ")),
       until < 0 && state.text ? `: ${state.text}` : "", el("span.dim", {}, ` · ${life}`)),
   ];
   if (until < 0 && task.ended >= 0) {
