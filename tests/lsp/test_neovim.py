@@ -26,23 +26,39 @@ HERE = Path(__file__).parent
 CONFIG = HERE.parents[1] / "editors" / "neovim" / "rap.lua"
 
 
-@pytest.fixture(scope="module")
-def shown(tmp_path_factory: pytest.TempPathFactory) -> Any:
-    """What Neovim shows of each feature, in one session."""
-    folder = project(tmp_path_factory.mktemp("robot"))
-    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    done = subprocess.run(
-        [
-            *(str(NVIM), "--headless", "--clean", "-i", "NONE", "-n"),
-            *("-c", f"luafile {CONFIG}", "-c", f"luafile {HERE / 'neovim.lua'}"),
-        ],
+def neovim(
+    folder: Path, rapc: Path, *commands: str, **variables: str
+) -> subprocess.CompletedProcess[str]:
+    """Run Neovim in a folder with the configuration.
+
+    Args:
+        folder: the folder.
+        rapc: the folder with the command `rapc`.
+        commands: the commands of Neovim.
+        variables: variables of the environment.
+    """
+    arguments = [
+        one for line in (f"luafile {CONFIG}", *commands) for one in ("-c", line)
+    ]
+    path = f"{rapc}{os.pathsep}{os.environ['PATH']}"
+    return subprocess.run(
+        [str(NVIM), "--headless", "--clean", "-i", "NONE", "-n", *arguments],
         check=False,
         cwd=folder,
-        env={**os.environ, "PATH": path, "FEATURES": " ".join((*FEATURES, "agenda"))},
+        env={**os.environ, "PATH": path, **variables},
         capture_output=True,
         text=True,
         timeout=300,
     )
+
+
+@pytest.fixture(scope="module")
+def shown(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    """What Neovim shows of each feature, in one session."""
+    folder = project(tmp_path_factory.mktemp("robot"))
+    rapc = Path(sys.executable).parent
+    features = " ".join((*FEATURES, "agenda"))
+    done = neovim(folder, rapc, f"luafile {HERE / 'neovim.lua'}", FEATURES=features)
     result = folder / "result.json"
     assert result.exists(), done.stderr
     found = json.loads(result.read_text())
@@ -55,19 +71,8 @@ def test_server_without_its_packages_names_the_extra(tmp_path: Path) -> None:
     program.write_text("#!/bin/sh\nexit 2\n")
     program.chmod(0o700)
     shown = "string.find(vim.fn.execute('messages'), 'rapc%[lsp')"
-    done = subprocess.run(
-        [
-            *(str(NVIM), "--headless", "--clean", "-i", "NONE", "-n"),
-            *("-c", f"luafile {CONFIG}", "-c", "edit go.rap"),
-            *("-c", f"lua vim.wait(60000, function() return {shown} end)", "-c", "qa!"),
-        ],
-        check=False,
-        cwd=tmp_path,
-        env={**os.environ, "PATH": f"{tmp_path}{os.pathsep}{os.environ['PATH']}"},
-        capture_output=True,
-        text=True,
-        timeout=120,
-    )
+    wait = f"lua vim.wait(60000, function() return {shown} end)"
+    done = neovim(tmp_path, tmp_path, "edit go.rap", wait, "qa!")
     assert "rapc lsp cannot start: pip install 'rapc[lsp]'" in done.stderr
 
 
