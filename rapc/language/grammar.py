@@ -150,7 +150,7 @@ GRAMMAR: Mapping[str, Production] = {
     "argument": Production(('or', 'PARAMETER', ('list', 'PARAMETER', 'KIND')), breaks='malformed-form', wrong='expected a variable and its kind in parentheses', short='?variable'),
     "excludes": Production(('seq', '":excludes"', 'value', 'proposition'), says='a fact that a value of a property excludes', short='[:excludes value (fact)]', pages=('../explanation/memory.md',)),
     "above": Production(('seq', '":is"', 'KIND'), says='a kind that contains this kind', breaks='malformed-form', short=':is kind', pages=('7-names.md#7.31',)),
-    "at_most": Production(('seq', '":at-most"', 'COUNT'), says='the greatest number of facts at a time', breaks='malformed-form', short=':at-most number', pages=('10-planning.md#10.15',)),
+    "at_most": Production(('seq', '":at-most"', 'COUNT'), says='the greatest number of facts at a time', breaks='malformed-form', short=':at-most number', pages=('10-planning.md#10.16',)),
     "reads": Production(('seq', '":reads"', ('list', ('*', 'PREDICATE'))), says='the predicates that a function depends on', wanted='a list of predicates', breaks='malformed-form', short=':reads (predicate...)', pages=('5-monitors.md#5.8',)),
     "results": Production(('list', ('*', 'RESULT'), '"okay"', ('*', ('or', 'RESULT', '"okay"'))), breaks='malformed-form', wrong='expected a list of results, not {kind}', help='list `okay` and all other results of the world: `(okay blocked)`', missing='`{name}` requires a list of results', short='(result...)'),
     "uses": Production(('seq', '":uses"', ('list', ('*', 'thing'))), says='the things that a primitive or skill uses', wanted='a list of things', breaks='malformed-form', pages=('8-things.md',)),

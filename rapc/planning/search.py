@@ -7,11 +7,12 @@ each atom that can change.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from functools import cached_property
 from heapq import heappop, heappush
 from typing import Literal, NamedTuple
 
-from rapc.base.values import Number
+from rapc.base.values import Atom, Fact, Number
 from rapc.ir import nodes
 from rapc.planning.ground import Action, Problem, Way
 
@@ -49,6 +50,13 @@ class _Node(NamedTuple):
     operation: int
 
 
+_Cost = tuple[int, Number]
+"""How early the late steps come, and the cost beyond the least cost of the steps."""
+
+_Order = tuple[_Cost, int, int, tuple[int, ...]]
+"""The beginning of an order: its cost, the steps as bits, its state and its actions."""
+
+
 class _Estimate(NamedTuple):
     """The cost of a relaxed plan, and the operations that it begins with."""
 
@@ -66,12 +74,18 @@ class Search:
         problem: the problem.
         limit: the greatest number of states to estimate.
         steps: the steps of an earlier plan, which are used where they apply.
+        late: the goals of steps that come as late as possible.
     """
 
     def __init__(
-        self, problem: Problem, limit: int, steps: Sequence[nodes.Goal] = ()
+        self,
+        problem: Problem,
+        limit: int,
+        steps: Sequence[nodes.Goal] = (),
+        late: Collection[Fact] = (),
     ) -> None:
         self._limit = limit
+        self._late = late
         self.expanded = 0
         self._goal, actions, always = reduced(problem)
         atoms = [at for part in self._goal for ways in part for w in ways for at in w]
@@ -394,29 +408,35 @@ class Search:
     def _alike(self, at: int) -> list[int]:
         """Return the instances of a step whose cost depends on the state."""
         action = self._operations[at].action
-        if not action.weighed:
-            return []
-        return [
-            other
-            for other, one in enumerate(self._operations)
-            if one.action.step == action.step
-        ]
+        return self._families[action.step] if action.weighed else []
+
+    @cached_property
+    def _families(self) -> dict[tuple[Fact, tuple[Atom, ...]], list[int]]:
+        """Return the instances of each step whose cost depends on the state."""
+        found: dict[tuple[Fact, tuple[Atom, ...]], list[int]] = {}
+        for at, one in enumerate(self._operations):
+            if one.action.weighed:
+                found.setdefault(one.action.step, []).append(at)
+        return found
 
     def _ordered(self, path: list[int]) -> list[int]:
         """Return the steps of a path in a cheaper order, if there is one.
 
+        An order with late steps near its end is cheaper than any other.
         The orders are built step by step; of the beginnings with the same length those
         are kept that have cost least beyond the least cost of their steps.
         """
         families = [self._alike(at) or [at] for at in path]
-        if all(len(family) == 1 for family in families):
+        late = [self._operations[at].action.goal in self._late for at in path]
+        limited = any(late) and any(self._operations[at].limits for at in path)
+        if not limited and all(len(family) == 1 for family in families):
             return path
         costs = [one.cost for one in self._operations]
         least = [min([costs[at] for at in family]) for family in families]
         width = max(1, MOST_ORDERS // len(path) ** 2)
-        rows: list[tuple[Number, int, int, tuple[int, ...]]] = [(0, 0, self._start, ())]
-        for _ in path:
-            found: dict[tuple[int, int], tuple[Number, tuple[int, ...]]] = {}
+        rows: list[_Order] = [((0, 0), 0, self._start, ())]
+        for left in reversed(range(len(path))):
+            found: dict[tuple[int, int], tuple[_Cost, tuple[int, ...]]] = {}
             for cost, done, state, taken in rows:
                 for number, family in enumerate(families):
                     if done >> number & 1:
@@ -425,12 +445,14 @@ class Search:
                         if not self._is_applicable(at, state):
                             continue
                         key = done | 1 << number, self._after(state, at)
-                        more = cost + costs[at] - least[number]
+                        early = cost[0] + (left if late[number] else 0)
+                        more = early, cost[1] + costs[at] - least[number]
                         if key not in found or more < found[key][0]:
                             found[key] = more, (*taken, at)
             ranked = sorted(found.items(), key=lambda row: row[1][0])[:width]
             rows = [(cost, *key, taken) for key, (cost, taken) in ranked]
-        best = sum([costs[at] for at in path]) - sum(least)
+        early = sum([left for left, one in enumerate(reversed(late)) if one])
+        best = early, sum([costs[at] for at in path]) - sum(least)
         for cost, _, state, taken in rows:
             if cost < best and self._reached(state):
                 return list(taken)

@@ -70,6 +70,7 @@ def solve(  # noqa: PLR0913  # all but three have defaults and go by name
     excluded: Collection[Fact] = (),
     compute: Computing | None = None,
     last: nodes.Method | None = None,
+    late: Collection[Fact] = (),
     engine: Engine | None = None,
 ) -> Solution:
     """Return a plan for a goal.
@@ -83,6 +84,7 @@ def solve(  # noqa: PLR0913  # all but three have defaults and go by name
         excluded: the goals of steps that must not be used.
         compute: computes the costs of steps in memory; without it each cost is 1.
         last: an earlier plan, whose steps are used where they still apply.
+        late: the goals of steps that come as late as possible.
         engine: asked before the search; the search is asked if the engine fails.
     """
     left_out = tuple(model.left_out)
@@ -99,7 +101,7 @@ def solve(  # noqa: PLR0913  # all but three have defaults and go by name
             found, name = Found("solved", answer), engine.name
     if found is None:
         steps = () if last is None else _goals(last)
-        found = Search(problem, limit, steps).run(tries)
+        found = Search(problem, limit, steps, late).run(tries)
     solved = found.outcome == "solved"
     return Solution(
         found.outcome,
@@ -140,6 +142,7 @@ def plan_for_task(request: PlanRequest, engine: Engine | None = None) -> Planned
                 excluded=excluded,
                 compute=request.compute,
                 last=request.last,
+                late=request.late,
                 engine=engine,
             )
     assert found is not None

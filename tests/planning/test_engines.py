@@ -238,7 +238,7 @@ def test_run_emits_the_engine_of_a_plan(deed: str) -> None:
 
 def test_command_asks_an_engine_and_reports_a_failure() -> None:
     for deed, note in (("solve", ""), ("fail", "note: engine-failed: no plan, ")):
-        options = ("--world", "courier", "--after", "1", "--run")
+        options = ("--world", "courier", "--fact", "(robot-at base)", "--run")
         engine = ("--engine", fake(deed).name)
         done = command("plan", GOAL, COURIER, *options, *engine)
         assert done.returncode == 0
