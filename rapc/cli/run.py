@@ -179,7 +179,8 @@ def run(
     on. Standard error has the address. Readers need its token; they see the run from
     its start. Without PORT, the server takes a free port. After the end of the run the
     server waits for Ctrl-C. Readers may pause the run, step, submit tasks, assert facts
-    and force results, which a journal records; with --save, they only watch.
+    and force results; with --save, they only watch. A journal has the acts of readers,
+    who cannot force results then.
 
     With --journal, the run can be resumed after the end of its process: `rapc run
     --resume FOLDER` continues the run and its trace. FOLDER names the world, whose code

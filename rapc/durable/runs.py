@@ -20,6 +20,7 @@ from rapc.debug.acts import (
     AssertFact,
     CancelTasks,
     EraseFacts,
+    ForceResult,
     SendSignal,
     SubmitTask,
 )
@@ -30,7 +31,7 @@ from rapc.durable.folder import META, KeptEngine, Lock, Meta, Options, Stored, W
 from rapc.durable.journal import Journal, Report, Trace
 from rapc.durable.past import fill, past_of
 from rapc.durable.resuming import Decide, ResumedWorld, settle_requests
-from rapc.errors import Error, StateError
+from rapc.errors import ArgumentError, Error, StateError
 from rapc.host import engine as find_engine
 from rapc.host import engine_of, planner_of
 from rapc.runtime.answers import Position
@@ -134,10 +135,13 @@ class DurableRun:
 
         Raises:
             StateError: in the middle of a cycle.
+            ArgumentError: for a forced result.
             Error: if the act is impossible.
         """
         if self.run.in_loop:
             raise StateError("cannot change the run in the middle of a cycle")
+        if isinstance(act, ForceResult):  # it wraps the world, which snapshots hold
+            raise ArgumentError("cannot force results in a run with a journal")
         line = act_lines.written(act)
         self.journal.act(self.run.cycle, self._arrivals, line)
         try:

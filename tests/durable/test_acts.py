@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 import rapc
+from rapc.debug.acts import ForceResult
 from rapc.durable import journal
 from rapc.durable.folder import numbers, read
 from rapc.durable.records import Acted
@@ -125,6 +126,14 @@ def test_failed_act_is_not_repeated(
         act(durable)
     durable.close()
     _go(run.resume(), 0)
+
+
+def test_forced_result_is_refused_before_it_is_written(run: Run) -> None:
+    durable = run.begin()
+    with pytest.raises(ArgumentError, match="in a run with a journal"):
+        durable.act(ForceResult(("make", "?"), "okay"))
+    durable.close()
+    assert not any(isinstance(one, Acted) for one in read(run.journal).records)
 
 
 @pytest.mark.parametrize(
