@@ -195,7 +195,7 @@ def settle_requests(
                 first += _sent_again(world, ticket, asked)
     else:
         world.ask_from(run.now)
-        chosen = _Choice(world.kit.offer, treatments, decide)
+        chosen = _Treatments(world.kit.offer, treatments, decide)
         if sent is not None and not chosen.repeats(sent.asked[1]):
             world.settled[sent.ticket] = Refused(reason=LOST)
         for ticket, asked in under_way.items():
@@ -206,8 +206,8 @@ def settle_requests(
     world.first = first
 
 
-class _Choice(NamedTuple):
-    """The treatment of requests that a world cannot report on."""
+class _Treatments(NamedTuple):
+    """The treatments of requests whose outcome the world cannot know."""
 
     offer: Offer
     treatments: Mapping[str, str]
