@@ -321,6 +321,8 @@ class ResumeParams(Params, frozen=True, kw_only=True):
     tickets: tuple[int, ...]
     #: The number of messages that the interpreter has received in the run.
     received: int
+    #: The parameters of `open`, for a new process of a peer whose machine goes on.
+    opening: OpenParams | None = None
 
 
 class RestoreParams(Params, frozen=True, kw_only=True):

@@ -229,12 +229,17 @@ class Connection:
                 served.open -= 1
                 served.changed.notify_all()
 
-    def _left(self) -> World:
-        """Return the world of the last connection, which may end just now."""
+    def _left(self, params: protocol.ResumeParams) -> World:
+        """Return the world of the last connection, which may end just now.
+
+        A driver that can reconnect to its machine may also be a new one.
+        """
         served = self._served
         with served.changed:
             served.changed.wait_for(lambda: served.left or not served.open, _ENDING)
             world, served.left = served.left, None
+        if world is None and params.opening and hasattr(served.world, "reconnect"):
+            world = self._made(params.opening)
         if world is None:
             raise _Refusal("no run goes on")
         return world
@@ -340,7 +345,7 @@ class Connection:
         if method in ("open", "resume"):
             if self._world is not None:
                 raise _Refusal("the connection has a run already")
-            self._world = self._made(params) if method == "open" else self._left()
+            self._world = self._made(params) if method == "open" else self._left(params)
             with self._served.changed:
                 self._served.open += 1
         world = self._world

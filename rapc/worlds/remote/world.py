@@ -316,7 +316,9 @@ class _Optional(RemoteWorld):
         self, tickets: Sequence[int], received: int
     ) -> Mapping[int, Reply | Refused | None]:
         """Continue the run with a new process of the interpreter."""
-        params = protocol.ResumeParams(tickets=tuple(tickets), received=received)
+        params = protocol.ResumeParams(
+            tickets=tuple(tickets), received=received, opening=self._opening
+        )
         try:
             answer = self._connected().call("resume", params)
         except RefusedCall as error:

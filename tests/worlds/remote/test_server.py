@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 
+from rapc.live import ResumableDriver
 from rapc.world import (
     Datum,
     Fact,
@@ -76,6 +77,20 @@ class Cart(SimpleWorld):
         Cart.halted += 1
 
 
+class Restarted(ResumableDriver):
+    """A driver whose machine has gone on when the process of the driver died."""
+
+    name = "restarted"
+    kit = Kit(Offer({"ring": (0, ("okay",))}, {"kept": 1}))
+
+    def reconnect(self, tickets: Sequence[int]) -> None:
+        for ticket in tickets:
+            self.send(Datum(("kept", ticket)))
+
+    def do_ring(self) -> None:
+        """Nothing: the machine rings once for a ticket."""
+
+
 def answers(world: type[World], *calls: tuple[str, Any], token: str = "") -> list[Any]:
     """Return the answers to calls of a connection, which then ends."""
     lines = [
@@ -115,6 +130,17 @@ def test_description_asks_for_heartbeats_if_the_world_can_halt() -> None:
 def test_server_refuses_invalid_calls(call: tuple[str, Any], wanted: str) -> None:
     (told,) = answers(Cart, call)
     assert wanted in told["error"]["message"]
+
+
+def test_driver_in_a_new_process_resumes_a_run() -> None:
+    resuming = {"tickets": [4], "received": 3, "opening": {"seed": 1}}
+    ring = {"ticket": 4, "request": ["ring"]}
+    told = answers(Restarted, ("resume", resuming), ("perform", ring))
+    resumed, rung = [one["result"] for one in told]
+    assert "requests" not in resumed
+    assert [one["content"] for one in resumed["messages"]] == [["kept", 4]]
+    assert resumed["sent"] == 4
+    assert rung["reply"] == {"result": "okay"}
 
 
 def test_token_must_come_first() -> None:
