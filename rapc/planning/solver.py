@@ -142,7 +142,7 @@ def plan_for_task(request: PlanRequest, engine: Engine | None = None) -> Planned
                 excluded=excluded,
                 compute=request.compute,
                 last=request.last,
-                late=request.late,
+                late=request.avoided,
                 engine=engine,
             )
     assert found is not None

@@ -5,7 +5,7 @@ The interpreter asks the planner when no method of a RAP with `(plan)` holds.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import msgspec
@@ -41,9 +41,8 @@ class PlanRequest(NamedTuple):
     name: str
     #: The last plan of the task, whose steps may still be useful.
     last: nodes.Method | None
-    #: The goals of steps that have failed, which come as late as possible.
-    late: Collection[Fact]
-    #: The goals of steps that have failed often, used only if there is no other plan.
+    #: The goals of steps that have failed, used only if there is no other plan, and as
+    #: late as possible.
     avoided: Sequence[Fact]
     #: The goals of steps that have failed too often.
     failed: Sequence[Fact]

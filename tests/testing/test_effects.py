@@ -13,7 +13,7 @@ from tests.cli.command import rapc
 @pytest.mark.parametrize(
     ("tests", "count", "seeds"),
     [
-        ("examples/courier/simulation.test.rap", 5, "2"),
+        ("examples/courier/simulation.test.rap", 5, "4"),
         ("examples/laboratory/simulation.test.rap", 4, "1"),
         ("stdlib/hallway/errands.test.rap", 2, "1"),
         ("stdlib/truck-beyond/errands.test.rap", 4, "2"),

@@ -186,7 +186,6 @@ def _ask_planner(run: Run, task: Task) -> bool:
             ),
             None,
         ),
-        late=frozenset(map(view.canonical, failed)),
         avoided=[view.canonical(one) for one, n in failed.items() if n >= _RELUCTANT],
         failed=[view.canonical(one) for one, n in failed.items() if n >= _HOPELESS],
         limit=run.settings.plan_limit,
