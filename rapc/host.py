@@ -51,7 +51,7 @@ from rapc.runtime.arguments import (
 )
 from rapc.runtime.events.recorder import Listener
 from rapc.runtime.interpreter import Interpreter
-from rapc.runtime.planner import BUILT_IN, Planned, Planner, PlanRequest, computed
+from rapc.runtime.planner import BUILT_IN, Planned, Planner, PlanRequest
 from rapc.runtime.settings import Settings
 from rapc.runtime.task_request import TaskRequest, as_text
 from rapc.spec import RunSpec
@@ -453,7 +453,7 @@ def plan(  # all but two have defaults and go by name
         limit=limit,
         tries=tries,
         engine=asked,
-        compute=partial(computed, run.new_context(quiet=True)),
+        compute=run.computed,
     )
     return planned
 

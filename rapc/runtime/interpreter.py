@@ -14,13 +14,13 @@ from typing import Any, NoReturn
 import msgspec
 
 from rapc.base.resources import Value
-from rapc.base.values import Atom, Fact, format_list
+from rapc.base.values import Atom, Fact, Number, format_list
 from rapc.compiler.program import Program
 from rapc.compiler.query.query import Query
 from rapc.compiler.rap_plan import MethodPlan, RapPlan
 from rapc.errors import ArgumentError, PortError, RefusedError, StateError
 from rapc.events import Event, Goal, RunEnded, RunStarted, TaskResult
-from rapc.ir.nodes import Formula, Node, Proposition
+from rapc.ir.nodes import Formula, Node, Proposition, Term
 from rapc.language.atoms import kind, need_atoms, need_fact
 from rapc.language.results import INTERFERENCE
 from rapc.parser.parse import parse_fact, parse_formula
@@ -52,7 +52,7 @@ from rapc.runtime.events.recorder import Listener, Recording
 from rapc.runtime.held_world import HeldWorld
 from rapc.runtime.host_query import HandlerQuestions, HostQuery
 from rapc.runtime.memory.access import Evidence, MemoryView, Pattern
-from rapc.runtime.planner import Planner
+from rapc.runtime.planner import Planner, computed
 from rapc.runtime.run import ContextListener, Run
 from rapc.runtime.saving.save import restore, save
 from rapc.runtime.settings import Settings, read_settings
@@ -932,6 +932,15 @@ class Interpreter(Run):
         need_part(query, Query, "a query", "task.plan")
         need_part(task, Task, "a task", "run.tasks()")
         return query.first(context_of(self, task), env) or {}
+
+    def computed(self, term: Term, env: Mapping[str, Value]) -> Number | None:
+        """Return the number that a term has in memory; None for any other value.
+
+        Args:
+            term: the term.
+            env: the values of its variables.
+        """
+        return computed(self.explaining_context, term, env)
 
     def supporting(self, formula: Formula, env: Mapping[str, Value]) -> Evidence:
         """Return the facts that make a formula true, each with its time."""

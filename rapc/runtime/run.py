@@ -69,7 +69,7 @@ class Run:
         self.beliefs, self.recognizer = self.access.memory, self.access.recognizer
         #: Evaluates the queries of tasks.
         self.context = self.new_context()
-        #: Evaluates queries that explain a failure, without changing the run.
+        #: Evaluates queries of explanations and costs of plans, without side effects.
         self.explaining_context = self.new_context(quiet=True)
         #: The eligible tasks.
         self.eligible = Agenda(self.rng)

@@ -61,7 +61,7 @@ def test_comparison_with_another_library_names_cause_and_cost(
         f"  {there}: (answer-calls) [1] was selected at 131",
         "    woken by (can-help ?)",
         f"    (> ?level (+ (way ?here ?room) (way ?room base) ?spare)) at {there}"
-        "/moving.rap:38",
+        "/moving.rap:40",
     )
     assert _row(found, "kind", "waiting") == (272, 456)
     assert _row(found, "family", "(stay-charged)") == (300, 447)
@@ -176,7 +176,7 @@ def test_different_step_is_named_with_its_method_and_line(tmp_path: Path) -> Non
     at = found.lines.index("first different event before:")
     here, because = found.lines[at + 1 : at + 3]
     assert here.startswith("  here: creating task (halt-for 100) ")
-    step = f"step t1 of method let-pass of travel-to at {slow}/moving.rap:21"
+    step = f"step t1 of method let-pass of travel-to at {slow}/moving.rap:23"
     assert because == f"    {step}"
 
 

@@ -64,14 +64,14 @@ def test_end_names_the_task_that_held_the_thing(tmp_path: Path) -> None:
     assert choice["what"] == "chose method go"
     assert constraints["what"] == "under constraints (can-reach ?ward 10)"
     assert constraints["because of"] == "(> ?level (+ (way ?here ?room) ?spare))"
-    assert _places([choice, constraints]) == ["calls.rap:21", "moving.rap:38"]
+    assert _places([choice, constraints]) == ["calls.rap:21", "moving.rap:40"]
 
 
 def test_goal_lists_failed_requests_with_the_missing_claim(tmp_path: Path) -> None:
     found = goals(_faulty(tmp_path, "drives-off-while-loading")).rows
     failed = [one for one in found if one["kept by"] == "take-on: robot-left"]
     assert [one["times"] for one in failed] == [4, 7, 2]
-    assert set(_places(failed)) == {"orders.rap:34"}
+    assert set(_places(failed)) == {"orders.rap:37"}
     assert all(
         str(one["because of"]).endswith(
             "`from-a-store` of `fetch` does not claim wheels"
@@ -94,7 +94,7 @@ def test_failed_goal_lists_the_excluded_method(tmp_path: Path) -> None:
     found = goals(_faulty(tmp_path, "sold-out-for-ever")).rows
     [failed] = [one for one in found if one["kept by"] == "failed: sold-out"]
     assert str(failed["because of"]).endswith("(sold-out kitchen meals), 800 old")
-    assert _places([failed]) == ["orders.rap:36"]
+    assert _places([failed]) == ["orders.rap:39"]
 
 
 def test_failed_background_task_is_listed_with_its_cause() -> None:

@@ -67,8 +67,8 @@ def _path_of_worlds(monkeypatch: pytest.MonkeyPatch) -> None:
             "woken by (stop pressed) at ",
         ),
         ("rocks-not-counted", "orders.rap:60", "`?wanted` of `fill-order` did not "),
-        ("nurse-of-another-ward", "orders.rap:80", "(:nurse ward-4) came meanwhile"),
-        ("drives-off-while-loading", "orders.rap:34", "`fetch` does not claim wheels"),
+        ("nurse-of-another-ward", "orders.rap:85", "(:nurse ward-4) came meanwhile"),
+        ("drives-off-while-loading", "orders.rap:37", "`fetch` does not claim wheels"),
         (
             "closed-door-taken-as-passed",
             "moving.rap:333",
@@ -77,7 +77,7 @@ def _path_of_worlds(monkeypatch: pytest.MonkeyPatch) -> None:
         ("heading-not-turned", "moving.rap:25", "derived from (base lab-door 4.951 "),
         ("too-few-rounds", "samples.rap:23", "rounds: heat okay 3 times, measure "),
         ("strong-arm-too-seldom", "grasping.rap:86", "`strong` of `pickup` was never "),
-        ("sold-out-for-ever", "orders.rap:36", "(sold-out kitchen meals), 800 old"),
+        ("sold-out-for-ever", "orders.rap:39", "(sold-out kitchen meals), 800 old"),
     ],
 )
 def test_first_symptom_names_the_planted_line(

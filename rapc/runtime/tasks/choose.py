@@ -176,7 +176,7 @@ def _ask_planner(run: Run, task: Task) -> bool:
         rap=rap.node,
         values={name: task.env[name] for name in rap.inputs},
         memory=view,
-        compute=partial(computed, run.new_context(quiet=True)),
+        compute=partial(computed, run.explaining_context),
         name=next(n for at in count(1) if (n := f"plan-{at}") not in taken),
         last=next(
             (
