@@ -13,7 +13,7 @@ from typing import NamedTuple
 from lsprotocol import types
 
 from rapc.base.files import fold_line_ends
-from rapc.base.source import SourceFile, Span
+from rapc.base.source import SourceFile
 
 _WIDE = re.compile("[\U00010000-\U0010ffff]")
 
@@ -137,8 +137,3 @@ def _common(one: str, other: str) -> int:
         else:
             most = middle - 1
     return least
-
-
-def lies_at(span: Span, file: str, offset: int) -> bool:
-    """Return whether an offset is in a span or at its end."""
-    return span.file == file and span.start <= offset <= span.end
