@@ -940,6 +940,7 @@ class Interpreter(Run):
             term: the term.
             env: the values of its variables.
         """
+        need_part(term, Node, "a term", "rap.node")
         return computed(self.explaining_context, term, env)
 
     def supporting(self, formula: Formula, env: Mapping[str, Value]) -> Evidence:
