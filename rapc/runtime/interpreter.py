@@ -606,6 +606,7 @@ class Interpreter(Run):
             PortError: see `HeldWorld.blame`.
         """
         self.broken, self.in_wait = True, False
+        self.state.stops = self.state.reason is not None
         if self.answers is not None:
             self.answers.store = None  # a resumed run goes on before the error
         try:

@@ -268,7 +268,8 @@ def test_engine_that_hangs_is_ended_with_its_group(pids: Path) -> None:
 
 def begun(pids: Path) -> subprocess.Popen[str]:
     """Start a command whose engine hangs, and wait for the engine."""
-    options = ["--engine", fake("hang").name, "--engine-timeout", "600"]
+    options = ["--world", "courier", "--fact", "(robot-at base)"]
+    options += ["--engine", fake("hang").name, "--engine-timeout", "600"]
     process = subprocess.Popen(
         [str(COMMAND), "plan", GOAL, COURIER, *options],
         stdout=subprocess.PIPE,

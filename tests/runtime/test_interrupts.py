@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from types import FrameType
 from typing import Any
 
+import pytest
+
 import rapc
 from rapc.events import Event, TaskCreated, TaskFailed, TaskRemoved, TaskSucceeded
+from rapc.runtime.planner import Planned, PlanRequest
+from rapc.world import Kit, SimpleWorld, Time
 
 LIBRARY = rapc.load("examples/rock-order.rap").program
 
@@ -57,3 +62,55 @@ def test_interrupted_run_ends_in_order() -> None:
         assert sorted(ended) == sorted(made)
         moments, before = moments + 1, before + 61
     assert moments > 60
+
+
+LATE = """
+(declare-memory-function look ())
+(declare-memory-proposition done ())
+(define-rap (go) (preconditions (= (look) 1)) (succeed (done)) (plan))
+"""
+
+
+class _Waiting(SimpleWorld):
+    """A world that notes how long it is asked to wait."""
+
+    def __init__(self, look: Callable[[], object]) -> None:
+        kit = Kit(functions={"look": lambda memory: 1 if look() else 0})
+        super().__init__(perform=lambda *_: None, kit=kit)
+        self.waits: list[Time] = []
+
+    def advance(self, to: Time) -> None:
+        self.waits.append(to)
+        super().advance(to)
+
+
+def test_interrupt_just_before_a_wait_prevents_the_wait() -> None:
+    """The host asks for a time, and interrupts the run when it comes."""
+    world = _Waiting(bool)
+    run = rapc.Interpreter(rapc.loads(LATE).program, world)
+    run.submit("(go) :at 9")
+    run.call_at(3, run.interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        run.run()
+    assert world.waits == [3]
+    assert run.run() == "done"
+
+
+def test_interrupt_just_before_a_plan_prevents_the_search() -> None:
+    asked: list[PlanRequest] = []
+
+    def planner(request: PlanRequest) -> Planned:
+        asked.append(request)
+        return Planned("unsolvable", None, 0, 0)
+
+    def look() -> bool:
+        return run.interrupt()
+
+    world = _Waiting(look)
+    run = rapc.Interpreter(rapc.loads(LATE).program, world, planner=planner)
+    run.submit("(go)")
+    with pytest.raises(KeyboardInterrupt):
+        run.run()
+    assert not asked
+    run.end("cancelled")
+    assert run.reason == "cancelled"

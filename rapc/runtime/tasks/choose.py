@@ -194,6 +194,8 @@ def _ask_planner(run: Run, task: Task) -> bool:
     ask = partial(planner, request)
     answers = run.answers
     run.in_wait = True
+    if run.state.stops:  # interrupted just before
+        raise KeyboardInterrupt
     if answers is None:
         planned = ask()
     else:

@@ -208,6 +208,9 @@ def _wait(run: Run) -> str | None:
             return "until"
         target = until
     run.in_wait = True
+    if state.stops:  # interrupted just before
+        run.in_wait = False
+        return None
     for action in run.when_waiting:
         action()
     state.idle_waits += 1
