@@ -89,7 +89,11 @@ def test_interrupt_just_before_a_wait_prevents_the_wait() -> None:
     world = _Waiting(bool)
     run = rapc.Interpreter(rapc.loads(LATE).program, world)
     run.submit("(go) :at 9")
-    run.call_at(3, run.interrupt)
+
+    def interrupt() -> None:
+        assert run.interrupt()
+
+    run.call_at(3, interrupt)
     with pytest.raises(KeyboardInterrupt):
         run.run()
     assert world.waits == [3]
