@@ -236,12 +236,13 @@ def _export(folder: str, texts: tuple[str, str] | None) -> None:
 
 
 def _advance(run: Interpreter, after: float | None) -> None:
-    """Start a run, and continue to a time."""
+    """Start a run, and continue to a time; a run without tasks is not over then."""
     run.start()
     if after is not None:
         run.call_at(after, lambda: None)
-        while run.now < after and run.step():
-            pass
+        while run.now < after and run.reason is None:
+            if not run.come_to_arrival():
+                run.step()
 
 
 def _achieved(

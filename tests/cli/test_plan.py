@@ -152,3 +152,10 @@ def test_invalid_input_is_refused() -> None:
         done = rapc("plan", *options)
         assert done.returncode == 2
         assert said in done.stderr
+
+
+def test_run_without_tasks_is_not_over_after_a_time() -> None:
+    options = ("--world", "courier", "--after", "1", "--run")
+    done = rapc("plan", "(docked)", COURIER, *options)
+    assert done.returncode == 0
+    assert done.stdout.endswith("(docked): succeeded\n")
