@@ -488,21 +488,23 @@ def _went_well(result: TaskResult) -> bool:
 def _ended_by_interrupts(course: Course) -> Iterator[None]:
     """Let Ctrl-C or SIGTERM end the run in the block early; the report follows.
 
-    The run ends after its present cycle; a second signal ends the command at once.
-    The journal of the run, if any, does not have this end.
+    The run ends after its present cycle; a second signal in this cycle ends the command
+    at once. The journal of the run, if any, does not have this end.
     """
-    signals = 0
+    delayed = forced = False
 
     def delay() -> bool:
-        nonlocal signals
-        signals += 1
-        return signals == 1 and course.run.interrupt()
+        nonlocal delayed, forced
+        if not course.run.interrupt():
+            return False
+        delayed, forced = True, delayed
+        return not forced
 
     with terminations_as_interrupts(delay):
         try:
             yield
         except KeyboardInterrupt:
-            if signals > 1:
+            if forced:
                 raise
             course.cancel()
 

@@ -103,7 +103,7 @@ def steps_of(
 def computed(
     context: QueryContext, term: nodes.Term, values: Mapping[str, Value]
 ) -> Number | None:
-    """Return a term as a number; None if it has no value, or one of another kind."""
+    """Return the number that a term has in memory; None for any other value."""
     found = TermValue(term, "duration").value(context, values)
     return found if isinstance(found, int | float) else None
 

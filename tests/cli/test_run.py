@@ -57,6 +57,33 @@ class Hasty(Bed):
         os.kill(os.getpid(), signal.SIGINT)
         return []
 
+class Stubborn(Bed):
+    asked = 0
+    def messages(self):
+        import os, signal
+        self.asked += 1
+        if self.asked == 2:
+            os.kill(os.getpid(), signal.SIGINT)
+            os.kill(os.getpid(), signal.SIGINT)
+        return []
+
+class Resent(Bed):
+    at, lost = 0, False
+    def now(self): return self.at
+    def advance(self, to):
+        import os, signal
+        self.at = to
+        try:
+            os.kill(os.getpid(), signal.SIGINT)
+        except KeyboardInterrupt:
+            self.lost = True
+    def messages(self):
+        import os, signal
+        if self.lost:
+            self.lost = False
+            os.kill(os.getpid(), signal.SIGINT)
+        return []
+
 class Garish(Bed):
     "A bed\\x1b[31m."
     name = "bed"
@@ -206,6 +233,19 @@ def test_ctrl_c_before_the_first_cycle_ends_the_run(bed: Path) -> None:
     rows = [json.loads(row) for row in (bed / "t.jsonl").read_text().splitlines()]
     assert (rows[0]["event"], rows[-1]["event"]) == ("run-started", "run-ended")
     assert rows[-1]["reason"] == "cancelled"
+
+
+def test_second_interrupt_in_a_cycle_ends_the_command(bed: Path) -> None:
+    done = _run(bed, world="bed:Stubborn", task="(wait) :at 1")
+    assert (done.returncode, done.stderr.strip()) == (130, "")
+    assert "Run over" not in done.stdout
+
+
+def test_interrupt_after_a_lost_one_ends_the_run_in_order(bed: Path) -> None:
+    """Python drops Ctrl-C in some callbacks, and rapc sends it again."""
+    done = _run(bed, world="bed:Resent", task="(spin) :at 1")
+    assert (done.returncode, done.stderr) == (1, "")
+    assert "Run over (cancelled)" in done.stdout
 
 
 def test_a_library_run_in_the_wrong_world_is_told_which_is_meant() -> None:
